@@ -1,0 +1,26 @@
+"""D-H tables <-> URDF, usable alone: ``table_to_urdf(read_yaml(text))``."""
+
+from dh_to_urdf.errors import DHError, Problem
+from dh_to_urdf.matrices import DHMatrices, dh_matrices, link_matrix
+from dh_to_urdf.readers import read_csv, read_json, read_mapping, read_yaml
+from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType, Limits
+from dh_to_urdf.writer import table_to_urdf
+
+__all__ = [
+    "Convention",
+    "DHError",
+    "DHMatrices",
+    "DHRow",
+    "DHTable",
+    "Inertial",
+    "JointType",
+    "Limits",
+    "Problem",
+    "dh_matrices",
+    "link_matrix",
+    "read_csv",
+    "read_json",
+    "read_mapping",
+    "read_yaml",
+    "table_to_urdf",
+]

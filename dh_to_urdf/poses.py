@@ -1,0 +1,92 @@
+"""Rigid placements as 4x4 matrices: checked on the way in, split into xyz and rpy on the way out."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+Matrix: TypeAlias = NDArray[np.float64]
+
+ROUNDING = 1e-5
+"""Largest entry of RᵀR - I that is taken for rounding and mended."""
+
+
+def rigid_transform(matrix: ArrayLike) -> Matrix:
+    """Checks a 4x4 homogeneous matrix and mends its rounding.
+
+    Entries rounded to six digits or so are accepted; the nearest rotation is taken then.
+
+    Args:
+        matrix: 4x4, rotation and translation in m.
+
+    Returns:
+        A 4x4 matrix whose rotation is orthonormal to machine precision.
+
+    Raises:
+        ValueError: Wrong shape, not finite, no rotation, or a last row other than 0 0 0 1.
+    """
+    try:
+        T = np.array(matrix, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError("is not a 4x4 matrix of numbers; give four rows of four numbers") from None
+    if T.shape != (4, 4):
+        raise ValueError("is not a 4x4 matrix; give four rows of four numbers")
+    if not np.isfinite(T).all():
+        raise ValueError("has an entry that is not finite")
+    if not np.array_equal(T[3], [0.0, 0.0, 0.0, 1.0]):
+        raise ValueError("has a last row other than 0 0 0 1")
+    R = T[:3, :3]
+    deviation = float(np.abs(R.T @ R - np.eye(3)).max())
+    if deviation > ROUNDING or np.linalg.det(R) < 0:
+        raise ValueError(
+            "has no rotation in its upper left 3x3 block: its columns must be orthonormal to 1e-5"
+            " and right-handed; give more digits, or rpy or quaternion_xyzw instead"
+        )
+    if deviation > 1e-14:
+        U, _, Vt = np.linalg.svd(R)
+        T[:3, :3] = U @ Vt
+    return T
+
+
+def is_mended(matrix: ArrayLike) -> bool:
+    """True where :func:`rigid_transform` has to change the matrix by more than 1e-12."""
+    return bool(np.abs(rigid_transform(matrix) - np.asarray(matrix)).max() > 1e-12)
+
+
+def from_xyz_rpy(xyz: ArrayLike, rpy: ArrayLike) -> Matrix:
+    """Placement from URDF's xyz (m) and rpy (rad): ``R = Rz(yaw) Ry(pitch) Rx(roll)``."""
+    T = np.eye(4)
+    T[:3, :3] = Rotation.from_euler("xyz", np.asarray(rpy, dtype=np.float64)).as_matrix()
+    T[:3, 3] = xyz
+    return T
+
+
+def from_xyz_quaternion(xyz: ArrayLike, quaternion_xyzw: ArrayLike) -> Matrix:
+    """Placement from xyz (m) and a unit quaternion x, y, z, w (either sign).
+
+    Raises:
+        ValueError: The quaternion's norm is farther than 1e-3 from 1.
+    """
+    quaternion = np.asarray(quaternion_xyzw, dtype=np.float64)
+    if abs(float(np.linalg.norm(quaternion)) - 1.0) > 1e-3:
+        raise ValueError("is no unit quaternion (x, y, z, w); divide it by its norm")
+    T = np.eye(4)
+    T[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
+    T[:3, 3] = xyz
+    return T
+
+
+def to_rpy(R: Matrix) -> tuple[float, float, float]:
+    """URDF's roll, pitch, yaw of a rotation, exact at every pitch.
+
+    Pitch by ``atan2(-R31, hypot(R11, R21))``: the arcsine loses half the digits near ±90°. Roll
+    and yaw are read off ``R`` with yaw taken out, so that near ±90° the product is still ``R``.
+    """
+    yaw = float(np.arctan2(R[1, 0], R[0, 0]))
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    pitch = float(np.arctan2(-R[2, 0], cos * R[0, 0] + sin * R[1, 0]))
+    roll = float(np.arctan2(sin * R[0, 2] - cos * R[1, 2], cos * R[1, 1] - sin * R[0, 1]))
+    return roll, pitch, yaw

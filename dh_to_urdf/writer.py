@@ -1,0 +1,215 @@
+"""DHTable -> URDF, with every frame 0A_k as a named link.
+
+Modified and khalil: the joint of row k has origin ``D_k = A_k(v = offset)`` and axis
+``(0, 0, sign)``; link ``frame_k`` *is* 0A_k. Standard: ``A_k = Motion * C_k`` with
+``C_k = A_k(v = offset)``, so the moving link ``link_k`` sits on z_{k-1} and a fixed child
+``frame_k`` with origin C_k carries 0A_k. ``base_link`` -base-> ``frame_0``;
+the last frame -tool-> ``tool``.
+"""
+
+from __future__ import annotations
+
+import math
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from dh_to_urdf.matrices import branch_matrix, link_matrix
+from dh_to_urdf.poses import Matrix, from_xyz_rpy, to_rpy
+from dh_to_urdf.table import Convention, DHRow, DHTable, JointType, Limits
+
+UNBOUNDED = 1e6
+"""What stands for "no limit" in URDF, which demands numbers (m, m/s, rad/s, N, N m)."""
+
+BASE_LINK, TOOL_LINK = "base_link", "tool"
+_COLOURS = {"a": "0.90 0.45 0.10 1", "d": "0.15 0.35 0.65 1", "joint": "0.25 0.25 0.28 1"}
+
+
+def table_to_urdf(table: DHTable, *, visuals: bool = True) -> str:
+    """Writes the URDF of a table.
+
+    Revolute joints without limits become ``continuous``, which is URDF's word for them.
+
+    Args:
+        table: The table.
+        visuals: Whether to draw cylinders along a and d.
+
+    Returns:
+        The URDF text; numbers are written with all their digits.
+    """
+    return _Writer(table, visuals).write()
+
+
+def frame_name(k: int) -> str:
+    """Name of the link that carries 0A_k."""
+    return f"frame_{k}"
+
+
+class _Writer:
+    def __init__(self, table: DHTable, visuals: bool) -> None:
+        self.table = table
+        self.visuals = visuals
+        self.robot = ET.Element("robot", name=table.name)
+        self.standard = table.convention is Convention.STANDARD
+        self.radius = self._radius()
+        self.joint_names = {row.name for row in table.rows}
+
+    def write(self) -> str:
+        for label, rgba in _COLOURS.items():
+            if self.visuals:
+                material = ET.SubElement(self.robot, "material", name=label)
+                ET.SubElement(material, "color", rgba=rgba)
+        self._link(BASE_LINK)
+        self._link(frame_name(0))
+        self._fixed("base_to_frame_0", BASE_LINK, frame_name(0), self.table.base)
+        for k, row in enumerate(self.table.rows, start=1):
+            if self.standard:
+                self._standard_row(k, row)
+            else:
+                self._modified_row(k, row)
+        self._link(TOOL_LINK)
+        tip = frame_name(self.table.tip_row)
+        self._fixed(f"{tip}_to_tool", tip, TOOL_LINK, self.table.tool)
+        if self.visuals:
+            self._draw_tool(tip)
+        ET.indent(self.robot, "  ")
+        return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(
+            self.robot, encoding="unicode"
+        )
+
+    def _standard_row(self, k: int, row: DHRow) -> None:
+        C = link_matrix(row, Convention.STANDARD, np.float64(row.offset))
+        parent, frame = frame_name(row.parent), frame_name(k)
+        if row.type is JointType.FIXED:
+            link = self._link(frame)
+            self._joint(row, parent, frame, C)
+            self._inertial(link, row, np.eye(4))
+            return
+        moving = f"link_{k}"
+        link = self._link(moving)
+        self._inertial(link, row, C)
+        if row.visual and self.visuals:
+            self._draw_standard(link, row)
+        self._joint(row, parent, moving, np.eye(4))
+        self._link(frame)
+        self._fixed(f"{moving}_to_{frame}", moving, frame, C)
+
+    def _modified_row(self, k: int, row: DHRow) -> None:
+        D = link_matrix(row, self.table.convention, np.float64(row.offset))
+        link = self._link(frame_name(k))
+        self._inertial(link, row, np.eye(4))
+        if row.visual and self.visuals:
+            self._draw_modified(link, row)
+        self._joint(row, frame_name(row.parent), frame_name(k), D)
+
+    def _link(self, name: str) -> ET.Element:
+        return ET.SubElement(self.robot, "link", name=name)
+
+    def _fixed(self, name: str, parent: str, child: str, T: Matrix) -> None:
+        while name in self.joint_names:
+            name += "_"
+        self.joint_names.add(name)
+        joint = ET.SubElement(self.robot, "joint", name=name, type="fixed")
+        ET.SubElement(joint, "parent", link=parent)
+        ET.SubElement(joint, "child", link=child)
+        _origin(joint, T)
+
+    def _joint(self, row: DHRow, parent: str, child: str, T: Matrix) -> None:
+        type_ = urdf_joint_type(row)
+        joint = ET.SubElement(self.robot, "joint", name=row.name, type=type_.value)
+        ET.SubElement(joint, "parent", link=parent)
+        ET.SubElement(joint, "child", link=child)
+        _origin(joint, T)
+        if type_ is JointType.FIXED:
+            return
+        ET.SubElement(joint, "axis", xyz=f"0 0 {row.sign}")
+        _limit(joint, type_, row.limits)
+
+    def _inertial(self, link: ET.Element, row: DHRow, frame: Matrix) -> None:
+        """Mass properties given in frame k, written in the axes of the link (``frame``: k in it)."""
+        if row.inertial is None:
+            return
+        element = ET.SubElement(link, "inertial")
+        T = frame.copy()
+        T[:3, 3] = frame[:3, :3] @ row.inertial.com + frame[:3, 3]
+        _origin(element, T)
+        ET.SubElement(element, "mass", value=repr(row.inertial.mass))
+        (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = row.inertial.inertia
+        values = {"ixx": ixx, "ixy": ixy, "ixz": ixz, "iyy": iyy, "iyz": iyz, "izz": izz}
+        ET.SubElement(element, "inertia", {key: repr(value) for key, value in values.items()})
+
+    def _radius(self) -> float:
+        lengths = [abs(x) for row in self.table.rows for x in (row.a, row.d, row.b)]
+        lengths += [abs(row.offset) for row in self.table.rows if not row.type.turns]
+        total = sum(lengths) + float(np.linalg.norm(self.table.tool[:3, 3]))
+        return 0.025 * total / max(1, len(self.table.rows)) + 0.005 * total or 0.01
+
+    def _draw_standard(self, link: ET.Element, row: DHRow) -> None:
+        """In link_k: up z_{k-1} by d, then along x_k by a."""
+        theta = row.offset if row.type.turns else row.theta
+        d = row.offset if row.type is JointType.PRISMATIC else row.d
+        self._draw_joint(link, row, np.eye(4))
+        self._draw_rod(link, "d", from_xyz_rpy((0, 0, 0), (0, 0, 0)), d)
+        along_x = from_xyz_rpy((0, 0, d), (0, 0, theta)) @ from_xyz_rpy((0, 0, 0), (0, math.pi / 2, 0))
+        self._draw_rod(link, "a", along_x, row.a)
+
+    def _draw_modified(self, link: ET.Element, row: DHRow) -> None:
+        """In frame_k: back along z_k by d; then, on the parent, back along x_{k-1} by a."""
+        d = row.offset if row.type is JointType.PRISMATIC else row.d
+        self._draw_joint(link, row, np.eye(4))
+        self._draw_rod(link, "d", np.eye(4), -d)
+        parent = self.robot.find(f"link[@name='{frame_name(row.parent)}']")
+        if parent is not None:
+            start = branch_matrix(row) @ from_xyz_rpy((0, 0, 0), (0, math.pi / 2, 0))
+            self._draw_rod(parent, "a", start, row.a)
+
+    def _draw_tool(self, tip: str) -> None:
+        link = self.robot.find(f"link[@name='{tip}']")
+        offset = self.table.tool[:3, 3]
+        length = float(np.linalg.norm(offset))
+        if link is None or length == 0.0:
+            return
+        pitch, yaw = math.acos(offset[2] / length), math.atan2(offset[1], offset[0])
+        self._draw_rod(link, "a", from_xyz_rpy((0, 0, 0), (0, pitch, yaw)), length)
+
+    def _draw_joint(self, link: ET.Element, row: DHRow, T: Matrix) -> None:
+        if row.type.turns:
+            self._cylinder(link, "joint", T, 1.6 * self.radius, 3.0 * self.radius)
+
+    def _draw_rod(self, link: ET.Element, label: str, T: Matrix, length: float) -> None:
+        """A cylinder from the origin of T along its z by ``length``, which may be negative."""
+        if abs(length) > 1e-9:
+            middle = T @ from_xyz_rpy((0, 0, length / 2), (0, 0, 0))
+            self._cylinder(link, label, middle, self.radius, abs(length))
+
+    def _cylinder(
+        self, link: ET.Element, label: str, T: Matrix, radius: float, length: float
+    ) -> None:
+        visual = ET.SubElement(link, "visual")
+        _origin(visual, T)
+        geometry = ET.SubElement(visual, "geometry")
+        ET.SubElement(geometry, "cylinder", radius=f"{radius:.6g}", length=repr(float(length)))
+        ET.SubElement(visual, "material", name=label)
+
+
+def urdf_joint_type(row: DHRow) -> JointType:
+    """The type of a row's joint in URDF: a revolute joint without limits is ``continuous``."""
+    if row.type is JointType.REVOLUTE and row.limits.lower is None:
+        return JointType.CONTINUOUS
+    return row.type
+
+
+def _origin(element: ET.Element, T: Matrix) -> None:
+    xyz = " ".join(repr(float(value)) for value in T[:3, 3])
+    rpy = " ".join(repr(value) for value in to_rpy(T[:3, :3]))
+    ET.SubElement(element, "origin", xyz=xyz, rpy=rpy)
+
+
+def _limit(joint: ET.Element, type_: JointType, limits: Limits) -> None:
+    velocity = UNBOUNDED if limits.velocity is None else limits.velocity
+    effort = UNBOUNDED if limits.effort is None else limits.effort
+    values = {"effort": effort, "velocity": velocity}
+    if type_ is not JointType.CONTINUOUS:
+        values["lower"] = -UNBOUNDED if limits.lower is None else limits.lower
+        values["upper"] = UNBOUNDED if limits.upper is None else limits.upper
+    ET.SubElement(joint, "limit", {key: repr(float(value)) for key, value in values.items()})

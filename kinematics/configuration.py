@@ -1,0 +1,94 @@
+"""q as requests give it -> arrays, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinematics.errors import WrongConfiguration
+from robots.errors import hint
+from robots.robot import FloatArray, Robot
+
+MAX_VALUE = 1e6
+
+
+def configuration(robot: Robot, q: ArrayLike, pointer: str = "/q") -> FloatArray:
+    """Checks one q or a batch.
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,) or (n, dof), rad and m, in the order of ``robot.joints``.
+        pointer: JSON pointer for errors.
+
+    Returns:
+        A float array of the same shape.
+
+    Raises:
+        WrongConfiguration: Wrong shape, not finite, or beyond ±1e6.
+    """
+    try:
+        array = np.asarray(q, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise WrongConfiguration(
+            "q is no array of numbers; give one number a joint, or a list of such lists of equal"
+            " length",
+            pointer,
+        ) from None
+    name = pointer.rsplit("/", 1)[-1]
+    if array.ndim not in (1, 2):
+        raise WrongConfiguration(
+            f"{name} has {array.ndim} dimensions; give one q or a list of q", pointer
+        )
+    if array.shape[-1] != robot.dof:
+        names = ", ".join(joint.name for joint in robot.joints[:12])
+        raise WrongConfiguration(
+            f"{name} has {array.shape[-1]} values, but the robot has {robot.dof} joints ({names}"
+            f"{', …' if robot.dof > 12 else ''}); give one value a joint",
+            pointer,
+        )
+    if array.size and not np.abs(array).max() <= MAX_VALUE:
+        first = tuple(int(i) for i in np.argwhere(~(np.abs(array) <= MAX_VALUE))[0])
+        joint = robot.joints[first[-1]].name
+        value = array[first]
+        what = "not a finite number" if not np.isfinite(value) else f"{value:g}, beyond ±1e6"
+        raise WrongConfiguration(
+            f"{name} of joint {joint} is {what}; give a finite value",
+            pointer + "".join(f"/{i}" for i in first),
+        )
+    return array
+
+
+def configuration_by_name(
+    robot: Robot, values: Mapping[str, float], pointer: str = "/q"
+) -> FloatArray:
+    """q from joint names.
+
+    Args:
+        robot: The robot.
+        values: A value for every joint.
+        pointer: JSON pointer for errors.
+
+    Returns:
+        Shape (dof,).
+
+    Raises:
+        WrongConfiguration: A joint is missing or unknown, or a value is not finite.
+    """
+    names = tuple(joint.name for joint in robot.joints)
+    for name in values:
+        if name not in names:
+            raise WrongConfiguration(
+                f"there is no joint {name[:64]!r}; {hint(name, names)}", f"{pointer}/{name[:64]}"
+            )
+    missing = [name for name in names if name not in values]
+    if missing:
+        shown = ", ".join(missing[:12])
+        raise WrongConfiguration(f"q lacks the joint(s) {shown}; give all of them", pointer)
+    return configuration(robot, [values[name] for name in names], pointer)
+
+
+def joint_names(robot: Robot) -> Sequence[str]:
+    """Names of the entries of q."""
+    return [joint.name for joint in robot.joints]

@@ -1,0 +1,39 @@
+"""What can be wrong with a request for a computation; each exception carries its field."""
+
+from __future__ import annotations
+
+
+class KinematicsError(ValueError):
+    """Root of this package's errors.
+
+    Attributes:
+        pointer: JSON pointer to the field at fault.
+    """
+
+    def __init__(self, message: str, pointer: str) -> None:
+        self.pointer = pointer
+        super().__init__(message)
+
+
+class WrongConfiguration(KinematicsError):
+    """A q (or seed) of a wrong length, with a wrong name or without a finite value."""
+
+
+class UnknownTask(KinematicsError):
+    """A task space that is neither a known name nor a mask of six."""
+
+
+class UnknownSequence(KinematicsError):
+    """Three letters that are no Euler sequence."""
+
+
+class RepresentationSingularity(KinematicsError):
+    """An orientation where the chosen Euler angles have no rates."""
+
+
+class InvalidTarget(KinematicsError):
+    """A target pose that cannot be read as one."""
+
+
+class InvalidOption(KinematicsError):
+    """An option of a solver out of its range."""

@@ -1,0 +1,215 @@
+"""Inverse kinematics by Levenberg-Marquardt on Pinocchio, for any chain, frame and task.
+
+Damping by the error (Chan and Lawrence 1988; Sugihara, IEEE T-RO 27(5), 2011): with the residual
+``E = ½ eᵀe``, ``Δq = Jᵀ (J Jᵀ + λ I)⁻¹ e`` and ``λ = 0.03 E + 1e-10``. Joints that span a turn
+wrap; others are held at a limit as long as the step would push them through it. A start that
+stalls is given up for a random one. Every answer is measured by forward kinematics.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from kinematics.inverse.bounds import JointBounds, reach_bound
+from kinematics.inverse.result import IKOptions, IKResult, IKStatus
+from kinematics.tree import path_signs, tree_of
+from kinematics.task import POSE, Task
+from robots.robot import FloatArray, Robot
+
+DAMPING = 0.03
+FLOOR = 1e-10
+STALL_RATIO = 0.9
+STALLS = 3
+
+
+@dataclass
+class _Best:
+    """The best q so far, by its error relative to the tolerance."""
+
+    q: FloatArray
+    score: float
+    position: float
+    orientation: float
+
+
+class _Problem:
+    """One target for one frame of one robot: error and Jacobian at q."""
+
+    def __init__(self, robot: Robot, target: FloatArray, frame: str, task: Task) -> None:
+        self.robot = robot
+        self.model, self.data = robot.model, robot.data()
+        self.tip = robot.frame_id(frame)
+        self.base = robot.frame_id(robot.base_frame)
+        self.rows = list(task.rows)
+        self.linear, self.angular = list(task.positions), list(task.rotations)
+        tree = tree_of(robot)
+        indices, _ = path_signs(robot, frame)
+        self.moving = np.array([tree.joints[int(i)].column for i in indices], dtype=np.intp)
+        self.columns = robot.velocity_columns[self.moving]
+        self.R, self.p = target[:3, :3], target[:3, 3]
+        self.fixed_base = bool(pin.SE3(self.model.frames[self.base].placement).isIdentity(0.0)) and (
+            self.model.frames[self.base].parentJoint == 0
+        )
+
+    def residual(self, q: FloatArray) -> tuple[FloatArray, float, float]:
+        """Task error (rows), and the norms of its position and rotation parts."""
+        pin.computeJointJacobians(self.model, self.data, self.robot.configuration(q))
+        pin.updateFramePlacement(self.model, self.data, self.tip)
+        pose = self.data.oMf[self.tip]
+        if not self.fixed_base:
+            pin.updateFramePlacement(self.model, self.data, self.base)
+            pose = self.data.oMf[self.base].actInv(pose)
+        twist = np.empty(6)
+        twist[:3] = self.p - pose.translation
+        twist[3:] = pin.log3(self.R @ pose.rotation.T)
+        position = float(np.linalg.norm(twist[self.linear])) if self.linear else 0.0
+        orientation = (
+            float(np.linalg.norm(twist[3:][self.angular])) if self.angular else 0.0
+        )
+        return twist[self.rows], position, orientation
+
+    def jacobian(self) -> FloatArray:
+        """Task Jacobian at the q of the last residual; shape (rows, moving joints)."""
+        aligned = pin.LOCAL_WORLD_ALIGNED
+        J = pin.getFrameJacobian(self.model, self.data, self.tip, aligned).reshape(6, -1)
+        if not self.fixed_base:
+            base, tip = self.data.oMf[self.base], self.data.oMf[self.tip]
+            J_base = pin.getFrameJacobian(self.model, self.data, self.base, aligned).reshape(6, -1)
+            J = J - J_base
+            J[:3] -= np.cross(J_base[3:], tip.translation - base.translation, axis=0)
+            J = np.concatenate((base.rotation.T @ J[:3], base.rotation.T @ J[3:]))
+        return np.asarray(J[:, self.columns][self.rows])
+
+
+def solve_ik(
+    robot: Robot,
+    target: FloatArray,
+    *,
+    frame: str | None = None,
+    task: Task = POSE,
+    seed: FloatArray | None = None,
+    options: IKOptions | None = None,
+) -> IKResult:
+    """Finds a q within the limits that brings a frame to a target.
+
+    Only the joints between the base and the frame move; the others stay at the seed.
+
+    Args:
+        robot: The robot.
+        target: Pose of the frame in the base frame's axes, 4x4; rows outside the task do not
+            count.
+        frame: Frame name; default the tip.
+        task: The task space, in base axes. The rotation error is the rotation vector of
+            ``R_target Rᵀ``.
+        seed: First start, shape (dof,), rad and m; default mid-range. Beyond a limit it is
+            brought inside.
+        options: Tolerance, restarts, time; see :class:`IKOptions`.
+
+    Returns:
+        The result; ``status`` is ``converged`` only where the measured error says so.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+    """
+    options = options or IKOptions()
+    frame = frame or robot.tip_frame
+    started = time.perf_counter()
+    deadline = started + options.time_budget
+    bounds = JointBounds.of(robot)
+    start = bounds.inside(bounds.middle() if seed is None else np.asarray(seed, dtype=np.float64))
+    problem = _Problem(robot, target, frame, task)
+    centre, reach = reach_bound(robot, frame)
+    unreachable = _beyond(target, centre, reach, task, options)
+    max_restarts = min(options.max_restarts, 2) if unreachable else options.max_restarts
+    generator: np.random.Generator | None = None
+    best, q = _Best(start, np.inf, np.inf, np.inf), start
+    iterations = restarts = 0
+    while True:
+        iterations += _descend(problem, bounds, q, options, deadline, best)
+        if best.score <= 1.0 or restarts >= max_restarts or time.perf_counter() >= deadline:
+            break
+        restarts += 1
+        generator = generator or np.random.default_rng(options.random_seed)
+        q = start.copy()
+        draw = bounds.random(generator, reach if np.isfinite(reach) else 1.0)
+        q[problem.moving] = draw[problem.moving]
+    answer = best.q.copy()
+    answer[problem.moving] = bounds.nearest(best.q, start)[problem.moving]
+    _, position, orientation = problem.residual(answer)
+    tolerance = options.tolerance
+    within = bool(((answer >= robot.lower) & (answer <= robot.upper)).all())
+    if position <= tolerance.position and orientation <= tolerance.orientation and within:
+        status = IKStatus.CONVERGED
+    elif unreachable:
+        status = IKStatus.UNREACHABLE
+    elif time.perf_counter() >= deadline:
+        status = IKStatus.TIMEOUT
+    else:
+        status = IKStatus.NOT_CONVERGED
+    elapsed = time.perf_counter() - started
+    return IKResult(status, answer, start, position, orientation, iterations, restarts, elapsed)
+
+
+def _beyond(
+    target: FloatArray, centre: FloatArray, reach: float, task: Task, options: IKOptions
+) -> bool:
+    """True where the target is provably out of reach."""
+    rows = list(task.positions)
+    distance = float(np.linalg.norm((target[:3, 3] - centre)[rows])) if rows else 0.0
+    return distance > reach * (1 + 1e-9) + options.tolerance.position
+
+
+def _descend(
+    problem: _Problem,
+    bounds: JointBounds,
+    q: FloatArray,
+    options: IKOptions,
+    deadline: float,
+    best: _Best,
+) -> int:
+    """One start: steps until converged, stalled or out of time; returns their number."""
+    tolerance = options.tolerance
+    error, position, orientation = problem.residual(q)
+    energy, stalls, lowest = 0.5 * float(error @ error), 0, np.inf
+    for iteration in range(options.max_iterations + 1):
+        score = max(position / tolerance.position, orientation / tolerance.orientation)
+        if score < best.score:
+            best.q, best.score = q.copy(), score
+            best.position, best.orientation = position, orientation
+        stalls = 0 if energy < STALL_RATIO * lowest else stalls + 1
+        lowest = min(lowest, energy)
+        finished = score <= 1.0 or stalls >= STALLS or iteration == options.max_iterations
+        if finished or time.perf_counter() >= deadline:
+            return iteration
+        q = _step(problem, bounds, q, error, DAMPING * energy + FLOOR)
+        error, position, orientation = problem.residual(q)
+        energy = 0.5 * float(error @ error)
+    return options.max_iterations
+
+
+def _step(
+    problem: _Problem, bounds: JointBounds, q: FloatArray, error: FloatArray, damping: float
+) -> FloatArray:
+    """A damped step; joints at a limit that would be pushed through it are held."""
+    J = problem.jacobian()
+    moving = problem.moving
+    at, lower, upper = q[moving], bounds.lower[moving], bounds.upper[moving]
+    held = np.zeros(len(moving), dtype=bool)
+    identity = damping * np.eye(len(error))
+    delta = np.zeros(len(moving))
+    for _ in range(len(moving)):
+        free = np.where(held, 0.0, J)
+        delta = free.T @ np.linalg.solve(free @ free.T + identity, error)
+        stopped = ~held & ~bounds.wraps[moving] & (
+            ((at <= lower) & (delta < 0)) | ((at >= upper) & (delta > 0))
+        )
+        if not stopped.any():
+            break
+        held |= stopped
+    moved = q.copy()
+    moved[moving] = at + delta
+    return bounds.inside(moved)

@@ -1,0 +1,99 @@
+"""What inverse kinematics takes and gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from kinematics.errors import InvalidOption
+from robots.robot import FloatArray
+
+
+class IKStatus(StrEnum):
+    """How a solve ended; only the measured task error and the limits decide.
+
+    ``converged``: q reaches the target within the tolerance and the joint limits.
+    ``unreachable``: proven: the target is farther away than the arm is long.
+    ``timeout``: the time budget ended first.
+    ``not_converged``: all starts were used.
+    """
+
+    CONVERGED = "converged"
+    NOT_CONVERGED = "not_converged"
+    TIMEOUT = "timeout"
+    UNREACHABLE = "unreachable"
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """Largest accepted task error.
+
+    Attributes:
+        position: Norm of the position error in the task's axes, m.
+        orientation: Norm of the rotation error in the task's axes, rad.
+    """
+
+    position: float = 1e-6
+    orientation: float = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class IKOptions:
+    """What a caller may choose.
+
+    Attributes:
+        tolerance: Largest accepted task error.
+        max_restarts: Random starts after the seed.
+        max_iterations: Steps of one start.
+        random_seed: Seed of the random starts; the same request gives the same answer.
+        time_budget: Seconds for one target.
+
+    Raises:
+        InvalidOption: A value out of its range.
+    """
+
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    max_restarts: int = 50
+    max_iterations: int = 100
+    random_seed: int = 0
+    time_budget: float = 1.0
+
+    def __post_init__(self) -> None:
+        checks = (
+            ("tolerance/position", self.tolerance.position, 1e-12, 1e3),
+            ("tolerance/orientation", self.tolerance.orientation, 1e-12, 4.0),
+            ("max_restarts", self.max_restarts, 0, 10_000),
+            ("max_iterations", self.max_iterations, 1, 10_000),
+            ("random_seed", self.random_seed, 0, 2**63 - 1),
+            ("time_budget_ms", self.time_budget * 1e3, 0, 60_000),
+        )
+        for name, value, low, high in checks:
+            if not low <= value <= high:
+                raise InvalidOption(
+                    f"{name.replace('/', '.')} is {value:g}; give {low:g} to {high:g}", f"/{name}"
+                )
+
+
+@dataclass(frozen=True)
+class IKResult:
+    """One answer, checked by forward kinematics on the model.
+
+    Attributes:
+        status: How the solve ended.
+        q: The solution, or the best q within the limits that was found; shape (dof,).
+        seed: The start that was used, brought within the limits; shape (dof,).
+        position_error: Measured norm of the position error in the task's axes, m.
+        orientation_error: Measured norm of the rotation error in the task's axes, rad.
+        iterations: Steps of all starts.
+        restarts: Random starts used.
+        elapsed: Seconds.
+    """
+
+    status: IKStatus
+    q: FloatArray
+    seed: FloatArray
+    position_error: float
+    orientation_error: float
+    iterations: int
+    restarts: int
+    elapsed: float

@@ -1,0 +1,137 @@
+"""Jacobians of a frame: geometric in three reference frames, and analytic."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+import numpy as np
+import pinocchio as pin
+
+from kinematics.configuration import configuration
+from kinematics.forward import fk
+from kinematics.orientation import analytic_map
+from kinematics.tree import CHUNK, frame_pose, joint_poses, path_signs, relative, tree_of
+from robots.robot import FloatArray, Robot
+
+
+class ReferenceFrame(StrEnum):
+    """Where and in which axes the twist is taken.
+
+    ``local_world_aligned``: at the frame's origin, in base axes; the textbooks' geometric
+    Jacobian. ``world``: of the body point at the base's origin, in base axes (spatial twist).
+    ``local``: at the frame's origin, in the frame's own axes (body twist).
+    """
+
+    LOCAL_WORLD_ALIGNED = "local_world_aligned"
+    WORLD = "world"
+    LOCAL = "local"
+
+
+def jacobian(
+    robot: Robot,
+    q: FloatArray,
+    frame: str | None = None,
+    reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
+) -> FloatArray:
+    """Geometric Jacobian of a frame against the base: ``[v; ω] = J dq/dt``.
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,) or (n, dof), rad and m.
+        frame: Frame name; default the tip.
+        reference_frame: Where and in which axes the twist is taken.
+
+    Returns:
+        Shape (6, dof) or (n, 6, dof); linear rows first, columns in the order of q.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+        WrongConfiguration: q has a wrong shape or is not finite.
+    """
+    frame = frame or robot.tip_frame
+    robot.frame_id(frame)
+    q = configuration(robot, q)
+    if q.ndim == 1:
+        return _one(robot, q, frame, reference_frame)
+    J = np.empty((len(q), 6, robot.dof))
+    for start in range(0, len(q), CHUNK):
+        part = slice(start, start + CHUNK)
+        J[part] = _many(robot, q[part], frame, reference_frame)
+    return J
+
+
+def analytic_jacobian(
+    robot: Robot, q: FloatArray, sequence: str, frame: str | None = None
+) -> FloatArray:
+    """Analytic Jacobian: ``[v; φ̇, θ̇, ψ̇] = J_a dq/dt`` for the first Euler triple.
+
+    ``J_a = diag(I, inv(E)) J`` with ``ω = E [φ̇, θ̇, ψ̇]`` (Siciliano et al., *Robotics*, 3.6).
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,) or (n, dof), rad and m.
+        sequence: Euler sequence such as ``ZXZ``.
+        frame: Frame name; default the tip.
+
+    Returns:
+        Shape (6, dof) or (n, 6, dof); v in base axes.
+
+    Raises:
+        RepresentationSingularity: The Euler angles have no rates at an orientation.
+        UnknownSequence: Not a sequence.
+    """
+    frame = frame or robot.tip_frame
+    J = jacobian(robot, q, frame)
+    R = fk(robot, q, [frame])[frame][..., :3, :3]
+    J[..., 3:, :] = analytic_map(R, sequence) @ J[..., 3:, :]
+    return J
+
+
+def _one(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFrame) -> FloatArray:
+    model, data = robot.model, robot.data()
+    pin.computeJointJacobians(model, data, robot.configuration(q))
+    pin.updateFramePlacements(model, data)
+    columns = robot.velocity_columns
+    tip_id, base_id = robot.frame_id(frame), robot.frame_id(robot.base_frame)
+    aligned = pin.LOCAL_WORLD_ALIGNED
+    J = pin.getFrameJacobian(model, data, tip_id, aligned).reshape(6, -1)[:, columns]
+    base, tip = data.oMf[base_id], data.oMf[tip_id]
+    if not base.isIdentity(0.0):
+        J_base = pin.getFrameJacobian(model, data, base_id, aligned).reshape(6, -1)[:, columns]
+        arm = tip.translation - base.translation
+        J = J - J_base
+        J[:3] -= np.cross(J_base[3:], arm, axis=0)
+        J = np.concatenate((base.rotation.T @ J[:3], base.rotation.T @ J[3:]))
+        tip = base.actInv(tip)
+    return _expressed(J[None], tip.homogeneous[None], reference_frame)[0]
+
+
+def _many(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFrame) -> FloatArray:
+    tree, n = tree_of(robot), len(q)
+    indices, signs = path_signs(robot, frame)
+    poses = joint_poses(tree, q, [*indices, tree.frames[frame][0], tree.frames[robot.base_frame][0]])
+    base = frame_pose(tree, robot.base_frame, poses, n)
+    tip = frame_pose(tree, frame, poses, n)
+    J = np.zeros((n, 6, robot.dof))
+    for index, sign in zip(indices, signs, strict=True):
+        joint, pose = tree.joints[index], poses[int(index)]
+        z = sign * pose[..., 2]
+        if joint.turns:
+            J[:, :3, joint.column] = np.cross(z, tip[:, :3, 3] - pose[..., 3])
+            J[:, 3:, joint.column] = z
+        else:
+            J[:, :3, joint.column] = z
+    Rt = np.swapaxes(base[:, :3, :3], -1, -2)
+    J = np.concatenate((Rt @ J[:, :3], Rt @ J[:, 3:]), axis=1)
+    return _expressed(J, relative(base, tip), reference_frame)
+
+
+def _expressed(J: FloatArray, tip: FloatArray, reference_frame: ReferenceFrame) -> FloatArray:
+    """From local_world_aligned to another reference frame; shapes (n, 6, dof), (n, 4, 4)."""
+    if reference_frame is ReferenceFrame.LOCAL:
+        Rt = np.swapaxes(tip[:, :3, :3], -1, -2)
+        return np.concatenate((Rt @ J[:, :3], Rt @ J[:, 3:]), axis=1)
+    if reference_frame is ReferenceFrame.WORLD:
+        v = J[:, :3] - np.cross(J[:, 3:], tip[:, :3, 3, None], axis=1)
+        return np.concatenate((v, J[:, 3:]), axis=1)
+    return J

@@ -1,0 +1,117 @@
+"""Singularity report: what a robot can and cannot do at a q, in a chosen task space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinematics.jacobian import jacobian
+from kinematics.task import POSE, Task
+from robots.robot import FloatArray, Robot
+
+RANK_TOLERANCE = 1e-10
+
+
+@dataclass(frozen=True)
+class SingularityReport:
+    """The singular value decomposition of the task Jacobian, in words.
+
+    Attributes:
+        task: The task space.
+        rank: Number of singular values above ``tolerance`` times the largest (or 1 if smaller).
+        singular_values: Descending, min(rows, dof) of them.
+        condition_number: Largest over smallest; None where singular (it is infinite).
+        manipulability: Yoshikawa's ``w = sqrt(det(J Jᵀ))``, the product of the singular values.
+        lost_directions: Unit vectors of the task space that no joint motion yields; shape
+            (rows - rank, rows). With fewer joints than rows, some are lost everywhere.
+        null_motions: Unit joint motions that do not move the task; shape (dof - rank, dof).
+        singular: True where the rank is below min(rows, dof).
+        tolerance: The relative tolerance of the rank.
+        warnings: What to keep in mind.
+    """
+
+    task: Task
+    rank: int
+    singular_values: FloatArray
+    condition_number: float | None
+    manipulability: float
+    lost_directions: FloatArray
+    null_motions: FloatArray
+    singular: bool
+    tolerance: float
+    warnings: tuple[str, ...]
+
+
+def singularity_report(
+    robot: Robot,
+    q: FloatArray,
+    task: Task = POSE,
+    frame: str | None = None,
+    tolerance: float = RANK_TOLERANCE,
+) -> SingularityReport:
+    """Reports on one q.
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,), rad and m.
+        task: The task space, in base axes.
+        frame: Frame name; default the tip.
+        tolerance: A singular value below ``tolerance * max(1, largest)`` counts as zero.
+
+    Returns:
+        The report.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+        WrongConfiguration: q has a wrong shape or is not finite.
+    """
+    return report_on(jacobian(robot, q, frame)[list(task.rows)], robot, task, tolerance)
+
+
+def report_on(
+    J: FloatArray, robot: Robot, task: Task, tolerance: float = RANK_TOLERANCE
+) -> SingularityReport:
+    """The report on a task Jacobian, shape (rows, dof); see :func:`singularity_report`."""
+    U, sigma, Vt = np.linalg.svd(J)
+    rank = int(np.sum(sigma > tolerance * max(1.0, float(sigma[0]))))
+    singular = rank < len(sigma)
+    return SingularityReport(
+        task=task,
+        rank=rank,
+        singular_values=sigma,
+        condition_number=None if singular else float(sigma[0] / sigma[-1]),
+        manipulability=float(np.prod(sigma)),
+        lost_directions=_signed(U[:, rank:].T),
+        null_motions=_signed(Vt[rank:]),
+        singular=singular,
+        tolerance=tolerance,
+        warnings=_warnings(robot, task),
+    )
+
+
+def _signed(vectors: FloatArray) -> FloatArray:
+    """Each vector with its first entry of weight positive, so that answers do not flip."""
+    vectors = np.where(np.abs(vectors) < 1e-14, 0.0, vectors)
+    for vector in vectors:
+        significant = np.flatnonzero(np.abs(vector) > 1e-9)
+        if significant.size and vector[significant[0]] < 0:
+            vector *= -1.0
+    return vectors + 0.0
+
+
+def _warnings(robot: Robot, task: Task) -> tuple[str, ...]:
+    found = []
+    mixed = bool(task.positions) and bool(task.rotations)
+    if mixed or (robot.turns.any() and not robot.turns.all()):
+        found.append(
+            "manipulability and condition number mix metres and radians; compare them only on the"
+            " same robot and task, or choose a task such as position"
+        )
+    if robot.dof < len(task.rows):
+        found.append(
+            f"the robot has {robot.dof} joints for {len(task.rows)} task rows: some directions are"
+            " lost everywhere and its singularities stay hidden; choose a smaller task such as xy,"
+            " position or xy_phi"
+        )
+    return tuple(found)

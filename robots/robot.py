@@ -1,0 +1,274 @@
+"""Robot: what is known of one robot, immutable and safe to share between threads."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from dh_to_urdf import DHTable, JointType, table_to_urdf
+from dh_to_urdf.writer import BASE_LINK, TOOL_LINK, UNBOUNDED
+from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
+from robots.urdf import MAX_DOF, URDFDescription, read_urdf
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """One entry of q.
+
+    Attributes:
+        name: Its name.
+        type: revolute, prismatic or continuous.
+        lower: Smallest value, rad or m; None where there is no limit.
+        upper: Largest value.
+        velocity: Largest speed, rad/s or m/s; None where unknown.
+        effort: Largest torque or force, N m or N; None where unknown.
+    """
+
+    name: str
+    type: JointType
+    lower: float | None
+    upper: float | None
+    velocity: float | None
+    effort: float | None
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot that can be computed on.
+
+    ``q`` holds one value a moving joint, in the order of the table or the URDF file, in rad and
+    m. Pinocchio orders joints otherwise and takes (cos, sin) for continuous ones:
+    :meth:`configuration` maps.
+
+    Attributes:
+        name: Name in the document.
+        kind: What it was made from.
+        revision: SHA-256 of everything that matters, hexadecimal.
+        model: Pinocchio's model; not to be changed.
+        joints: The entries of q.
+        base_frame: Frame in whose axes results are given.
+        tip_frame: Frame taken where a request names none.
+        frames: All frame (link) names in the order of the document.
+        urdf: Canonical URDF text.
+        table: The D-H table, for robots made from one.
+        warnings: What had to be assumed.
+    """
+
+    name: str
+    kind: Literal["dh", "urdf"]
+    revision: str
+    model: Any
+    joints: tuple[Joint, ...]
+    base_frame: str
+    tip_frame: str
+    frames: tuple[str, ...]
+    urdf: str
+    table: DHTable | None = None
+    warnings: tuple[str, ...] = ()
+    _frame_ids: Mapping[str, int] = field(default_factory=dict, repr=False)
+    _local: threading.local = field(default_factory=threading.local, repr=False, compare=False)
+
+    @property
+    def dof(self) -> int:
+        """Length of q."""
+        return len(self.joints)
+
+    @cached_property
+    def lower(self) -> FloatArray:
+        """Lower limits, ``-inf`` where there is none; shape (dof,)."""
+        return np.array([-np.inf if j.lower is None else j.lower for j in self.joints])
+
+    @cached_property
+    def upper(self) -> FloatArray:
+        """Upper limits, ``inf`` where there is none; shape (dof,)."""
+        return np.array([np.inf if j.upper is None else j.upper for j in self.joints])
+
+    @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """True where an entry of q is an angle; shape (dof,)."""
+        return np.array([joint.type.turns for joint in self.joints])
+
+    @cached_property
+    def velocity_columns(self) -> NDArray[np.intp]:
+        """Column of Pinocchio's tangent space for each entry of q."""
+        ids = [self.model.getJointId(joint.name) for joint in self.joints]
+        return np.array([self.model.joints[i].idx_v for i in ids])
+
+    @cached_property
+    def _configuration_map(self) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+        """Entries of q that Pinocchio takes as they are, their places, and (cos, sin) ones."""
+        ids = [self.model.getJointId(joint.name) for joint in self.joints]
+        places = np.array([self.model.joints[i].idx_q for i in ids])
+        double = np.array([self.model.joints[i].nq == 2 for i in ids])
+        return places, np.flatnonzero(~double), np.flatnonzero(double)
+
+    def configuration(self, q: FloatArray) -> FloatArray:
+        """Pinocchio's configuration vector of q; shape (dof,) -> (model.nq,)."""
+        places, plain, double = self._configuration_map
+        configuration = np.empty(self.model.nq)
+        configuration[places[plain]] = q[plain]
+        if double.size:
+            configuration[places[double]] = np.cos(q[double])
+            configuration[places[double] + 1] = np.sin(q[double])
+        return configuration
+
+    def data(self) -> Any:
+        """Pinocchio's working memory of this robot in this thread."""
+        try:
+            return self._local.data
+        except AttributeError:
+            self._local.data = self.model.createData()
+            return self._local.data
+
+    def frame_id(self, name: str, pointer: str = "/frame") -> int:
+        """Pinocchio's number of a frame.
+
+        Raises:
+            UnknownFrame: The robot has no such frame; the error lists the names that it has.
+        """
+        try:
+            return self._frame_ids[name]
+        except KeyError:
+            raise UnknownFrame(name, self.frames, pointer) from None
+
+
+def robot_from_table(table: DHTable) -> Robot:
+    """The robot of a D-H table: q in the order of the rows, ``base_link`` to ``tool``.
+
+    Raises:
+        RobotTooLarge: More than 64 joints.
+        InvalidURDF: No joint moves.
+    """
+    if table.dof > MAX_DOF:
+        raise RobotTooLarge(f"the table has {table.dof} joints; at most {MAX_DOF} are computed")
+    if table.dof == 0:
+        raise InvalidURDF("the table has no joint that moves", "/joints")
+    urdf = table_to_urdf(table)
+    description = read_urdf(urdf)
+    joints = tuple(
+        Joint(
+            row.name,
+            row.type,
+            row.limits.lower,
+            row.limits.upper,
+            row.limits.velocity,
+            row.limits.effort,
+        )
+        for row in (table.rows[k] for k in table.moving_rows)
+    )
+    joints = tuple(_without_unbounded(joint) for joint in joints)
+    frames = tuple(name for name in description.links if not name.startswith("link_"))
+    return _build(
+        description,
+        kind="dh",
+        joints=joints,
+        frames=frames,
+        base=BASE_LINK,
+        tip=TOOL_LINK,
+        table=table,
+        urdf=urdf,
+        identity=f"dh|{table.convention}",
+        warnings=table.warnings,
+    )
+
+
+def robot_from_urdf(
+    text: str | bytes,
+    *,
+    base: str | None = None,
+    tip: str | None = None,
+    warnings: tuple[str, ...] = (),
+) -> Robot:
+    """The robot of a URDF: q in the order of the file, every non-fixed joint in it.
+
+    Args:
+        text: The URDF.
+        base: Frame in whose axes results are given; default the root link.
+        tip: Frame taken where a request names none; default the leaf of the longest chain.
+        warnings: Warnings of an earlier reading, kept with a canonical text.
+
+    Raises:
+        InvalidURDF: See :func:`robots.urdf.read_urdf`.
+        RobotTooLarge: More links, joints or bytes than the service computes with.
+        UnknownFrame: base or tip is no link of the robot.
+    """
+    description = read_urdf(text)
+    joints = tuple(
+        _without_unbounded(
+            Joint(j.name, JointType(j.type), j.lower, j.upper, j.velocity, j.effort)
+        )
+        for j in description.moving
+    )
+    for role, name in (("base", base), ("tip", tip)):
+        if name is not None and name not in description.links:
+            raise UnknownFrame(name, description.links, f"/{role}")
+    return _build(
+        description,
+        kind="urdf",
+        joints=joints,
+        frames=description.links,
+        base=base or description.root,
+        tip=tip or description.default_tip(),
+        table=None,
+        urdf=description.canonical,
+        identity="urdf",
+        warnings=warnings or description.warnings,
+    )
+
+
+def _build(
+    description: URDFDescription,
+    *,
+    kind: Literal["dh", "urdf"],
+    joints: tuple[Joint, ...],
+    frames: tuple[str, ...],
+    base: str,
+    tip: str,
+    table: DHTable | None,
+    urdf: str,
+    identity: str,
+    warnings: tuple[str, ...],
+) -> Robot:
+    try:
+        model = pin.buildModelFromXML(description.canonical)
+    except (ValueError, RuntimeError):
+        raise InvalidURDF("Pinocchio cannot build a model from this URDF") from None
+    if model.nv != len(joints):
+        raise InvalidURDF(f"Pinocchio sees {model.nv} joints where the URDF has {len(joints)}")
+    body = pin.FrameType.BODY
+    frame_ids = {name: int(model.getFrameId(name, body)) for name in frames}
+    content = "\x00".join((identity, base, tip, urdf))
+    return Robot(
+        name=description.name,
+        kind=kind,
+        revision=hashlib.sha256(content.encode()).hexdigest(),
+        model=model,
+        joints=joints,
+        base_frame=base,
+        tip_frame=tip,
+        frames=frames,
+        urdf=urdf,
+        table=table,
+        warnings=warnings,
+        _frame_ids=frame_ids,
+    )
+
+
+def _without_unbounded(joint: Joint) -> Joint:
+    """Takes numbers that stand for "no limit" (1e6 and above) for what they mean."""
+
+    def bound(value: float | None) -> float | None:
+        return None if value is None or abs(value) >= UNBOUNDED else value
+
+    lower, upper = bound(joint.lower), bound(joint.upper)
+    return Joint(joint.name, joint.type, lower, upper, bound(joint.velocity), bound(joint.effort))
