@@ -7,6 +7,7 @@ also there as a table its ``twin``, with the link ``twin_tip`` that the table's 
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,7 @@ from robots.errors import RobotNotFound
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 
 LIBRARY = Path(__file__).parent / "library"
+_ID = re.compile(r"[a-z0-9_]{1,64}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +30,7 @@ class ShippedFile:
     Attributes:
         title: Name for people.
         source: Where the numbers come from.
+        dof: Number of joints in q.
         urdf: Path below example-robot-data's ``robots`` folder, for references.
         base: Base link, for references.
         tip: Default tip link, for references.
@@ -37,6 +40,7 @@ class ShippedFile:
 
     title: str
     source: str
+    dof: int
     urdf: str | None = None
     base: str | None = None
     tip: str | None = None
@@ -47,8 +51,16 @@ class ShippedFile:
 @cache
 def shipped_ids() -> tuple[str, ...]:
     """Ids of the shipped robots whose files are installed, sorted."""
-    ids = sorted(path.stem for path in LIBRARY.glob("*.yaml"))
-    return tuple(i for i in ids if (u := shipped_file(i).urdf) is None or urdf_path(u).is_file())
+    return tuple(sorted(path.stem for path in LIBRARY.glob("*.yaml") if is_shipped(path.stem)))
+
+
+def is_shipped(robot_id: str) -> bool:
+    """True where the library has this robot and its URDF, if it refers to one, is installed."""
+    try:
+        urdf = shipped_file(robot_id).urdf
+    except RobotNotFound:
+        return False
+    return urdf is None or urdf_path(urdf).is_file()
 
 
 @cache
@@ -59,12 +71,15 @@ def shipped_file(robot_id: str) -> ShippedFile:
         RobotNotFound: There is no such file.
     """
     path = LIBRARY / f"{robot_id}.yaml"
-    if path.parent != LIBRARY or not path.is_file():
+    if _ID.fullmatch(robot_id) is None or not path.is_file():
         raise RobotNotFound(robot_id, ())
     data = YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8"))
     keys = ShippedFile.__dataclass_fields__
     found = {key: data[key].strip() for key in keys if isinstance(data.get(key), str)}
-    return ShippedFile(**found)
+    dof = data.get("dof")
+    if dof is None:
+        dof = sum(joint.get("type") not in ("fixed", "F", "f") for joint in data["joints"])
+    return ShippedFile(dof=dof, **found)
 
 
 @cache

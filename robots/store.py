@@ -33,7 +33,7 @@ from robots.errors import (
     RobotNotFound,
 )
 from robots.robot import Robot, robot_from_table, robot_from_urdf
-from robots.shipped import shipped_file, shipped_ids, shipped_robot
+from robots.shipped import is_shipped, shipped_file, shipped_ids, shipped_robot
 
 ANY: Final = "*"
 ROBOT_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
@@ -61,6 +61,17 @@ class StoredRobot:
     source: str | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class RobotSummary:
+    """One line of a list of robots."""
+
+    id: str
+    kind: str
+    title: str
+    dof: int
+    shipped: bool
+
+
 class RobotStore:
     """Robots by id: the shipped library and a directory of uploads."""
 
@@ -82,9 +93,18 @@ class RobotStore:
         uploaded = (path.stem for path in self._files.glob("*.json"))
         return tuple(sorted({*shipped_ids(), *(i for i in uploaded if ROBOT_ID.fullmatch(i))}))
 
-    def is_shipped(self, robot_id: str) -> bool:
-        """True where the id belongs to the read-only library."""
-        return robot_id in shipped_ids()
+    def summary(self, robot_id: str) -> RobotSummary:
+        """What a list shows of a robot; a shipped one is not loaded for it.
+
+        Raises:
+            RobotNotFound: No robot has this id.
+            DamagedRobot: The stored file fails its checksum.
+        """
+        if is_shipped(robot_id):
+            head = shipped_file(robot_id)
+            return RobotSummary(robot_id, "urdf" if head.urdf else "dh", head.title, head.dof, True)
+        stored = self.get(robot_id)
+        return RobotSummary(robot_id, stored.robot.kind, stored.title, stored.robot.dof, False)
 
     def in_memory(self, robot_id: str) -> StoredRobot | None:
         """The robot if it is loaded and current; does not read the file's content."""
@@ -106,7 +126,7 @@ class RobotStore:
         found = self.in_memory(robot_id)
         if found is not None:
             return found
-        if self.is_shipped(robot_id):
+        if is_shipped(robot_id):
             head = shipped_file(robot_id)
             stored = StoredRobot(robot_id, shipped_robot(robot_id), True, head.title, head.source)
             signature: _Signature | None = (0, 0, 0)
@@ -149,7 +169,7 @@ class RobotStore:
         """
         if ROBOT_ID.fullmatch(robot_id) is None:
             raise InvalidRobotId(robot_id)
-        if self.is_shipped(robot_id):
+        if is_shipped(robot_id):
             raise ReadOnlyRobot(robot_id)
         content = _encode(robot)
         with self._exclusive():
@@ -168,7 +188,7 @@ class RobotStore:
             RobotNotFound: No robot has this id.
             RevisionMismatch: ``if_match`` does not hold.
         """
-        if self.is_shipped(robot_id):
+        if is_shipped(robot_id):
             raise ReadOnlyRobot(robot_id)
         with self._exclusive():
             current = self._revision(robot_id)

@@ -1,0 +1,54 @@
+# make run    set everything up and serve on port 8000
+# make test   set everything up and run the tests
+# make help   the rest
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+
+.PHONY: help install run test lint lock bench image-test clean
+
+help:
+	@echo "make run         set up .venv and serve on http://localhost:8000"
+	@echo "make test        set up .venv and run the tests"
+	@echo "make lint        ruff, strict types, import contract"
+	@echo "make bench       paired benchmarks"
+	@echo "make image-test  build the Docker image and test it (as root, on Debian)"
+	@echo "make lock        resolve the dependencies anew"
+	@echo "make clean       remove .venv"
+
+install: $(STAMP)
+
+$(STAMP): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit("Denavit needs Python 3.11 or newer; run: make PYTHON=python3.12 …" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+run: $(STAMP)
+	$(BIN)/denavit serve
+
+test: $(STAMP)
+	$(BIN)/python -m pytest
+
+lint: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	@! grep -nE 'https?://|file:|index-url|find-links' requirements.lock
+
+bench: $(STAMP)
+	$(BIN)/python -m bench
+
+image-test:
+	./image-test.sh
+
+lock: $(STAMP)
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --upgrade -o requirements.lock
+
+clean:
+	rm -rf $(VENV)

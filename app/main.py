@@ -1,0 +1,71 @@
+"""``create_app(settings)``: wiring only. ``uvicorn app.main:app`` works too."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from importlib.metadata import version
+from typing import Any
+
+from fastapi import FastAPI
+
+from app import docs, problems
+from app.dependencies import Services
+from app.middleware import RequestId
+from app.openapi import build_openapi
+from app.routes import compute, convert, health, robots
+from app.settings import Settings
+
+DESCRIPTION = """Kinematics over HTTP: post a Denavit-Hartenberg table or a URDF, ask for forward
+kinematics, Jacobians, singularities and inverse kinematics.
+
+Angles are rad unless `?angle=deg`; lengths are m. `Accept: text/plain` or `?format=text` prints
+aligned matrices; batches also travel as `application/x-npy`."""
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """The application.
+
+    Args:
+        settings: What a deployment chose; default from the environment, read at start-up.
+    """
+    chosen = settings or Settings()
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        app.state.services = Services(chosen)
+        yield
+
+    app = FastAPI(
+        title="Denavit",
+        version=version("denavit"),
+        description=DESCRIPTION,
+        docs_url=None,
+        redoc_url=None,
+        lifespan=lifespan,
+        redirect_slashes=False,
+        max_body_size=chosen.max_document_bytes,
+    )
+    app.include_router(health.router)
+    app.include_router(robots.build_router(chosen.max_document_bytes))
+    app.include_router(convert.build_router(chosen.max_document_bytes))
+    app.include_router(compute.build_router(chosen.max_compute_bytes))
+    docs.install(app)
+    problems.install(app)
+    app.add_middleware(RequestId)
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            types = (robots.RobotView, robots.RobotList, health.Health)
+            app.openapi_schema = build_openapi(app, types)
+        return app.openapi_schema
+
+    app.openapi = openapi  # type: ignore[method-assign]
+    return app
+
+
+def __getattr__(name: str) -> Any:
+    """Builds ``app`` when a server asks for it, so that importing this module reads no settings."""
+    if name == "app":
+        return create_app()
+    raise AttributeError(name)

@@ -1,0 +1,40 @@
+"""Pure ASGI middleware: a request id on every answer, and safe headers."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import secrets
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
+
+
+class RequestId:
+    """Gives each request an id: the client's ``X-Request-ID`` if it is harmless, else a new one."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+        self.prefix = secrets.token_hex(6)
+        self.counter = itertools.count(1)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handles one ASGI connection."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        given = Headers(scope=scope).get("x-request-id", "")
+        harmless = given and _ID.fullmatch(given)
+        request_id = given if harmless else f"{self.prefix}-{next(self.counter):x}"
+        scope.setdefault("state", {})["request_id"] = request_id
+
+        async def send_with_id(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                headers["x-request-id"] = request_id
+                headers["x-content-type-options"] = "nosniff"
+            await send(message)
+
+        await self.app(scope, receive, send_with_id)

@@ -1,0 +1,316 @@
+"""The OpenAPI document: schemas from the very types that requests are decoded to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, Any
+
+import msgspec
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+
+from app.operations import OPERATIONS, Operation
+from app.wire import JSON, NPY, TEXT
+
+REF = "#/components/schemas/{name}"
+_NUMBERS = {
+    "q": ("Joint values, comma-separated, in the robot's order; pi/2 and 90deg are read too.", True),
+    "seed": ("First start, comma-separated joint values.", False),
+    "frames": ("Frame names, comma-separated, or all; default the tip.", False),
+    "frame": ("Frame name; default the tip.", False),
+    "euler": ("Euler sequence such as ZXZ; for ik with angles: ZXZ:10,20,30.", False),
+    "reference_frame": ("local_world_aligned, world or local.", False),
+    "task": ("Task space by name, or six 0 or 1.", False),
+    "tolerance": ("Relative tolerance of the rank.", False),
+    "position": ("Target x,y,z in m.", False),
+    "rpy": ("Target roll,pitch,yaw.", False),
+    "quaternion_xyzw": ("Target quaternion x,y,z,w.", False),
+    "phi": ("Target angle about z.", False),
+    "matrix": ("Target matrix, 16 numbers row by row.", False),
+    "max_restarts": ("Random starts after the seed.", False),
+    "random_seed": ("Seed of the random starts.", False),
+    "time_budget_ms": ("Milliseconds.", False),
+}
+
+
+@dataclass(frozen=True)
+class OperationDocs:
+    """Keyword arguments for the three routes of a computation."""
+
+    post: dict[str, Any]
+    get: dict[str, Any]
+    inline: dict[str, Any]
+
+
+class ProblemItem(msgspec.Struct, kw_only=True):
+    """One thing wrong with a request."""
+
+    pointer: str
+    message: str
+
+
+class ProblemDetails(msgspec.Struct, kw_only=True):
+    """RFC 9457 problem document."""
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    errors: list[ProblemItem]
+    request_id: str
+
+
+@cache
+def inline_request_type(operation: Operation) -> type[msgspec.Struct]:
+    """The request of a computation with a ``robot`` besides."""
+    robot = Annotated[
+        msgspec.Raw,
+        msgspec.Meta(
+            description='A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot.',
+            extra_json_schema={
+                "anyOf": [{"type": "string"}, {"$ref": "#/components/schemas/DHTable"},
+                          {"$ref": "#/components/schemas/InlineURDF"}]
+            },  # fmt: skip
+        ),
+    ]
+    return msgspec.defstruct(
+        f"Inline{operation.request.__name__}",
+        [("robot", robot)],
+        bases=(operation.request,),
+        kw_only=True,
+        forbid_unknown_fields=True,
+    )
+
+
+def operation_docs(operation: Operation) -> OperationDocs:
+    """What the docs say of a computation's routes."""
+    name = operation.name.replace("-", "_")
+    answers = _answers(operation)
+    angle = [_parameter("angle", "rad (default) or deg: joint values and Euler angles.", ["rad", "deg"]),
+             _parameter("format", "json (default), text or npy.", ["json", "text", "npy"])]  # fmt: skip
+    body: dict[str, Any] = {
+        JSON: {
+            "schema": {"$ref": REF.format(name=operation.request.__name__)},
+            "example": operation.example,
+        }
+    }
+    if operation.array_field:
+        body[NPY] = {"schema": {"type": "string", "format": "binary"}}
+    inline_body = {
+        JSON: {
+            "schema": {"$ref": REF.format(name=inline_request_type(operation).__name__)},
+            "example": {"robot": operation.example_robot, **operation.example},
+        }
+    }
+    query = [
+        _parameter(key, _NUMBERS[key][0], required=_NUMBERS[key][1], example=_example(operation, key))
+        for key in operation.query
+    ]
+
+    def docs(suffix: str, summary: str, extra: dict[str, Any]) -> dict[str, Any]:
+        return {
+            "operation_id": f"{name}{suffix}",
+            "summary": summary,
+            "responses": answers,
+            "openapi_extra": extra,
+        }
+
+    path = _robot_parameter(operation.example_robot)
+    return OperationDocs(
+        post=docs("", operation.summary, {
+            "parameters": [path, *angle], "requestBody": {"required": True, "content": body}}),
+        get=docs("_get", f"{operation.summary}, from a query", {
+            "parameters": [path, *query, *angle]}),
+        inline=docs("_inline", f"{operation.summary} of a robot in the body", {
+            "parameters": angle, "requestBody": {"required": True, "content": inline_body}}),
+    )  # fmt: skip
+
+
+def _answers(operation: Operation) -> dict[int | str, dict[str, Any]]:
+    return {
+        200: {
+            "description": "The answer.",
+            "content": {
+                JSON: {"schema": {"$ref": REF.format(name=operation.response.__name__)}},
+                TEXT: {"schema": {"type": "string"}},
+                NPY: {"schema": {"type": "string", "format": "binary"}},
+            },
+        },
+        **PROBLEMS,
+    }
+
+
+PROBLEMS: dict[int | str, dict[str, Any]] = {
+    "4XX": {
+        "description": "A problem: what is wrong, where, and what to write instead.",
+        "content": {
+            "application/problem+json": {"schema": {"$ref": REF.format(name="ProblemDetails")}}
+        },
+    }
+}
+
+
+def _parameter(
+    name: str,
+    description: str,
+    choices: list[str] | None = None,
+    *,
+    required: bool = False,
+    example: str | None = None,
+) -> dict[str, Any]:
+    schema: dict[str, Any] = {"type": "string"}
+    if choices:
+        schema["enum"] = choices
+    parameter = {
+        "name": name,
+        "in": "query",
+        "required": required,
+        "description": description,
+        "schema": schema,
+    }
+    return parameter | ({"example": example} if example is not None else {})
+
+
+def _robot_parameter(example: str) -> dict[str, Any]:
+    return {
+        "name": "robot_id",
+        "in": "path",
+        "required": True,
+        "schema": {"type": "string"},
+        "example": example,
+    }
+
+
+def _example(operation: Operation, key: str) -> str | None:
+    value = operation.example.get(key, operation.example.get("target", {}).get(key))
+    if isinstance(value, list):
+        return ",".join(str(item) for item in value)
+    return value if isinstance(value, str) else None
+
+
+_PLACEMENT = {
+    "description": "xyz with rpy or quaternion_xyzw, or a 4x4 matrix.",
+    "type": "object",
+    "properties": {
+        "xyz": {"type": "array", "items": {"$ref": "#/components/schemas/DHCell"}},
+        "rpy": {"type": "array", "items": {"$ref": "#/components/schemas/DHCell"}},
+        "quaternion_xyzw": {"type": "array", "items": {"type": "number"}},
+        "matrix": {"type": "array", "items": {"type": "array", "items": {"type": "number"}}},
+    },
+    "additionalProperties": False,
+}
+
+
+def table_schemas() -> dict[str, Any]:
+    """Schemas of robot documents, which ``dh_to_urdf.readers`` reads."""
+    cell = {"$ref": "#/components/schemas/DHCell"}
+    columns = ("alpha", "a", "d", "theta", "offset", "r", "gamma", "b")
+    row: dict[str, Any] = {
+        "type": "object",
+        "description": "One joint. standard and modified: alpha, a, d, theta. khalil: alpha, d,"
+        " theta, r, and ant, sigma, mu, gamma, b. The variable's own column may be left out.",
+        "required": ["alpha", "d"],
+        "properties": {
+            "name": {"type": "string"},
+            "type": {
+                "type": "string",
+                "description": "revolute (R), prismatic (P), continuous (C) or fixed (F).",
+            },
+            **dict.fromkeys(columns, cell),
+            "sign": {"enum": [1, -1]},
+            "ant": {"type": "integer"},
+            "sigma": {"enum": [0, 1, 2]},
+            "mu": {"enum": [0, 1]},
+            "limits": {
+                "type": "object",
+                "properties": dict.fromkeys(("lower", "upper", "velocity", "effort"), cell),
+                "additionalProperties": False,
+            },
+            "inertial": {"type": "object"},
+            "visual": {"type": "boolean"},
+        },
+        "additionalProperties": False,
+    }
+    row["required"] = ["alpha"]
+    table = {
+        "type": "object",
+        "description": "A Denavit-Hartenberg table.",
+        "required": ["convention", "joints"],
+        "properties": {
+            "name": {"type": "string"},
+            "title": {"type": "string"},
+            "description": {"type": "string"},
+            "source": {"type": "string"},
+            "convention": {
+                "type": "string",
+                "description": "standard (dh, sdh, distal, paul), modified (mdh, craig, proximal)"
+                " or khalil (khalil-kleinfinger).",
+            },
+            "units": {
+                "type": "object",
+                "properties": {
+                    "angle": {"enum": ["rad", "deg"]},
+                    "length": {"enum": ["m", "mm"]},
+                },
+                "additionalProperties": False,
+            },
+            "base": _PLACEMENT,
+            "tool": _PLACEMENT,
+            "joints": {"type": "array", "minItems": 1, "items": row},
+        },
+        "additionalProperties": False,
+    }
+    return {
+        "DHCell": {
+            "description": 'A number, or a text such as "pi/2", "-90deg", "0,4" or "q2-pi/2".',
+            "anyOf": [{"type": "number"}, {"type": "string", "maxLength": 64}],
+        },
+        "DHTable": table,
+        "InlineURDF": {
+            "type": "object",
+            "required": ["urdf"],
+            "properties": {
+                "urdf": {"type": "string"},
+                "base": {"type": "string"},
+                "tip": {"type": "string"},
+            },
+            "additionalProperties": False,
+        },
+    }
+
+
+def build_openapi(app: FastAPI, extra_types: tuple[Any, ...]) -> dict[str, Any]:
+    """The document of an application.
+
+    Args:
+        app: The application.
+        extra_types: Answer types of the routes that are no computations.
+    """
+    document = get_openapi(
+        title=app.title, version=app.version, description=app.description, routes=app.routes,
+        tags=app.openapi_tags,
+    )  # fmt: skip
+    types: list[Any] = [ProblemDetails, *extra_types]
+    for operation in OPERATIONS:
+        types += [operation.request, operation.response, inline_request_type(operation)]
+    _, components = msgspec.json.schema_components(types, ref_template=REF)
+    schemas = document.setdefault("components", {}).setdefault("schemas", {})
+    for unused in ("HTTPValidationError", "ValidationError"):
+        schemas.pop(unused, None)
+    schemas.update(components)
+    schemas.update(table_schemas())
+    for path in document["paths"].values():
+        for operation_item in path.values():
+            operation_item.get("responses", {}).pop("422", None)
+            _drop_doubles(operation_item)
+    return document
+
+
+def _drop_doubles(operation_item: dict[str, Any]) -> None:
+    """Keeps the described one of parameters that FastAPI derived as well."""
+    found: dict[tuple[str, str], Any] = {}
+    for parameter in operation_item.get("parameters", []):
+        found[(parameter["in"], parameter["name"])] = parameter
+    if found:
+        operation_item["parameters"] = list(found.values())

@@ -1,0 +1,12 @@
+"""The computations of the API, one module each: its request, its answer, and the call."""
+
+from app.operations.base import Answer, Operation
+from app.operations.dh import DH_MATRICES
+from app.operations.forward import FK
+from app.operations.inverse import IK
+from app.operations.jacobian import JACOBIAN
+from app.operations.singularity import SINGULARITY
+
+OPERATIONS: tuple[Operation, ...] = (FK, JACOBIAN, SINGULARITY, IK, DH_MATRICES)
+
+__all__ = ["OPERATIONS", "Answer", "Operation"]

@@ -1,0 +1,156 @@
+"""What every computation has in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeAlias
+
+import msgspec
+import numpy as np
+
+from app.problems import INVALID_REQUEST, RequestProblem
+from app.settings import Settings
+from app.units import Units
+from app.wire import decode_json
+from kinematics.configuration import configuration, configuration_by_name
+from robots.robot import FloatArray, Robot
+
+_ONE_Q = {"type": "array", "items": {"type": "number"}}
+_BY_NAME = {"type": "object", "additionalProperties": {"type": "number"}}
+_BATCH = {"type": "array", "items": _ONE_Q, "minItems": 1}
+
+Configuration = Annotated[
+    msgspec.Raw,
+    msgspec.Meta(
+        description="Joint values, one a joint in the robot's order: a list, a batch (list of"
+        " lists), or an object {joint name: value}. rad and m, or degrees with ?angle=deg.",
+        extra_json_schema={"anyOf": [_ONE_Q, _BATCH, _BY_NAME]},
+    ),
+]
+SingleConfiguration = Annotated[
+    msgspec.Raw,
+    msgspec.Meta(
+        description="Joint values, one a joint in the robot's order: a list, or an object"
+        " {joint name: value}. rad and m, or degrees with ?angle=deg.",
+        extra_json_schema={"anyOf": [_ONE_Q, _BY_NAME]},
+    ),
+]
+TaskField = Annotated[
+    str | list[int],
+    msgspec.Meta(
+        description="pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, or a mask"
+        " of six 0 or 1 for vx, vy, vz, wx, wy, wz.",
+    ),
+]
+Numbers: TypeAlias = list[Any]
+"""In answers: nested lists of numbers, with a leading axis n for batches."""
+
+
+@dataclass(frozen=True)
+class Context:
+    """What a computation knows besides robot and request."""
+
+    units: Units
+    settings: Settings
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a computation gives: a payload for JSON and text, and the array that npy holds."""
+
+    payload: dict[str, Any]
+    array: FloatArray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Operation:
+    """One computation of the API.
+
+    Attributes:
+        name: Last part of its path.
+        summary: One line for the docs.
+        description: More for the docs.
+        request: Type of the body.
+        response: Type of the answer, for the docs.
+        run: The computation.
+        example: A body that works on ``example_robot``.
+        example_robot: Id of a shipped robot.
+        query: Names of the parameters of the GET form.
+        threaded: True where a single request may take milliseconds.
+        array_field: Field that a body of type npy stands for, if there is one.
+    """
+
+    name: str
+    summary: str
+    description: str
+    request: type[msgspec.Struct]
+    response: type[msgspec.Struct]
+    run: Callable[[Robot, Any, Context], Answer]
+    example: dict[str, Any]
+    example_robot: str
+    query: tuple[str, ...]
+    threaded: bool = False
+    array_field: str | None = None
+
+
+def read_configuration(
+    raw: msgspec.Raw | FloatArray, robot: Robot, context: Context, pointer: str = "/q"
+) -> FloatArray:
+    """q of a request in rad and m, shape (dof,) or (n, dof).
+
+    Raises:
+        RequestProblem: Not numbers, or more configurations than one request may hold.
+        WrongConfiguration: It does not fit the robot.
+    """
+    q = raw if isinstance(raw, np.ndarray) else _from_json(raw, robot, pointer)
+    q = configuration(robot, q, pointer)
+    if q.ndim == 2 and not 1 <= len(q) <= context.settings.max_batch:
+        raise RequestProblem(
+            INVALID_REQUEST,
+            f"q holds {len(q)} configurations; give 1 to {context.settings.max_batch}",
+            pointer,
+        )
+    return context.units.joints_in(robot, q)
+
+
+def read_single(
+    raw: msgspec.Raw, robot: Robot, context: Context, pointer: str = "/q"
+) -> FloatArray:
+    """One q of a request in rad and m, shape (dof,).
+
+    Raises:
+        RequestProblem: Not one list of numbers.
+        WrongConfiguration: It does not fit the robot.
+    """
+    q = read_configuration(raw, robot, context, pointer)
+    if q.ndim != 1:
+        name = pointer.rsplit("/", 1)[-1]
+        raise RequestProblem(INVALID_REQUEST, f"{name} is a batch; give one list", pointer)
+    return q
+
+
+def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str) -> Any:
+    text = bytes(raw).lstrip()
+    if text[:1] == b"{":
+        values = decode_json(text, dict[str, float], pointer)
+        return configuration_by_name(robot, values, pointer)
+    if text[:1] != b"[":
+        raise RequestProblem(
+            INVALID_REQUEST,
+            f"{pointer.rsplit('/', 1)[-1]} is {text[:32].decode(errors='replace')}; give a list of"
+            " numbers, one a joint",
+            pointer,
+        )
+    if text[1:].lstrip()[:1] == b"[":
+        rows = decode_json(text, list[list[float]], pointer)
+        for index, row in enumerate(rows):
+            if len(row) != robot.dof:
+                return configuration(robot, row, f"{pointer}/{index}")
+        return rows
+    return decode_json(text, list[float], pointer)
+
+
+UNITS_SCHEMA = Annotated[
+    dict[str, str], msgspec.Meta(description='Units of the answer: {"angle": …, "length": "m"}.')
+]

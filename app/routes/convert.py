@@ -1,0 +1,35 @@
+"""Conversions that store nothing."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request, Response
+
+from app.dependencies import ServicesDep
+from app.documents import XML_TYPES, robot_from_body
+from app.openapi import PROBLEMS, REF
+from app.wire import media_type, unsupported
+
+
+def build_router(max_body: int) -> APIRouter:
+    """Routes of conversions.
+
+    Args:
+        max_body: Largest document in bytes.
+    """
+    router = APIRouter(prefix="/v1", tags=["convert"], responses=PROBLEMS)
+
+    @router.post("/dh-to-urdf", summary="D-H table to URDF", max_body_size=max_body,
+                 responses={200: {"description": "URDF.", "content": {"application/xml": {}}}},
+                 openapi_extra={"requestBody": {"required": True, "content": {
+                     "application/json": {"schema": {"$ref": REF.format(name="DHTable")}},
+                     "application/yaml": {"schema": {"$ref": REF.format(name="DHTable")}},
+                     "text/csv": {"schema": {"type": "string"}}}}})  # fmt: skip
+    async def dh_to_urdf(request: Request, services: ServicesDep) -> Response:
+        if media_type(request) in XML_TYPES:
+            accepted = ("application/json", "application/yaml", "text/csv")
+            raise unsupported(media_type(request), accepted)
+        body = await request.body()
+        robot = await services.in_thread(lambda: robot_from_body(request, body))
+        return Response(robot.urdf, media_type="application/xml")
+
+    return router

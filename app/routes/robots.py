@@ -1,0 +1,313 @@
+"""Robots: list, read, upload, replace, delete; and their URDF and D-H documents."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import msgspec
+import numpy as np
+from fastapi import APIRouter, Path, Request, Response
+
+from app.dependencies import RobotDep, ServicesDep
+from app.documents import id_from_name, robot_from_body
+from app.openapi import PROBLEMS, REF
+from app.problems import INVALID_REQUEST, RequestProblem
+from app.query import check_query, units_of
+from app.units import Units
+from app.wire import JSON, TEXT, media_type, respond, wanted_type
+from dh_to_urdf.documents import table_to_mapping
+from dh_to_urdf.readers import CONVENTION_ALIASES
+from robots.errors import RobotError
+from robots.robot import Robot
+from robots.store import ANY, StoredRobot
+
+DEFAULT_PAGE, MAX_PAGE = 100, 1000
+
+_EXAMPLE = {
+    "name": "my_arm",
+    "convention": "standard",
+    "units": {"angle": "deg", "length": "m"},
+    "joints": [
+        {"name": "j1", "type": "revolute", "alpha": 90, "a": 0, "d": 0.4, "theta": 0,
+         "limits": {"lower": -170, "upper": 170}},
+        {"name": "j2", "type": "revolute", "alpha": 0, "a": 0.3, "d": 0, "theta": 0,
+         "limits": {"lower": -120, "upper": 120}},
+    ],
+}  # fmt: skip
+_CSV_EXAMPLE = (
+    "name,type,alpha,a,d,theta,offset,sign,lower,upper\n"
+    "j1,R,pi/2,0,0.4,0,0,1,-170deg,170deg\nj2,R,0,0.3,0,0,0,1,-120deg,120deg\n"
+)
+
+
+class JointView(msgspec.Struct, kw_only=True):
+    """One entry of q; null where there is no limit or it is unknown."""
+
+    name: str
+    type: str
+    lower: float | None
+    upper: float | None
+    velocity: float | None
+    effort: float | None
+
+
+class RobotView(msgspec.Struct, kw_only=True):
+    """A robot."""
+
+    id: str
+    kind: str
+    title: str
+    source: str | None
+    shipped: bool
+    revision: str
+    dof: int
+    convention: str | None
+    units: dict[str, str]
+    joints: list[JointView]
+    base_frame: str
+    tip_frame: str
+    frames: list[str]
+    warnings: list[str]
+
+
+class RobotLine(msgspec.Struct, kw_only=True):
+    """A robot in a list."""
+
+    id: str
+    kind: str
+    title: str
+    dof: int
+    shipped: bool
+
+
+class RobotList(msgspec.Struct, kw_only=True):
+    """One page of robots, by id."""
+
+    robots: list[RobotLine]
+    next_page_token: str | None
+
+
+def robot_view(stored: StoredRobot, units: Units) -> dict[str, Any]:
+    """What the API says of a robot."""
+    robot = stored.robot
+
+    def out(value: float | None, turns: bool) -> float | None:
+        return value if value is None or not turns else float(units.angles_out(np.float64(value)))  # type: ignore[arg-type]
+
+    return {
+        "id": stored.id,
+        "kind": robot.kind,
+        "title": stored.title,
+        "source": stored.source,
+        "shipped": stored.shipped,
+        "revision": robot.revision,
+        "dof": robot.dof,
+        "convention": robot.table.convention.value if robot.table else None,
+        "units": units.named,
+        "joints": [
+            {
+                "name": joint.name,
+                "type": joint.type.value,
+                "lower": out(joint.lower, joint.type.turns),
+                "upper": out(joint.upper, joint.type.turns),
+                "velocity": out(joint.velocity, joint.type.turns),
+                "effort": joint.effort,
+            }
+            for joint in robot.joints
+        ],
+        "base_frame": robot.base_frame,
+        "tip_frame": robot.tip_frame,
+        "frames": list(robot.frames),
+        "warnings": list(robot.warnings),
+    }
+
+
+def etag(robot: Robot) -> str:
+    """Strong entity tag of a robot's documents."""
+    return f'"{robot.revision}"'
+
+
+def _not_modified(request: Request, tag: str) -> Response | None:
+    given = request.headers.get("if-none-match")
+    if given is None:
+        return None
+    tags = {item.strip().removeprefix("W/") for item in given.split(",")}
+    return Response(status_code=304, headers={"ETag": tag}) if {tag, "*"} & tags else None
+
+
+def _if_match(request: Request) -> str | None:
+    """The revision that a request insists on."""
+    given = request.headers.get("if-match")
+    return None if given is None else given.strip().strip('"') if given.strip() != "*" else ANY
+
+
+def build_router(max_body: int) -> APIRouter:
+    """Routes of robots.
+
+    Args:
+        max_body: Largest document in bytes.
+    """
+    router = APIRouter(prefix="/v1/robots", tags=["robots"], responses=PROBLEMS)
+    view: dict[int | str, dict[str, Any]] = {
+        200: {"description": "The robot.",
+              "content": {JSON: {"schema": {"$ref": REF.format(name="RobotView")}},
+                          TEXT: {"schema": {"type": "string"}}}}
+    }  # fmt: skip
+    document = {
+        "requestBody": {
+            "required": True,
+            "content": {
+                "application/json": {
+                    "schema": {"$ref": REF.format(name="DHTable")}, "example": _EXAMPLE},
+                "application/yaml": {"schema": {"$ref": REF.format(name="DHTable")}},
+                "text/csv": {"schema": {"type": "string"}, "example": _CSV_EXAMPLE},
+                "application/xml": {"schema": {"type": "string"}},
+            },
+        },
+        "parameters": [
+            {"name": name, "in": "query", "required": False, "schema": {"type": "string"},
+             "description": text}
+            for name, text in (
+                ("name", "Name of the robot, where the document gives none or another."),
+                ("convention", "CSV: standard, modified or khalil."),
+                ("angle", "CSV: rad (default) or deg."),
+                ("length", "CSV: m (default) or mm."),
+                ("tip", "URDF: default tip frame."),
+                ("base", "URDF: frame in whose axes results are given."),
+            )
+        ],
+    }  # fmt: skip
+
+    @router.get("", summary="List robots", responses={200: {
+        "description": "One page.",
+        "content": {JSON: {"schema": {"$ref": REF.format(name="RobotList")}}}}})  # fmt: skip
+    async def list_robots(
+        request: Request, services: ServicesDep, page_size: int = DEFAULT_PAGE, page_token: str = ""
+    ) -> Response:
+        check_query(request, "page_size", "page_token")
+        wanted = wanted_type(request, JSON, TEXT)
+        if not 1 <= page_size <= MAX_PAGE:
+            raise RequestProblem(
+                INVALID_REQUEST, f"page_size is {page_size}; give 1 to {MAX_PAGE}", "/page_size"
+            )
+        return await services.in_thread(lambda: _page(services, page_size, page_token, wanted))
+
+    @router.post("", status_code=201, summary="Upload a robot", max_body_size=max_body,
+                 responses={201: view[200]}, openapi_extra=document)  # fmt: skip
+    async def create_robot(request: Request, services: ServicesDep) -> Response:
+        wanted, body = wanted_type(request, JSON, TEXT), await request.body()
+        name = request.query_params.get("name")
+
+        def create() -> StoredRobot:
+            robot = robot_from_body(request, body, default_name="")
+            robot_id = id_from_name(name or robot.name)
+            stored, _ = services.store.put(robot_id, robot, create_only=True)
+            return stored
+
+        return _created(request, await services.in_thread(create), wanted)
+
+    @router.get("/{robot_id}", summary="Read a robot", responses=view)
+    async def read_robot(request: Request, stored: RobotDep) -> Response:
+        check_query(request)
+        units, wanted = units_of(request), wanted_type(request, JSON, TEXT)
+        tag = etag(stored.robot)
+        payload = robot_view(stored, units)
+        return _not_modified(request, tag) or respond(payload, wanted, headers={"ETag": tag})
+
+    @router.put("/{robot_id}", summary="Upload or replace a robot", max_body_size=max_body,
+                responses=view | {201: view[200]}, openapi_extra=document)  # fmt: skip
+    async def put_robot(
+        request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
+    ) -> Response:
+        wanted, body = wanted_type(request, JSON, TEXT), await request.body()
+        create_only = request.headers.get("if-none-match", "").strip() == "*"
+
+        def put() -> tuple[StoredRobot, bool]:
+            robot = robot_from_body(request, body, default_name=robot_id)
+            _check_name(robot, robot_id, request)
+            return services.store.put(
+                robot_id, robot, create_only=create_only, if_match=_if_match(request)
+            )
+
+        stored, created = await services.in_thread(put)
+        if created:
+            return _created(request, stored, wanted)
+        headers = {"ETag": etag(stored.robot)}
+        return respond(robot_view(stored, Units()), wanted, headers=headers)
+
+    @router.delete("/{robot_id}", status_code=204, summary="Delete a robot")
+    async def delete_robot(
+        request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
+    ) -> Response:
+        check_query(request)
+        if_match = _if_match(request)
+        await services.in_thread(lambda: services.store.delete(robot_id, if_match=if_match))
+        return Response(status_code=204)
+
+    @router.get("/{robot_id}/urdf", summary="The URDF of a robot",
+                responses={200: {"description": "URDF.", "content": {"application/xml": {}}}})  # fmt: skip
+    async def read_urdf(request: Request, stored: RobotDep) -> Response:
+        check_query(request)
+        tag = etag(stored.robot)
+        return _not_modified(request, tag) or Response(
+            stored.robot.urdf, media_type="application/xml", headers={"ETag": tag}
+        )
+
+    @router.get("/{robot_id}/dh", summary="The D-H table of a robot made from one",
+                responses={200: {"description": "The table.",
+                                 "content": {JSON: {"schema": {"$ref": REF.format(name="DHTable")}}}}})  # fmt: skip
+    async def read_dh(request: Request, stored: RobotDep) -> Response:
+        check_query(request, "convention")
+        return _table_answer(request, stored)
+
+    return router
+
+
+def _page(services: Any, page_size: int, page_token: str, wanted: str) -> Response:
+    later = [robot_id for robot_id in services.store.ids() if robot_id > page_token]
+    lines = []
+    for robot_id in later[:page_size]:
+        try:
+            line = services.store.summary(robot_id)
+        except RobotError:
+            continue
+        lines.append({name: getattr(line, name) for name in RobotLine.__struct_fields__})
+    token = later[page_size - 1] if len(later) > page_size else None
+    return respond({"robots": lines, "next_page_token": token}, wanted)
+
+
+def _created(request: Request, stored: StoredRobot, wanted: str) -> Response:
+    location = f"{request.scope.get('root_path', '')}/v1/robots/{stored.id}"
+    headers = {"ETag": etag(stored.robot), "Location": location}
+    return respond(robot_view(stored, Units()), wanted, status=201, headers=headers)
+
+
+def _check_name(robot: Robot, robot_id: str, request: Request) -> None:
+    """A table's own name must be the path's id; a URDF keeps the name that it has."""
+    if robot.table is None or media_type(request) == "text/csv":
+        return
+    if robot.name not in (robot_id, "robot") and id_from_name(robot.name) != robot_id:
+        raise RequestProblem(
+            INVALID_REQUEST,
+            f"name is {robot.name!r} but the path says {robot_id!r}; make them equal or leave name"
+            " out",
+            "/name",
+        )
+
+
+def _table_answer(request: Request, stored: StoredRobot) -> Response:
+    table = stored.robot.table
+    if table is None:
+        raise RequestProblem(INVALID_REQUEST, "this robot was made from a URDF and has no D-H table")
+    asked = request.query_params.get("convention")
+    if asked is not None and CONVENTION_ALIASES.get(asked.lower()) is not table.convention:
+        raise RequestProblem(
+            INVALID_REQUEST,
+            f"the table of this robot is in the {table.convention.value} convention; leave"
+            " convention out to get it",
+            "/convention",
+        )
+    tag = etag(stored.robot)
+    wanted = wanted_type(request, JSON, TEXT)
+    payload = table_to_mapping(table)
+    return _not_modified(request, tag) or respond(payload, wanted, headers={"ETag": tag})

@@ -1,0 +1,243 @@
+"""Bytes to values and back: JSON and npy in, JSON, npy and terminal text out."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+import msgspec
+import numpy as np
+import orjson
+from fastapi import Request, Response
+
+from app.problems import (
+    INVALID_REQUEST,
+    MALFORMED_BODY,
+    NOT_ACCEPTABLE,
+    UNSUPPORTED_TYPE,
+    RequestProblem,
+)
+from app.text import render_text
+from robots.robot import FloatArray
+
+T = TypeVar("T")
+
+JSON = "application/json"
+NPY = "application/x-npy"
+TEXT = "text/plain"
+LARGE = 20_000
+"""Numbers in an array above which it is written in parts, so that other threads get a turn."""
+
+_PATH = re.compile(r" - at `([^`]*)`$")
+_FORMATS = {"json": JSON, "text": TEXT, "npy": NPY}
+
+
+def media_type(request: Request) -> str:
+    """The body's media type in lower case, without parameters."""
+    return request.headers.get("content-type", "").partition(";")[0].strip().lower()
+
+
+def wanted_type(request: Request, *offers: str) -> str:
+    """The form of the answer: ``?format=`` if given, else the best of the Accept header.
+
+    Raises:
+        RequestProblem: 406, neither names an offer.
+    """
+    named = request.query_params.get("format")
+    if named is not None:
+        wanted = _FORMATS.get(named)
+        if wanted not in offers:
+            choices = ", ".join(key for key, value in _FORMATS.items() if value in offers)
+            raise RequestProblem(
+                INVALID_REQUEST, f"format is {named[:32]!r}; give one of {choices}", "/format"
+            )
+        return wanted
+    accept = request.headers.get("accept", "*/*")
+    if accept in ("*/*", offers[0]):
+        return offers[0]
+    weighted: list[tuple[float, int, str]] = []
+    for position, item in enumerate(accept.lower().split(",")[:32]):
+        name, *parameters = (part.strip() for part in item.split(";"))
+        weight = 1.0
+        for parameter in parameters:
+            if parameter.startswith("q="):
+                try:
+                    weight = float(parameter[2:])
+                except ValueError:
+                    weight = 0.0
+        if weight > 0:
+            weighted.append((-weight, position, name))
+    for _, _, name in sorted(weighted):
+        for offer in offers:
+            kind = offer.partition("/")[0]
+            if name in (offer, "*/*", f"{kind}/*"):
+                return offer
+    raise RequestProblem(NOT_ACCEPTABLE, f"this answer is available as {', '.join(offers)}")
+
+
+def decode_json(body: bytes | msgspec.Raw, type_: type[T], pointer: str = "") -> T:
+    """Strict JSON -> a typed value.
+
+    Raises:
+        RequestProblem: 400 for text that is no JSON, 422 with a pointer for a wrong type.
+    """
+    try:
+        return msgspec.json.decode(body, type=type_)
+    except msgspec.ValidationError as error:
+        raise validation_problem(error, pointer) from None
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        reason = str(error)[:160]
+        remedy = "; NaN and Infinity are not JSON" if "invalid character" in reason else ""
+        raise RequestProblem(
+            MALFORMED_BODY, f"the body is not JSON: {reason}{remedy}", pointer
+        ) from None
+    except RecursionError:
+        raise RequestProblem(MALFORMED_BODY, "the body is nested too deeply", pointer) from None
+
+
+def validation_problem(error: msgspec.ValidationError, pointer: str = "") -> RequestProblem:
+    """A problem from msgspec's message, whose path becomes a JSON pointer."""
+    text = str(error)
+    match = _PATH.search(text)
+    path = match[1] if match else "$"
+    message = _PATH.sub("", text).replace("`", "")
+    found = pointer + json_pointer(path)
+    unknown = re.search(r"Object contains unknown field (.+)$", message)
+    if unknown:
+        field = unknown[1]
+        return RequestProblem(INVALID_REQUEST, f"unknown field {field[:64]!r}", f"{found}/{field}")
+    missing = re.search(r"Object missing required field (.+)$", message)
+    if missing:
+        return RequestProblem(
+            INVALID_REQUEST, f"the field {missing[1]!r} is missing; give it", f"{found}/{missing[1]}"
+        )
+    where = f"{found.removeprefix('/')}: " if found else ""
+    return RequestProblem(INVALID_REQUEST, f"{where}{message[:1].lower()}{message[1:]}", found)
+
+
+def json_pointer(path: str) -> str:
+    """``$.joints[2].alpha`` -> ``/joints/2/alpha``."""
+    return re.sub(r"\[(\d+|\.\.\.)\]", r"/\1", path.removeprefix("$")).replace(".", "/").replace(
+        "[///]", "/*"
+    )
+
+
+def decode_npy(body: bytes, pointer: str = "") -> FloatArray:
+    """An npy file of real numbers -> a float array in native byte order.
+
+    Raises:
+        RequestProblem: Not npy, another type than numbers, or shorter than its header says.
+    """
+    stream = io.BytesIO(body)
+    try:
+        version = np.lib.format.read_magic(stream)
+        reader = (
+            np.lib.format.read_array_header_1_0
+            if version == (1, 0)
+            else np.lib.format.read_array_header_2_0
+        )
+        shape, fortran, dtype = reader(stream)
+    except (ValueError, SyntaxError, TypeError, EOFError, RecursionError, MemoryError):
+        raise RequestProblem(MALFORMED_BODY, "the body is no npy file", pointer) from None
+    if dtype.hasobject or dtype.kind not in "fiu" or dtype.itemsize > 8:
+        raise RequestProblem(
+            INVALID_REQUEST, "the npy array holds no real numbers; save it as float64", pointer
+        )
+    count = int(np.prod([int(n) for n in shape], dtype=object)) if shape else 1
+    payload = body[stream.tell() :]
+    if count * dtype.itemsize != len(payload):
+        raise RequestProblem(
+            MALFORMED_BODY, "the npy file is shorter or longer than its header says", pointer
+        )
+    array = np.frombuffer(payload, dtype=dtype, count=count)
+    array = array.reshape(shape, order="F" if fortran else "C")
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def json_bytes(payload: object) -> bytes:
+    """JSON of dicts, lists, scalars and numpy arrays; large arrays in parts."""
+    if isinstance(payload, Mapping):
+        members = (orjson.dumps(key) + b":" + json_bytes(value) for key, value in payload.items())
+        return b"{" + b",".join(members) + b"}"
+    if isinstance(payload, np.ndarray) and payload.size > LARGE and payload.ndim > 0:
+        rows = max(1, LARGE // max(1, payload[0].size))
+        parts = (_dumps(payload[k : k + rows])[1:-1] for k in range(0, len(payload), rows))
+        return b"[" + b",".join(parts) + b"]"
+    return _dumps(payload)
+
+
+def _dumps(payload: object) -> bytes:
+    return orjson.dumps(
+        payload,
+        default=_plain,
+        option=orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_NON_STR_KEYS,
+    )
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.ndarray):
+        return np.ascontiguousarray(value) if value.dtype.kind in "fiub" else value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"cannot write a {type(value).__name__}")
+
+
+def npy_bytes(array: FloatArray) -> bytes:
+    """An npy file."""
+    stream = io.BytesIO()
+    np.lib.format.write_array(stream, np.ascontiguousarray(array), allow_pickle=False)
+    return stream.getvalue()
+
+
+def respond(
+    payload: Mapping[str, Any],
+    wanted: str = JSON,
+    *,
+    array: FloatArray | None = None,
+    status: int = 200,
+    headers: Mapping[str, str] | None = None,
+) -> Response:
+    """The answer in the wanted form.
+
+    Args:
+        payload: What JSON and text show.
+        wanted: Media type from :func:`wanted_type`.
+        array: What npy holds.
+        status: HTTP status.
+        headers: Further headers.
+    """
+    if wanted == TEXT:
+        content = render_text(payload).encode()
+        return Response(content, status, dict(headers or {}), "text/plain; charset=utf-8")
+    if wanted == NPY:
+        if array is None:
+            raise RequestProblem(NOT_ACCEPTABLE, "this answer has no npy form; ask for JSON")
+        return Response(npy_bytes(array), status, dict(headers or {}), NPY)
+    return Response(json_bytes(payload), status, dict(headers or {}), JSON)
+
+
+def require_type(request: Request, *accepted: str) -> str:
+    """The body's media type, if it is one of those accepted.
+
+    Raises:
+        RequestProblem: 415, with what to write.
+    """
+    given = media_type(request)
+    if given in accepted:
+        return given
+    raise unsupported(given, accepted)
+
+
+def unsupported(given: str, accepted: tuple[str, ...]) -> RequestProblem:
+    """415 that teaches ``curl --json`` to those who used ``curl -d``."""
+    listed = ", ".join(accepted)
+    if given in ("", "application/x-www-form-urlencoded"):
+        detail = (
+            "the body has no JSON content type; with curl write --json '{…}' instead of -d, or add"
+            f" -H 'Content-Type: {accepted[0]}' (read here: {listed})"
+        )
+    else:
+        detail = f"a body of type {given[:64]!r} is not read here; send {listed}"
+    return RequestProblem(UNSUPPORTED_TYPE, detail, headers={"Accept": listed})

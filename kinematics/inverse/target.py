@@ -1,0 +1,126 @@
+"""Target poses as requests give them -> 4x4 matrices, checked against the task."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dh_to_urdf.poses import from_xyz_quaternion, rigid_transform
+from kinematics.errors import InvalidTarget
+from kinematics.orientation import rotation_from_euler
+from kinematics.task import Task
+from robots.robot import FloatArray
+
+MAX_VALUE = 1e6
+
+
+@dataclass(frozen=True)
+class TargetSpec:
+    """One target in any of its forms, in m and rad; None where not given.
+
+    Attributes:
+        matrix: 4x4.
+        position: x, y, z; for tasks without z also x, y.
+        quaternion_xyzw: Unit quaternion.
+        rpy: Roll, pitch, yaw.
+        euler: Sequence and its three angles.
+        phi: Angle about z, alone: a planar orientation.
+    """
+
+    matrix: Sequence[Sequence[float]] | None = None
+    position: Sequence[float] | None = None
+    quaternion_xyzw: Sequence[float] | None = None
+    rpy: Sequence[float] | None = None
+    euler: tuple[str, Sequence[float]] | None = None
+    phi: float | None = None
+
+
+def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> FloatArray:
+    """The pose of a target; what the task does not look at may be missing.
+
+    Args:
+        spec: The target.
+        task: The task space.
+        pointer: JSON pointer for errors.
+
+    Returns:
+        4x4; the identity in what is not given.
+
+    Raises:
+        InvalidTarget: A part that the task needs is missing, two forms contradict, or a value
+            is not finite or no rotation.
+        UnknownSequence: Not an Euler sequence.
+    """
+    orientations = {
+        "quaternion_xyzw": spec.quaternion_xyzw,
+        "rpy": spec.rpy,
+        "euler": spec.euler,
+        "phi": spec.phi,
+    }
+    given = [name for name, value in orientations.items() if value is not None]
+    if spec.matrix is not None:
+        if given or spec.position is not None:
+            raise InvalidTarget("target has a matrix and other fields; give one form", pointer)
+        try:
+            matrix = rigid_transform(spec.matrix)
+        except ValueError as error:
+            raise InvalidTarget(f"target.matrix {error}", f"{pointer}/matrix") from None
+        _bounded(matrix, "matrix", pointer)
+        return matrix
+    if len(given) > 1:
+        raise InvalidTarget(f"target has {' and '.join(given)}; give one orientation", pointer)
+    if task.positions and spec.position is None:
+        raise InvalidTarget(
+            f"task {task.name} needs a position; give target.position or target.matrix",
+            f"{pointer}/position",
+        )
+    if task.rotations and not given:
+        raise InvalidTarget(
+            f"task {task.name} needs an orientation; give target.rpy, quaternion_xyzw, euler, phi"
+            " or matrix, or choose task position",
+            pointer,
+        )
+    T = np.eye(4)
+    if spec.position is not None:
+        T[:3, 3] = _position(spec.position, task, pointer)
+    if spec.quaternion_xyzw is not None:
+        quaternion = _vector(spec.quaternion_xyzw, 4, "quaternion_xyzw", pointer)
+        try:
+            T[:3, :3] = from_xyz_quaternion(np.zeros(3), quaternion)[:3, :3]
+        except ValueError as error:
+            raise InvalidTarget(
+                f"target.quaternion_xyzw {error}", f"{pointer}/quaternion_xyzw"
+            ) from None
+    elif spec.rpy is not None:
+        T[:3, :3] = rotation_from_euler("xyz", _vector(spec.rpy, 3, "rpy", pointer))
+    elif spec.euler is not None:
+        sequence, angles = spec.euler
+        values = _vector(angles, 3, "euler", pointer)
+        T[:3, :3] = rotation_from_euler(sequence, values, f"{pointer}/euler/sequence")
+    elif spec.phi is not None:
+        T[:3, :3] = rotation_from_euler("xyz", _vector([0.0, 0.0, spec.phi], 3, "phi", pointer))
+    return T
+
+
+def _position(position: Sequence[float], task: Task, pointer: str) -> FloatArray:
+    if len(position) == 2 and 2 not in task.positions:
+        position = [*position, 0.0]
+    return _vector(position, 3, "position", pointer)
+
+
+def _vector(values: Sequence[float], size: int, name: str, pointer: str) -> FloatArray:
+    if len(values) != size:
+        raise InvalidTarget(
+            f"target.{name} has {len(values)} values; give {size}", f"{pointer}/{name}"
+        )
+    return _bounded(np.array(values, dtype=np.float64), name, pointer)
+
+
+def _bounded(values: FloatArray, name: str, pointer: str) -> FloatArray:
+    if not np.abs(values).max() <= MAX_VALUE:
+        raise InvalidTarget(
+            f"target.{name} has a value that is not finite or beyond ±1e6", f"{pointer}/{name}"
+        )
+    return values
