@@ -44,7 +44,7 @@ bench: $(STAMP)
 	$(BIN)/python -m bench
 
 image-test:
-	./image-test.sh
+	./docker/image-test.sh
 
 lock: $(STAMP)
 	$(BIN)/python -m pip install --quiet uv

@@ -114,5 +114,3 @@ def _load(robot: str) -> Robot:
         raise click.ClickException("CSV says no convention: convert it with dh-to-urdf first")
     reader = read_json if path.suffix == ".json" else read_yaml
     return robot_from_table(reader(content))
-
-

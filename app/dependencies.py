@@ -45,7 +45,7 @@ class InlineRobots:
             if key in self._robots:
                 self._robots.move_to_end(key)
                 return self._robots[key]
-        data = decode_json(document, Any, "/robot")  # type: ignore[arg-type]
+        data = decode_json(document, Any, "/robot")
         if not isinstance(data, dict):
             raise RequestProblem(
                 INVALID_REQUEST, "robot is neither a table nor the id of a robot", "/robot"
@@ -79,9 +79,10 @@ class Services:
         Raises:
             RobotNotFound: No robot has this id.
         """
-        return self.store.in_memory(robot_id) or await self.in_thread(
-            lambda: self.store.get(robot_id)
-        )
+        loaded = self.store.in_memory(robot_id)
+        if loaded is not None:
+            return loaded
+        return await self.in_thread(lambda: self.store.get(robot_id))
 
     async def inline_robot(self, raw: msgspec.Raw) -> Robot:
         """The robot of a body's ``robot`` field: a table, a URDF or an id.

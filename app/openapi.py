@@ -15,7 +15,10 @@ from app.wire import JSON, NPY, TEXT
 
 REF = "#/components/schemas/{name}"
 _NUMBERS = {
-    "q": ("Joint values, comma-separated, in the robot's order; pi/2 and 90deg are read too.", True),
+    "q": (
+        "Joint values, comma-separated, in the robot's order; pi/2 and 90deg are read too.",
+        True,
+    ),
     "seed": ("First start, comma-separated joint values.", False),
     "frames": ("Frame names, comma-separated, or all; default the tip.", False),
     "frame": ("Frame name; default the tip.", False),
@@ -69,9 +72,12 @@ def inline_request_type(operation: Operation) -> type[msgspec.Struct]:
         msgspec.Meta(
             description='A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot.',
             extra_json_schema={
-                "anyOf": [{"type": "string"}, {"$ref": "#/components/schemas/DHTable"},
-                          {"$ref": "#/components/schemas/InlineURDF"}]
-            },  # fmt: skip
+                "anyOf": [
+                    {"type": "string"},
+                    {"$ref": "#/components/schemas/DHTable"},
+                    {"$ref": "#/components/schemas/InlineURDF"},
+                ]
+            },
         ),
     ]
     return msgspec.defstruct(
@@ -87,8 +93,10 @@ def operation_docs(operation: Operation) -> OperationDocs:
     """What the docs say of a computation's routes."""
     name = operation.name.replace("-", "_")
     answers = _answers(operation)
-    angle = [_parameter("angle", "rad (default) or deg: joint values and Euler angles.", ["rad", "deg"]),
-             _parameter("format", "json (default), text or npy.", ["json", "text", "npy"])]  # fmt: skip
+    choices = [
+        _parameter("angle", "rad (default) or deg: joint values, Euler angles.", ["rad", "deg"]),
+        _parameter("format", "json (default), text or npy.", ["json", "text", "npy"]),
+    ]
     body: dict[str, Any] = {
         JSON: {
             "schema": {"$ref": REF.format(name=operation.request.__name__)},
@@ -104,7 +112,9 @@ def operation_docs(operation: Operation) -> OperationDocs:
         }
     }
     query = [
-        _parameter(key, _NUMBERS[key][0], required=_NUMBERS[key][1], example=_example(operation, key))
+        _parameter(
+            key, _NUMBERS[key][0], required=_NUMBERS[key][1], example=_example(operation, key)
+        )
         for key in operation.query
     ]
 
@@ -119,11 +129,11 @@ def operation_docs(operation: Operation) -> OperationDocs:
     path = _robot_parameter(operation.example_robot)
     return OperationDocs(
         post=docs("", operation.summary, {
-            "parameters": [path, *angle], "requestBody": {"required": True, "content": body}}),
+            "parameters": [path, *choices], "requestBody": {"required": True, "content": body}}),
         get=docs("_get", f"{operation.summary}, from a query", {
-            "parameters": [path, *query, *angle]}),
+            "parameters": [path, *query, *choices]}),
         inline=docs("_inline", f"{operation.summary} of a robot in the body", {
-            "parameters": angle, "requestBody": {"required": True, "content": inline_body}}),
+            "parameters": choices, "requestBody": {"required": True, "content": inline_body}}),
     )  # fmt: skip
 
 

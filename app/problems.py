@@ -96,7 +96,7 @@ def problem_response(
 ) -> Response:
     """A problem document; at most ten errors, no control characters, bounded length."""
     errors = [
-        {"pointer": problem.pointer[:200], "message": _shown(problem.message)}
+        {"pointer": _shown(problem.pointer)[:200], "message": _shown(problem.message)}
         for problem in problems[:MAX_ERRORS]
     ]
     detail = errors[0]["message"] if errors else type_.title

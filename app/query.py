@@ -47,9 +47,7 @@ def units_of(request: Request) -> Units:
     """
     angle = request.query_params.get("angle", "rad")
     if angle not in ("rad", "deg"):
-        raise RequestProblem(
-            INVALID_REQUEST, f"angle is {angle[:32]!r}; give rad or deg", "/angle"
-        )
+        raise RequestProblem(INVALID_REQUEST, f"angle is {angle[:32]!r}; give rad or deg", "/angle")
     return Units(angle == "deg")
 
 
@@ -138,7 +136,9 @@ def _euler(name: str, text: str, units: Units) -> dict[str, Any] | str:
 def _integer(name: str, text: str, units: Units) -> int:
     value = number(name, text, units)
     if not value.is_integer():
-        raise RequestProblem(INVALID_REQUEST, f"{name} is {text[:32]!r}; give an integer", f"/{name}")
+        raise RequestProblem(
+            INVALID_REQUEST, f"{name} is {text[:32]!r}; give an integer", f"/{name}"
+        )
     return int(value)
 
 

@@ -19,20 +19,20 @@ class Settings(BaseSettings):
 
     model_config = SettingsConfigDict(env_prefix="DENAVIT_", frozen=True, extra="ignore")
 
-    host: str = Field("127.0.0.1", description="Address to listen on.")
-    port: int = Field(8000, ge=0, le=65535, description="Port to listen on.")
-    workers: int = Field(1, ge=1, le=256, description="Worker processes.")
+    host: str = Field(default="127.0.0.1", description="Address to listen on.")
+    port: int = Field(default=8000, ge=0, le=65535, description="Port to listen on.")
+    workers: int = Field(default=1, ge=1, le=256, description="Worker processes.")
     data_dir: Path = Field(
         default_factory=default_data_dir, description="Where uploaded robots are kept."
     )
     max_document_bytes: int = Field(
-        2_000_000, ge=1000, description="Largest robot document (table or URDF)."
+        default=2_000_000, ge=1000, description="Largest robot document (table or URDF)."
     )
     max_compute_bytes: int = Field(
-        64_000_000, ge=1000, description="Largest body of a computation, batches included."
+        default=64_000_000, ge=1000, description="Largest body of a computation, batches included."
     )
-    max_batch: int = Field(200_000, ge=1, description="Most configurations in one request.")
-    max_ik_batch: int = Field(10_000, ge=1, description="Most IK targets in one request.")
+    max_batch: int = Field(default=200_000, ge=1, description="Most configurations in one request.")
+    max_ik_batch: int = Field(default=10_000, ge=1, description="Most IK targets in one request.")
     compute_threads: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
         ge=1,

@@ -23,7 +23,9 @@ def _mapping(payload: Mapping[str, Any], lines: list[str], indent: str) -> None:
     for key, value in payload.items():
         array = _array(value)
         if isinstance(value, Mapping):
-            if all(not isinstance(item, (Mapping, list, tuple, np.ndarray)) for item in value.values()):
+            if all(
+                not isinstance(item, (Mapping, list, tuple, np.ndarray)) for item in value.values()
+            ):
                 inline = "  ".join(f"{name} {_scalar(item)}" for name, item in value.items())
                 lines.append(f"{indent}{key}: {inline}")
             else:
@@ -31,7 +33,9 @@ def _mapping(payload: Mapping[str, Any], lines: list[str], indent: str) -> None:
                 _mapping(value, lines, indent + "  ")
         elif array is not None and array.ndim == 1:
             cells = "  ".join(_cell(item) for item in array)
-            lines.append(f"{indent}{key}: [{cells.strip()}]" if array.size else f"{indent}{key}: []")
+            lines.append(
+                f"{indent}{key}: [{cells.strip()}]" if array.size else f"{indent}{key}: []"
+            )
         elif array is not None:
             lines.append(f"{indent}{key}:")
             _blocks(array, lines, indent + "  ")

@@ -111,7 +111,9 @@ def validation_problem(error: msgspec.ValidationError, pointer: str = "") -> Req
     missing = re.search(r"Object missing required field (.+)$", message)
     if missing:
         return RequestProblem(
-            INVALID_REQUEST, f"the field {missing[1]!r} is missing; give it", f"{found}/{missing[1]}"
+            INVALID_REQUEST,
+            f"the field {missing[1]!r} is missing; give it",
+            f"{found}/{missing[1]}",
         )
     where = f"{found.removeprefix('/')}: " if found else ""
     return RequestProblem(INVALID_REQUEST, f"{where}{message[:1].lower()}{message[1:]}", found)
@@ -119,8 +121,10 @@ def validation_problem(error: msgspec.ValidationError, pointer: str = "") -> Req
 
 def json_pointer(path: str) -> str:
     """``$.joints[2].alpha`` -> ``/joints/2/alpha``."""
-    return re.sub(r"\[(\d+|\.\.\.)\]", r"/\1", path.removeprefix("$")).replace(".", "/").replace(
-        "[///]", "/*"
+    return (
+        re.sub(r"\[(\d+|\.\.\.)\]", r"/\1", path.removeprefix("$"))
+        .replace(".", "/")
+        .replace("[///]", "/*")
     )
 
 

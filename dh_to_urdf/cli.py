@@ -67,9 +67,7 @@ def _check(urdf: str) -> None:
     try:
         from yourdfpy import URDF
     except ImportError:
-        raise click.ClickException(
-            "--check needs yourdfpy: pip install 'denavit[check]'"
-        ) from None
+        raise click.ClickException("--check needs yourdfpy: pip install 'denavit[check]'") from None
     import io
 
     robot = URDF.load(io.BytesIO(urdf.encode()), load_meshes=False, build_scene_graph=False)

@@ -257,7 +257,7 @@ def parse_cell(raw: object, quantity: Quantity, unit: float = 1.0) -> Cell:
         CellError: The cell is not finite, too large, of another quantity or not readable.
     """
     if isinstance(raw, bool) or raw is None or not isinstance(raw, (int, float, str)):
-        raise CellError(f"is {quoted(raw)}; give a number or a text such as \"pi/2\"")
+        raise CellError(f'is {quoted(raw)}; give a number or a text such as "pi/2"')
     if isinstance(raw, str):
         return _checked(_parse_text(raw, quantity, unit), raw)
     try:

@@ -67,9 +67,7 @@ def read_placement(
             return _from_matrix(raw["matrix"], pointer, length, warnings)
         xyz = _vector(raw.get("xyz", [0, 0, 0]), "xyz", 3, Quantity.LENGTH, length)
         if "quaternion_xyzw" in raw:
-            quaternion = _vector(
-                raw["quaternion_xyzw"], "quaternion_xyzw", 4, Quantity.NUMBER, 1.0
-            )
+            quaternion = _vector(raw["quaternion_xyzw"], "quaternion_xyzw", 4, Quantity.NUMBER, 1.0)
             return from_xyz_quaternion(xyz, quaternion)
         rpy = _vector(raw.get("rpy", [0, 0, 0]), "rpy", 3, Quantity.ANGLE, angle)
         return from_xyz_rpy(xyz, rpy)
@@ -92,7 +90,9 @@ def _from_matrix(raw: object, pointer: str, length: float, warnings: list[str]) 
     if is_mended(matrix):
         name = pointer.rsplit("/", 1)[-1]
         change = float(np.abs(T - matrix).max())
-        warnings.append(f"{name}: the matrix is rounded; its nearest rotation is used ({change:.1e})")
+        warnings.append(
+            f"{name}: the matrix is rounded; its nearest rotation is used ({change:.1e})"
+        )
     return T
 
 
@@ -158,9 +158,7 @@ def _inertia(raw: object) -> Matrix:
             key: _vector([raw.get(key, 0)], f"inertia.{key}", 1, Quantity.NUMBER, 1.0)[0]
             for key in _INERTIA_KEYS
         }
-        return np.array(
-            [[values["i" + "".join(sorted(r + c))] for c in "xyz"] for r in "xyz"]
-        )
+        return np.array([[values["i" + "".join(sorted(r + c))] for c in "xyz"] for r in "xyz"])
     if isinstance(raw, list) and len(raw) == 3:
         matrix = np.array([_vector(row, "inertia", 3, Quantity.NUMBER, 1.0) for row in raw])
         if np.abs(matrix - matrix.T).max() > 1e-12:

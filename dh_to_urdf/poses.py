@@ -1,4 +1,4 @@
-"""Rigid placements as 4x4 matrices: checked on the way in, split into xyz and rpy on the way out."""
+"""Rigid placements as 4x4 matrices: checked on the way in, xyz and rpy on the way out."""
 
 from __future__ import annotations
 

@@ -103,7 +103,13 @@ def read_json(text: str | bytes) -> DHTable:
     except DHError:
         raise
     except (ValueError, RecursionError) as error:
-        reason = str(error) if isinstance(error, json.JSONDecodeError) else "nested too deeply"
+        reason = (
+            str(error)
+            if isinstance(error, json.JSONDecodeError)
+            else "it is nested too deeply"
+            if isinstance(error, RecursionError)
+            else "it holds a text or number that cannot be read"
+        )
         raise DHError.single("", f"the text is not JSON: {reason}") from None
     return read_mapping(data)
 
@@ -158,7 +164,9 @@ def read_csv(
         raise DHError.single("", "the CSV text is empty; its first line names the columns")
     separator = max(",;\t", key=lines[0].count)
     try:
-        header, *records = csv.reader(lines, delimiter=separator, strict=True, skipinitialspace=True)
+        header, *records = csv.reader(
+            lines, delimiter=separator, strict=True, skipinitialspace=True
+        )
     except csv.Error as error:
         raise DHError.single("", f"the text is not CSV: {error}") from None
     columns = [column.strip().lower() for column in header]
@@ -211,14 +219,20 @@ def read_mapping(data: object, columns: tuple[str, ...] | None = None) -> DHTabl
     convention = _convention(data, report)
     units = _units(data.get("units"), report)
     warnings: list[str] = []
-    base = read_placement(data.get("base"), "/base", units.angle, units.length, report.add, warnings)
-    tool = read_placement(data.get("tool"), "/tool", units.angle, units.length, report.add, warnings)
+    base = read_placement(
+        data.get("base"), "/base", units.angle, units.length, report.add, warnings
+    )
+    tool = read_placement(
+        data.get("tool"), "/tool", units.angle, units.length, report.add, warnings
+    )
     joints = data.get("joints")
     if not isinstance(joints, list) or not joints:
         report.add("/joints", "joints is missing or empty; give a list with one entry a joint")
         joints = []
     if len(joints) > MAX_ROWS:
-        raise DHError.single("/joints", f"joints has {len(joints)} rows; at most {MAX_ROWS} are read")
+        raise DHError.single(
+            "/joints", f"joints has {len(joints)} rows; at most {MAX_ROWS} are read"
+        )
     report.raise_if_any()
     assert convention is not None
     reader = _RowReader(convention, units, report, columns)
@@ -274,7 +288,9 @@ def _units(raw: object, report: _Report) -> Units:
     for key, choices in (("angle", _ANGLE_UNITS), ("length", _LENGTH_UNITS)):
         unit = raw.get(key, next(iter(choices)))
         if not isinstance(unit, str) or unit not in choices:
-            report.add(f"/units/{key}", f"units.{key} is {quoted(unit)}; give {' or '.join(choices)}")
+            report.add(
+                f"/units/{key}", f"units.{key} is {quoted(unit)}; give {' or '.join(choices)}"
+            )
             unit = next(iter(choices))
         found.append(choices[unit])
     return Units(*found)
@@ -298,7 +314,9 @@ class _RowReader:
     def read(self, k: int, item: object) -> DHRow | None:
         pointer = f"/joints/{k}"
         if not isinstance(item, Mapping):
-            self.report.add(pointer, f"joint {k + 1} is {quoted(item)}; give a mapping of its columns")
+            self.report.add(
+                pointer, f"joint {k + 1} is {quoted(item)}; give a mapping of its columns"
+            )
             return None
         label = f"joint {k + 1}"
         name = item.get("name", f"j{k + 1}")
@@ -520,8 +538,8 @@ class _RowReader:
                 self.report.add(f"{where}/{key}", f"{label}: limits.{key} is negative")
             values[key] = cell.value
         lower, upper = values["lower"], values["upper"]
-        if (lower is None) != (upper is None) and {raw.get("lower"), raw.get("upper")} & {None}:
-            missing = "lower" if lower is None else "upper"
+        if (raw.get("lower") is None) != (raw.get("upper") is None):
+            missing = "lower" if raw.get("lower") is None else "upper"
             self.report.add(
                 f"{where}/{missing}", f"{label}: limits.{missing} is missing; give both or none"
             )
@@ -533,7 +551,8 @@ class _RowReader:
             elif lower > upper:
                 self.report.add(
                     f"{where}/lower",
-                    f"{label}: limits.lower {raw['lower']} is above upper {raw['upper']}; swap them",
+                    f"{label}: limits.lower {raw['lower']} is above upper {raw['upper']}; swap"
+                    " them",
                 )
         return Limits(**values)
 
@@ -572,12 +591,14 @@ def _in_tree_order(rows: list[DHRow], report: _Report) -> list[DHRow]:
         if row.parent > len(rows):
             report.add(
                 f"/joints/{k}/ant",
-                f"joint {k + 1} ({row.name}): ant is {row.parent}, but the last frame is {len(rows)}",
+                f"joint {k + 1} ({row.name}): ant is {row.parent}, but the last frame is"
+                f" {len(rows)}",
             )
         elif row.parent == k + 1:
             report.add(
                 f"/joints/{k}/ant",
-                f"joint {k + 1} ({row.name}): ant is the joint itself; closed loops are not computed",
+                f"joint {k + 1} ({row.name}): ant is the joint itself; closed loops are not"
+                " computed",
             )
         elif row.parent > k + 1:
             report.add(

@@ -126,7 +126,7 @@ class _Writer:
         _limit(joint, type_, row.limits)
 
     def _inertial(self, link: ET.Element, row: DHRow, frame: Matrix) -> None:
-        """Mass properties given in frame k, written in the axes of the link (``frame``: k in it)."""
+        """Mass properties given in frame k, written in the link's axes (``frame``: k in it)."""
         if row.inertial is None:
             return
         element = ET.SubElement(link, "inertial")
@@ -150,7 +150,9 @@ class _Writer:
         d = row.offset if row.type is JointType.PRISMATIC else row.d
         self._draw_joint(link, row, np.eye(4))
         self._draw_rod(link, "d", from_xyz_rpy((0, 0, 0), (0, 0, 0)), d)
-        along_x = from_xyz_rpy((0, 0, d), (0, 0, theta)) @ from_xyz_rpy((0, 0, 0), (0, math.pi / 2, 0))
+        along_x = from_xyz_rpy((0, 0, d), (0, 0, theta)) @ from_xyz_rpy(
+            (0, 0, 0), (0, math.pi / 2, 0)
+        )
         self._draw_rod(link, "a", along_x, row.a)
 
     def _draw_modified(self, link: ET.Element, row: DHRow) -> None:

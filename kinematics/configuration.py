@@ -63,7 +63,7 @@ def configuration(robot: Robot, q: ArrayLike, pointer: str = "/q") -> FloatArray
 def configuration_by_name(
     robot: Robot, values: Mapping[str, float], pointer: str = "/q"
 ) -> FloatArray:
-    """q from joint names.
+    """Q from joint names.
 
     Args:
         robot: The robot.

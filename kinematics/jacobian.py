@@ -103,13 +103,15 @@ def _one(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFram
         J[:3] -= np.cross(J_base[3:], arm, axis=0)
         J = np.concatenate((base.rotation.T @ J[:3], base.rotation.T @ J[3:]))
         tip = base.actInv(tip)
-    return _expressed(J[None], tip.homogeneous[None], reference_frame)[0]
+    return np.asarray(_expressed(J[None], tip.homogeneous[None], reference_frame)[0])
 
 
 def _many(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFrame) -> FloatArray:
     tree, n = tree_of(robot), len(q)
     indices, signs = path_signs(robot, frame)
-    poses = joint_poses(tree, q, [*indices, tree.frames[frame][0], tree.frames[robot.base_frame][0]])
+    poses = joint_poses(
+        tree, q, [*indices, tree.frames[frame][0], tree.frames[robot.base_frame][0]]
+    )
     base = frame_pose(tree, robot.base_frame, poses, n)
     tip = frame_pose(tree, frame, poses, n)
     J = np.zeros((n, 6, robot.dof))

@@ -174,7 +174,7 @@ def analytic_map(R: FloatArray, sequence: str) -> FloatArray:
             " Jacobian",
             "/euler",
         )
-    return np.linalg.inv(E)
+    return np.asarray(np.linalg.inv(E), dtype=np.float64)
 
 
 def quaternion_xyzw(R: FloatArray) -> FloatArray:

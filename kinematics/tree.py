@@ -97,9 +97,7 @@ def build_tree(robot: Robot) -> Tree:
         turns = bool(robot.turns[column])
         alignment = _z_onto(subspace[3:] if turns else subspace[:3])
         parent = int(model.parents[joint_id])
-        placement = (
-            alignments[parent].T @ model.jointPlacements[joint_id].homogeneous @ alignment
-        )
+        placement = alignments[parent].T @ model.jointPlacements[joint_id].homogeneous @ alignment
         joints.append(TreeJoint(column, parent - 1, placement, turns))
         alignments.append(alignment)
     frames = {}

@@ -204,9 +204,7 @@ def robot_from_urdf(
     """
     description = read_urdf(text)
     joints = tuple(
-        _without_unbounded(
-            Joint(j.name, JointType(j.type), j.lower, j.upper, j.velocity, j.effort)
-        )
+        _without_unbounded(Joint(j.name, JointType(j.type), j.lower, j.upper, j.velocity, j.effort))
         for j in description.moving
     )
     for role, name in (("base", base), ("tip", tip)):

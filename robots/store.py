@@ -40,6 +40,7 @@ ROBOT_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 _FORMAT = 1
 _LEFTOVER_AGE = 600.0
 _Signature = tuple[int, int, int]
+_SHIPPED: _Signature = (0, 0, 0)
 
 
 @dataclass(frozen=True)
@@ -129,13 +130,13 @@ class RobotStore:
         if is_shipped(robot_id):
             head = shipped_file(robot_id)
             stored = StoredRobot(robot_id, shipped_robot(robot_id), True, head.title, head.source)
-            signature: _Signature | None = (0, 0, 0)
+            signature = _SHIPPED
         else:
-            signature = self._signature(robot_id)
-            stored_or_none = self._load(robot_id) if signature else None
-            if signature is None or stored_or_none is None:
+            found_signature = self._signature(robot_id)
+            loaded = self._load(robot_id) if found_signature else None
+            if found_signature is None or loaded is None:
                 raise RobotNotFound(robot_id, self.ids())
-            stored = stored_or_none
+            signature, stored = found_signature, loaded
         with self._cache_lock:
             while len(self._cache) >= 512:
                 self._cache.pop(next(iter(self._cache)))
@@ -228,6 +229,8 @@ class RobotStore:
         return stored.robot.revision if stored else None
 
     def _load(self, robot_id: str) -> StoredRobot | None:
+        if ROBOT_ID.fullmatch(robot_id) is None:
+            return None
         try:
             content = self._path(robot_id).read_bytes()
         except FileNotFoundError:
@@ -270,9 +273,7 @@ def _decode(robot_id: str, content: bytes) -> Robot:
         table = read_mapping(document["table"])
         warnings = tuple(document["warnings"])
         return robot_from_table(
-            DHTable(
-                table.name, table.convention, table.rows, table.base, table.tool, warnings
-            )
+            DHTable(table.name, table.convention, table.rows, table.base, table.tool, warnings)
         )
     return robot_from_urdf(
         document["urdf"],

@@ -146,7 +146,7 @@ def _parse(text: str | bytes) -> etree._Element:
     except (etree.XMLSyntaxError, ValueError) as error:
         reason = _CONTROL.sub(" ", str(error))[:160]
         raise InvalidURDF(f"the text is not well-formed XML: {reason}") from None
-    if root.getroottree().docinfo.doctype:
+    if root.getroottree().docinfo.doctype:  # type: ignore[union-attr]
         raise InvalidURDF("the URDF has a DOCTYPE; remove it")
     return root
 
@@ -232,9 +232,7 @@ class _Reader:
         moments = {key: _float(inertia, key, where, 0.0) for key in _INERTIA}
         etree.SubElement(twin, "inertia", {key: repr(value) for key, value in moments.items()})
 
-    def _shape(
-        self, element: etree._Element, link: etree._Element, kind: str, where: str
-    ) -> None:
+    def _shape(self, element: etree._Element, link: etree._Element, kind: str, where: str) -> None:
         self.shapes += 1
         if self.shapes > MAX_SHAPES:
             raise RobotTooLarge(f"the robot has over {MAX_SHAPES} visual and collision shapes")
@@ -361,9 +359,7 @@ def _limits(
     return bounds[0], bounds[1], values.get("velocity"), values.get("effort")
 
 
-def _float(
-    element: etree._Element, key: str, where: str, default: float | None = None
-) -> float:
+def _float(element: etree._Element, key: str, where: str, default: float | None = None) -> float:
     if element.get(key) is None and default is not None:
         return default
     return _floats(element, key, 1, where)[0]
@@ -384,7 +380,12 @@ def _floats(
             remedy = "write a decimal point" if "," in word else "give a finite number"
             raise InvalidURDF(f"{what} has {word[:40]!r}; {remedy}")
     values = [float(word) for word in words]
-    if max(map(abs, values)) > MAX_MAGNITUDE and key not in ("effort", "velocity", "lower", "upper"):
+    if max(map(abs, values)) > MAX_MAGNITUDE and key not in (
+        "effort",
+        "velocity",
+        "lower",
+        "upper",
+    ):
         raise InvalidURDF(f"{what} is {text[:40]!r}, beyond ±{MAX_MAGNITUDE:g}; check the unit")
     return [math.copysign(min(abs(value), 1e9), value) for value in values]
 

@@ -97,7 +97,7 @@ class Operation:
 def read_configuration(
     raw: msgspec.Raw | FloatArray, robot: Robot, context: Context, pointer: str = "/q"
 ) -> FloatArray:
-    """q of a request in rad and m, shape (dof,) or (n, dof).
+    """Q of a request in rad and m, shape (dof,) or (n, dof).
 
     Raises:
         RequestProblem: Not numbers, or more configurations than one request may hold.

@@ -49,7 +49,8 @@ def _run(robot: Robot, request: DHMatricesRequest, context: Context) -> Answer:
     if q.ndim == 2 and len(q) * rows > MAX_MATRICES:
         raise RequestProblem(
             INVALID_REQUEST,
-            f"{len(q)} configurations times {rows} rows are over {MAX_MATRICES} matrices; send parts",
+            f"{len(q)} configurations times {rows} rows are over {MAX_MATRICES} matrices; send"
+            " parts",
             "/q",
         )
     matrices = dh_matrices(robot.table, q)

@@ -35,7 +35,9 @@ class FKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     ] = None
     euler: Annotated[
         str | None,
-        msgspec.Meta(description="Also Euler angles of this sequence: ZXZ, ZYX (moving axes), xyz …"),
+        msgspec.Meta(
+            description="Also Euler angles of this sequence: ZXZ, ZYX (moving axes), xyz …"
+        ),
     ] = None
 
 

@@ -79,18 +79,16 @@ class IKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
         list[Target] | TargetBatch | None,
         msgspec.Meta(description="Many targets: a list, or one object with leading axes n."),
     ] = None
-    frame: Annotated[
-        str | None, msgspec.Meta(description="Frame name; default the tip.")
-    ] = None
+    frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
     task: TaskField = "pose"
     seed: SingleConfiguration | None = None
     tolerance: ToleranceField = msgspec.field(default_factory=ToleranceField)
     max_restarts: int = 50
     max_iterations: int = 100
     random_seed: int = 0
-    time_budget_ms: Annotated[
-        float, msgspec.Meta(description="For each target, milliseconds.")
-    ] = 1000.0
+    time_budget_ms: Annotated[float, msgspec.Meta(description="For each target, milliseconds.")] = (
+        1000.0
+    )
 
 
 class IKResponse(msgspec.Struct, kw_only=True):

@@ -29,9 +29,7 @@ class JacobianRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Which Jacobian to compute."""
 
     q: Configuration
-    frame: Annotated[
-        str | None, msgspec.Meta(description="Frame name; default the tip.")
-    ] = None
+    frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
     reference_frame: Annotated[
         ReferenceFrame | None,
         msgspec.Meta(

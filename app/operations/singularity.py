@@ -31,9 +31,7 @@ class SingularityRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=Tru
 
     q: Configuration
     task: TaskField = "pose"
-    frame: Annotated[
-        str | None, msgspec.Meta(description="Frame name; default the tip.")
-    ] = None
+    frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
     tolerance: Annotated[
         float,
         msgspec.Meta(
@@ -52,7 +50,7 @@ class SingularityResponse(msgspec.Struct, kw_only=True):
     frame: str
     rank: int | list[int]
     singular_values: Numbers
-    condition_number: float | None | list[float | None]
+    condition_number: float | list[float | None] | None
     manipulability: float | list[float]
     lost_directions: Numbers
     null_motions: Numbers

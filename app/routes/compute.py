@@ -70,9 +70,7 @@ def _add(router: APIRouter, operation: Operation, max_body: int) -> None:
         else:
             parsed = decode_json(body, inline_type)
         robot = await services.inline_robot(parsed.robot)  # type: ignore[attr-defined]
-        return await _answer(
-            services, operation, robot, units, wanted, len(body), lambda: parsed
-        )
+        return await _answer(services, operation, robot, units, wanted, len(body), lambda: parsed)
 
     docs, name = operation_docs(operation), operation.name
     common: dict[str, Any] = {"description": operation.description, "max_body_size": max_body}

@@ -8,7 +8,7 @@ import msgspec
 from fastapi import APIRouter, Request, Response
 
 from app.dependencies import ServicesDep
-from app.problems import ALL_TYPES, RequestProblem, ProblemType
+from app.problems import ALL_TYPES, ProblemType, RequestProblem
 from app.wire import JSON, TEXT, respond, wanted_type
 
 router = APIRouter()

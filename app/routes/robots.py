@@ -245,7 +245,8 @@ def build_router(max_body: int) -> APIRouter:
         return Response(status_code=204)
 
     @router.get("/{robot_id}/urdf", summary="The URDF of a robot",
-                responses={200: {"description": "URDF.", "content": {"application/xml": {}}}})  # fmt: skip
+                responses={200: {"description": "URDF.",
+                                 "content": {"application/xml": {}}}})  # fmt: skip
     async def read_urdf(request: Request, stored: RobotDep) -> Response:
         check_query(request)
         tag = etag(stored.robot)
@@ -254,8 +255,8 @@ def build_router(max_body: int) -> APIRouter:
         )
 
     @router.get("/{robot_id}/dh", summary="The D-H table of a robot made from one",
-                responses={200: {"description": "The table.",
-                                 "content": {JSON: {"schema": {"$ref": REF.format(name="DHTable")}}}}})  # fmt: skip
+                responses={200: {"description": "The table.", "content": {
+                    JSON: {"schema": {"$ref": REF.format(name="DHTable")}}}}})  # fmt: skip
     async def read_dh(request: Request, stored: RobotDep) -> Response:
         check_query(request, "convention")
         return _table_answer(request, stored)
@@ -298,7 +299,9 @@ def _check_name(robot: Robot, robot_id: str, request: Request) -> None:
 def _table_answer(request: Request, stored: StoredRobot) -> Response:
     table = stored.robot.table
     if table is None:
-        raise RequestProblem(INVALID_REQUEST, "this robot was made from a URDF and has no D-H table")
+        raise RequestProblem(
+            INVALID_REQUEST, "this robot was made from a URDF and has no D-H table"
+        )
     asked = request.query_params.get("convention")
     if asked is not None and CONVENTION_ALIASES.get(asked.lower()) is not table.convention:
         raise RequestProblem(

@@ -41,7 +41,7 @@ class JointBounds:
         return (low + high) / 2
 
     def inside(self, q: FloatArray) -> FloatArray:
-        """q within the limits: by whole turns where that works, else at the nearest limit."""
+        """Q within the limits: by whole turns where that works, else at the nearest limit."""
         bounded = self.wraps & np.isfinite(self.lower)
         low, high = np.where(bounded, self.lower, 0.0), np.where(bounded, self.upper, 0.0)
         up = np.ceil((low - q) / TURN) * TURN

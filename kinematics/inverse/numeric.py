@@ -16,8 +16,8 @@ import pinocchio as pin
 
 from kinematics.inverse.bounds import JointBounds, reach_bound
 from kinematics.inverse.result import IKOptions, IKResult, IKStatus
-from kinematics.tree import path_signs, tree_of
 from kinematics.task import POSE, Task
+from kinematics.tree import path_signs, tree_of
 from robots.robot import FloatArray, Robot
 
 DAMPING = 0.03
@@ -51,9 +51,9 @@ class _Problem:
         self.moving = np.array([tree.joints[int(i)].column for i in indices], dtype=np.intp)
         self.columns = robot.velocity_columns[self.moving]
         self.R, self.p = target[:3, :3], target[:3, 3]
-        self.fixed_base = bool(pin.SE3(self.model.frames[self.base].placement).isIdentity(0.0)) and (
-            self.model.frames[self.base].parentJoint == 0
-        )
+        self.fixed_base = bool(
+            pin.SE3(self.model.frames[self.base].placement).isIdentity(0.0)
+        ) and (self.model.frames[self.base].parentJoint == 0)
 
     def residual(self, q: FloatArray) -> tuple[FloatArray, float, float]:
         """Task error (rows), and the norms of its position and rotation parts."""
@@ -67,9 +67,7 @@ class _Problem:
         twist[:3] = self.p - pose.translation
         twist[3:] = pin.log3(self.R @ pose.rotation.T)
         position = float(np.linalg.norm(twist[self.linear])) if self.linear else 0.0
-        orientation = (
-            float(np.linalg.norm(twist[3:][self.angular])) if self.angular else 0.0
-        )
+        orientation = float(np.linalg.norm(twist[3:][self.angular])) if self.angular else 0.0
         return twist[self.rows], position, orientation
 
     def jacobian(self) -> FloatArray:
@@ -204,8 +202,10 @@ def _step(
     for _ in range(len(moving)):
         free = np.where(held, 0.0, J)
         delta = free.T @ np.linalg.solve(free @ free.T + identity, error)
-        stopped = ~held & ~bounds.wraps[moving] & (
-            ((at <= lower) & (delta < 0)) | ((at >= upper) & (delta > 0))
+        stopped = (
+            ~held
+            & ~bounds.wraps[moving]
+            & (((at <= lower) & (delta < 0)) | ((at >= upper) & (delta > 0)))
         )
         if not stopped.any():
             break
