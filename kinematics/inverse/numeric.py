@@ -24,16 +24,22 @@ DAMPING = 0.03
 FLOOR = 1e-10
 STALL_RATIO = 0.9
 STALLS = 3
+SETTLED = 1 - 1e-9
+MAX_DAMPING = 1e6
 
 
 @dataclass
 class _Best:
-    """The best q so far, by its error relative to the tolerance."""
+    """The best q so far: one that converged, else the one of the least residual energy."""
 
     q: FloatArray
-    score: float
-    position: float
-    orientation: float
+    energy: float = np.inf
+    converged: bool = False
+
+    def offer(self, q: FloatArray, energy: float, converged: bool) -> None:
+        """Keeps q where it is better."""
+        if converged or energy < self.energy:
+            self.q, self.energy, self.converged = q.copy(), energy, converged
 
 
 class _Problem:
@@ -124,23 +130,24 @@ def solve_ik(
     unreachable = _beyond(target, centre, reach, task, options)
     max_restarts = min(options.max_restarts, 2) if unreachable else options.max_restarts
     generator: np.random.Generator | None = None
-    best, q = _Best(start, np.inf, np.inf, np.inf), start
+    best, q = _Best(start), start
     iterations = restarts = 0
     while True:
         iterations += _descend(problem, bounds, q, options, deadline, best)
-        if best.score <= 1.0 or restarts >= max_restarts or time.perf_counter() >= deadline:
+        if best.converged or restarts >= max_restarts or time.perf_counter() >= deadline:
             break
         restarts += 1
         generator = generator or np.random.default_rng(options.random_seed)
         q = start.copy()
         draw = bounds.random(generator, reach if np.isfinite(reach) else 1.0)
         q[problem.moving] = draw[problem.moving]
+    if not best.converged:
+        iterations += _settle(problem, bounds, options, deadline, best)
     answer = best.q.copy()
     answer[problem.moving] = bounds.nearest(best.q, start)[problem.moving]
     _, position, orientation = problem.residual(answer)
-    tolerance = options.tolerance
     within = bool(((answer >= robot.lower) & (answer <= robot.upper)).all())
-    if position <= tolerance.position and orientation <= tolerance.orientation and within:
+    if within and _reached(position, orientation, options):
         status = IKStatus.CONVERGED
     elif unreachable:
         status = IKStatus.UNREACHABLE
@@ -170,23 +177,55 @@ def _descend(
     best: _Best,
 ) -> int:
     """One start: steps until converged, stalled or out of time; returns their number."""
-    tolerance = options.tolerance
-    error, position, orientation = problem.residual(q)
-    energy, stalls, lowest = 0.5 * float(error @ error), 0, np.inf
+    stalls, lowest = 0, np.inf
     for iteration in range(options.max_iterations + 1):
-        score = max(position / tolerance.position, orientation / tolerance.orientation)
-        if score < best.score:
-            best.q, best.score = q.copy(), score
-            best.position, best.orientation = position, orientation
+        error, position, orientation = problem.residual(q)
+        energy = 0.5 * float(error @ error)
+        converged = _reached(position, orientation, options)
+        best.offer(q, energy, converged)
         stalls = 0 if energy < STALL_RATIO * lowest else stalls + 1
         lowest = min(lowest, energy)
-        finished = score <= 1.0 or stalls >= STALLS or iteration == options.max_iterations
+        finished = converged or stalls >= STALLS or iteration == options.max_iterations
         if finished or time.perf_counter() >= deadline:
             return iteration
         q = _step(problem, bounds, q, error, DAMPING * energy + FLOOR)
-        error, position, orientation = problem.residual(q)
-        energy = 0.5 * float(error @ error)
     return options.max_iterations
+
+
+def _settle(
+    problem: _Problem, bounds: JointBounds, options: IKOptions, deadline: float, best: _Best
+) -> int:
+    """Where no start converged: down from the best q to the nearest pose, every step a descent.
+
+    Marquardt's rule: more damping after a step that does not descend, less after one that does.
+    """
+    damping, q, energy = DAMPING * best.energy + FLOOR, best.q, best.energy
+    error, _, _ = problem.residual(q)
+    for iteration in range(options.max_iterations):
+        if time.perf_counter() >= deadline or damping > MAX_DAMPING:
+            return iteration
+        problem.residual(q)
+        candidate = _step(problem, bounds, q, error, damping)
+        new_error, position, orientation = problem.residual(candidate)
+        new_energy = 0.5 * float(new_error @ new_error)
+        converged = _reached(position, orientation, options)
+        best.offer(candidate, new_energy, converged)
+        if converged:
+            return iteration + 1
+        if new_energy < energy:
+            settled = new_energy > SETTLED * energy
+            q, error, energy = candidate, new_error, new_energy
+            damping /= 5
+            if settled:
+                return iteration + 1
+        else:
+            damping *= 4
+    return options.max_iterations
+
+
+def _reached(position: float, orientation: float, options: IKOptions) -> bool:
+    tolerance = options.tolerance
+    return position <= tolerance.position and orientation <= tolerance.orientation
 
 
 def _step(

@@ -1,0 +1,103 @@
+"""What all tests share: reference data and a real server."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+
+FIXTURES = Path(__file__).parent / "fixtures"
+SCRIPTS = Path(sys.executable).parent
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@contextmanager
+def running_server(data_dir: Path, *arguments: str) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """A ``denavit serve`` of its own; gives its address and process."""
+    port = free_port()
+    command = [str(SCRIPTS / "denavit"), "serve", "--port", str(port), "--log-level", "warning"]
+    process = subprocess.Popen(
+        [*command, "--data-dir", str(data_dir), *arguments],
+        env={**os.environ, "PYTHONWARNINGS": "default"},
+        start_new_session=True,
+    )
+    address = f"http://127.0.0.1:{port}"
+    try:
+        deadline = time.monotonic() + 60
+        while True:
+            try:
+                if httpx.get(f"{address}/health/ready").status_code == 200:
+                    break
+            except httpx.TransportError:
+                assert process.poll() is None, "the server stopped while starting"
+            assert time.monotonic() < deadline, "the server did not start"
+            time.sleep(0.05)
+        yield address, process
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGTERM)
+            try:
+                process.wait(20)
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    with running_server(tmp_path_factory.mktemp("data")) as (address, _):
+        yield address
+
+
+@pytest.fixture(scope="session")
+def client(server: str) -> Iterator[httpx.Client]:
+    with httpx.Client(base_url=server, timeout=60) as shared:
+        yield shared
+
+
+@pytest.fixture
+def start_server():
+    """The context manager that starts a server of a test's own."""
+    return running_server
+
+
+@pytest.fixture(scope="session")
+def exercises() -> dict:
+    return json.loads((FIXTURES / "exercises.json").read_text())
+
+
+@pytest.fixture(scope="session")
+def oracle_documents() -> list[tuple[dict, dict]]:
+    """The reference robots: each with its table as a document of the API."""
+    robots = json.loads((FIXTURES / "rtb_oracle.json").read_text())["robots"]
+    return [(robot, document_of(robot)) for robot in robots]
+
+
+def document_of(robot: dict) -> dict:
+    joints = []
+    for joint in robot["joints"]:
+        row = {key: joint[key] for key in ("type", "alpha", "a", "d", "theta", "offset")}
+        row["sign"] = -1 if joint["flip"] else 1
+        if joint["qlim"]:
+            row["limits"] = {"lower": joint["qlim"][0], "upper": joint["qlim"][1]}
+        joints.append(row)
+    return {
+        "name": f"oracle-{robot['name']}",
+        "convention": robot["convention"],
+        "base": {"matrix": robot["base"]},
+        "tool": {"matrix": robot["tool"]},
+        "joints": joints,
+    }
