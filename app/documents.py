@@ -22,13 +22,13 @@ ACCEPTED = ("application/json", "application/yaml", "text/csv", "application/xml
 _NOT_ID = re.compile(r"[^A-Za-z0-9._-]+")
 
 
-def robot_from_body(request: Request, body: bytes, default_name: str | None = None) -> Robot:
+def robot_from_body(request: Request, body: bytes, default_name: str | None) -> Robot:
     """Reads the robot of a request by its content type.
 
     Args:
         request: Says the content type and the parameters that CSV and URDF need.
         body: The document.
-        default_name: Name for a table that says none.
+        default_name: Name for a table that says none; None requires one.
 
     Raises:
         DHError: Not a usable table.
@@ -41,14 +41,15 @@ def robot_from_body(request: Request, body: bytes, default_name: str | None = No
         return robot_from_urdf(body, base=query.get("base"), tip=query.get("tip"))
     if kind in CSV_TYPES:
         check_query(request, "convention", "name", "length")
-        name = query.get("name", default_name)
+        name = query.get("name", default_name or "")
         angle, length = query.get("angle", "rad"), query.get("length", "m")
         return robot_from_table(read_csv(body, query.get("convention"), name, angle, length))
     check_query(request, "name")
+    default_name = query.get("name", default_name)
     if kind in JSON_TYPES:
-        return robot_from_table(read_json(body))
+        return robot_from_table(read_json(body, default_name))
     if kind in YAML_TYPES:
-        return robot_from_table(read_yaml(body))
+        return robot_from_table(read_yaml(body, default_name))
     raise unsupported(kind, ACCEPTED)
 
 

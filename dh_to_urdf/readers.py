@@ -23,6 +23,7 @@ from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType, Limits
 
 MAX_ROWS = 300
+DEFAULT_NAME = "robot"
 NAME = re.compile(r"\w(?:[\w .:+-]{0,62}[\w.+-])?", re.UNICODE)
 NAME_RULE = "use letters, digits and . _ - + : (at most 64, starting with a letter or digit)"
 
@@ -92,8 +93,12 @@ class _Report:
             raise DHError(self.problems)
 
 
-def read_json(text: str | bytes) -> DHTable:
+def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHTable:
     """Reads a table from JSON.
+
+    Args:
+        text: The JSON text.
+        default_name: Name for a table that gives none; None requires one.
 
     Raises:
         DHError: Not JSON, or not a usable table.
@@ -111,11 +116,15 @@ def read_json(text: str | bytes) -> DHTable:
             else "it holds a text or number that cannot be read"
         )
         raise DHError.single("", f"the text is not JSON: {reason}") from None
-    return read_mapping(data)
+    return read_mapping(data, default_name)
 
 
-def read_yaml(text: str | bytes) -> DHTable:
+def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHTable:
     """Reads a table from YAML 1.2; duplicate keys, tags and several documents are refused.
+
+    Args:
+        text: The YAML text.
+        default_name: Name for a table that gives none; None requires one.
 
     Raises:
         DHError: Not YAML, or not a usable table.
@@ -129,7 +138,7 @@ def read_yaml(text: str | bytes) -> DHTable:
         raise DHError.single("", f"the text is not YAML: {problem}{place}") from None
     except (YAMLError, UnicodeDecodeError, ValueError, RecursionError, TypeError):
         raise DHError.single("", "the text is not YAML of plain keys and values") from None
-    return read_mapping(data)
+    return read_mapping(data, default_name)
 
 
 def read_csv(
@@ -190,16 +199,21 @@ def read_csv(
     document: dict[str, Any] = {"units": {"angle": angle, "length": length}, "joints": rows}
     if convention is not None:
         document["convention"] = convention
-    if name is not None:
+    if name:
         document["name"] = name
-    return read_mapping(document, columns=tuple(columns))
+    return read_mapping(document, None if name == "" else DEFAULT_NAME, tuple(columns))
 
 
-def read_mapping(data: object, columns: tuple[str, ...] | None = None) -> DHTable:
+def read_mapping(
+    data: object,
+    default_name: str | None = DEFAULT_NAME,
+    columns: tuple[str, ...] | None = None,
+) -> DHTable:
     """Reads a table from the mapping that JSON and YAML documents hold.
 
     Args:
         data: The mapping; README and the OpenAPI schema ``DHTable`` describe it.
+        default_name: Name for a table that gives none; None requires one.
         columns: Column names of a CSV document, to tell a missing column from an empty cell.
 
     Returns:
@@ -212,10 +226,13 @@ def read_mapping(data: object, columns: tuple[str, ...] | None = None) -> DHTabl
         raise DHError.single("", "the document is not a mapping with convention and joints")
     report = _Report()
     _refuse_unknown(data, (*_TABLE_FIELDS, *_NOTE_FIELDS), "", "the table", report)
-    name = data.get("name", "robot")
-    if not isinstance(name, str) or NAME.fullmatch(name) is None:
+    name = data.get("name", default_name)
+    if name is None:
+        report.add("/name", f"name is missing; {NAME_RULE}")
+        name = DEFAULT_NAME
+    elif not isinstance(name, str) or NAME.fullmatch(name) is None:
         report.add("/name", f"name is {quoted(name)}; {NAME_RULE}")
-        name = "robot"
+        name = DEFAULT_NAME
     convention = _convention(data, report)
     units = _units(data.get("units"), report)
     warnings: list[str] = []

@@ -24,6 +24,8 @@ from kinematics.inverse.target import TargetSpec, target_pose
 from kinematics.task import Task, task_from
 from robots.robot import FloatArray, Robot
 
+NOT_GIVEN = msgspec.Raw(b"null")
+
 
 class EulerField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """An orientation as Euler angles."""
@@ -81,7 +83,7 @@ class IKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     ] = None
     frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
     task: TaskField = "pose"
-    seed: SingleConfiguration | None = None
+    seed: SingleConfiguration = NOT_GIVEN
     tolerance: ToleranceField = msgspec.field(default_factory=ToleranceField)
     max_restarts: int = 50
     max_iterations: int = 100
@@ -129,7 +131,7 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
         time_budget=request.time_budget_ms / 1e3,
     )
     seed = None
-    if request.seed is not None:
+    if bytes(request.seed) != b"null":
         seed = read_single(request.seed, robot, context, "/seed")
     poses, many = _targets(request, task, context)
     results = [

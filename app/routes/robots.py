@@ -199,7 +199,7 @@ def build_router(max_body: int) -> APIRouter:
         name = request.query_params.get("name")
 
         def create() -> StoredRobot:
-            robot = robot_from_body(request, body, default_name="")
+            robot = robot_from_body(request, body, default_name=None)
             robot_id = id_from_name(name or robot.name)
             stored, _ = services.store.put(robot_id, robot, create_only=True)
             return stored
@@ -287,7 +287,7 @@ def _check_name(robot: Robot, robot_id: str, request: Request) -> None:
     """A table's own name must be the path's id; a URDF keeps the name that it has."""
     if robot.table is None or media_type(request) == "text/csv":
         return
-    if robot.name not in (robot_id, "robot") and id_from_name(robot.name) != robot_id:
+    if id_from_name(robot.name) != robot_id:
         raise RequestProblem(
             INVALID_REQUEST,
             f"name is {robot.name!r} but the path says {robot_id!r}; make them equal or leave name"

@@ -1,0 +1,66 @@
+FROM docker.io/library/python:3.11-slim-bookworm AS build
+# hadolint ignore=DL3008
+RUN apt-get update \
+    && apt-get install -y --no-install-recommends binutils \
+    && rm -rf /var/lib/apt/lists/*
+WORKDIR /src
+
+# The dependencies, in a layer of their own that changes with the lock only.
+COPY pyproject.toml requirements.lock ./
+COPY docker/locked.py docker/
+RUN --mount=type=cache,target=/root/.cache/pip \
+    python -m venv --without-pip /opt/denavit \
+    && python docker/locked.py run > run.txt \
+    && python -m pip --python /opt/denavit/bin/python install \
+        --require-hashes --no-deps --only-binary :all: --no-compile -r run.txt \
+    && python -m pip --python /opt/denavit/bin/python check
+COPY docker/strip.py docker/
+COPY robots/library robots/library
+RUN /opt/denavit/bin/python docker/strip.py robots/library \
+    && find /opt/denavit -name __pycache__ -exec rm -r {} + \
+    && python -m compileall -q -j 0 --invalidation-mode unchecked-hash /opt/denavit/lib
+
+# The service itself, below /app as it will lie below /.
+RUN --mount=type=cache,target=/root/.cache/pip \
+    python docker/locked.py build > build.txt \
+    && python -m pip install --require-hashes --no-deps --only-binary :all: -r build.txt
+COPY LICENSE README.md ./
+COPY dh_to_urdf dh_to_urdf
+COPY robots robots
+COPY kinematics kinematics
+COPY app app
+RUN python -m pip wheel --no-cache-dir --no-deps --no-build-isolation --wheel-dir dist . \
+    && python -m pip --python /opt/denavit/bin/python install \
+        --no-cache-dir --no-deps --no-index --no-compile --root /app dist/*.whl \
+    && python -m compileall -q --invalidation-mode unchecked-hash -s /app /app
+
+
+FROM docker.io/library/python:3.11-slim-bookworm
+# libgomp1 is Pinocchio's; pip and its like have no business in a running service.
+# hadolint ignore=DL3008
+RUN apt-get update \
+    && apt-get install -y --no-install-recommends libgomp1 \
+    && rm -rf /var/lib/apt/lists/* \
+    && python -m pip uninstall -y --root-user-action ignore wheel setuptools pip \
+    && groupadd --gid 10001 denavit \
+    && useradd --uid 10001 --gid 10001 --no-log-init --no-create-home --home-dir /nonexistent \
+        --shell /usr/sbin/nologin denavit \
+    && install -d -o 10001 -g 10001 /data
+
+ENV PATH=/opt/denavit/bin:$PATH \
+    PYTHONUNBUFFERED=1 \
+    DENAVIT_HOST=0.0.0.0 \
+    DENAVIT_PORT=8000 \
+    DENAVIT_DATA_DIR=/data
+COPY --from=build /opt/denavit /opt/denavit
+COPY --from=build /app/opt/denavit /opt/denavit
+# What the first start would compile and could not keep, the root file system being read-only.
+RUN python -c "import app.cli, app.main; app.main.create_app()"
+
+USER 10001:10001
+VOLUME /data
+EXPOSE 8000
+HEALTHCHECK --interval=30s --timeout=5s --start-period=30s --retries=3 \
+    CMD ["python", "-IS", "-c", "import http.client, os, sys; c = http.client.HTTPConnection('localhost', int(os.environ['DENAVIT_PORT']), timeout=4); c.request('GET', '/health/live'); sys.exit(c.getresponse().status != 200)"]
+ENTRYPOINT ["denavit"]
+CMD ["serve"]
