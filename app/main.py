@@ -44,7 +44,6 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redoc_url=None,
         lifespan=lifespan,
         redirect_slashes=False,
-        max_body_size=chosen.max_document_bytes,
     )
     app.include_router(health.router)
     app.include_router(robots.build_router(chosen.max_document_bytes))

@@ -11,11 +11,13 @@ import msgspec
 import numpy as np
 import orjson
 from fastapi import Request, Response
+from starlette.types import Receive, Scope, Send
 
 from app.problems import (
     INVALID_REQUEST,
     MALFORMED_BODY,
     NOT_ACCEPTABLE,
+    TOO_LARGE,
     UNSUPPORTED_TYPE,
     RequestProblem,
 )
@@ -27,6 +29,8 @@ T = TypeVar("T")
 JSON = "application/json"
 NPY = "application/x-npy"
 TEXT = "text/plain"
+PIECE = 100_000
+"""Bytes of JSON that are decoded at once."""
 LARGE = 20_000
 """Numbers in an array above which it is written in parts, so that other threads get a turn."""
 
@@ -97,6 +101,52 @@ def decode_json(body: bytes | msgspec.Raw, type_: type[T], pointer: str = "") ->
         raise RequestProblem(MALFORMED_BODY, "the body is nested too deeply", pointer) from None
 
 
+def decode_rows(text: bytes, pointer: str) -> FloatArray | list[list[float]]:
+    """JSON rows of numbers -> an array, piece by piece, so that other threads get a turn.
+
+    Returns:
+        Shape (n, columns); the plain lists where rows are of unequal lengths.
+
+    Raises:
+        RequestProblem: Not rows of numbers; the pointer names the value.
+    """
+    pieces: list[FloatArray] = []
+    start, end = 1, text.rfind(b"]")
+    try:
+        while start < end:
+            cut = text.find(b"],", start + PIECE, end)
+            stop = end if cut < 0 else cut + 1
+            rows = msgspec.json.decode(b"[" + text[start:stop] + b"]", type=list[list[float]])
+            pieces.append(np.array(rows, dtype=np.float64))
+            start = stop + 1
+        if text[end + 1 :].strip() or not pieces:
+            raise ValueError
+        return np.concatenate(pieces)
+    except (msgspec.MsgspecError, ValueError, UnicodeDecodeError):
+        # As a whole, for the exact place of what is wrong.
+        return decode_json(text, list[list[float]], pointer)
+
+
+async def read_body(request: Request, limit: int) -> bytes:
+    """The body, up to a limit.
+
+    Raises:
+        RequestProblem: 413, as soon as the limit is passed.
+    """
+    too_large = RequestProblem(TOO_LARGE, f"the body is larger than the {limit} bytes read here")
+    declared = request.headers.get("content-length", "0")
+    if declared.isdigit() and int(declared) > limit:
+        raise too_large
+    parts: list[bytes] = []
+    size = 0
+    async for part in request.stream():
+        size += len(part)
+        if size > limit:
+            raise too_large
+        parts.append(part)
+    return parts[0] if len(parts) == 1 else b"".join(parts)
+
+
 def validation_problem(error: msgspec.ValidationError, pointer: str = "") -> RequestProblem:
     """A problem from msgspec's message, whose path becomes a JSON pointer."""
     text = str(error)
@@ -143,7 +193,7 @@ def decode_npy(body: bytes, pointer: str = "") -> FloatArray:
             else np.lib.format.read_array_header_2_0
         )
         shape, fortran, dtype = reader(stream)
-    except (ValueError, SyntaxError, TypeError, EOFError, RecursionError, MemoryError):
+    except Exception:  # numpy's header reader lets errors of its tokenizer and parser through
         raise RequestProblem(MALFORMED_BODY, "the body is no npy file", pointer) from None
     if dtype.hasobject or dtype.kind not in "fiu" or dtype.itemsize > 8:
         raise RequestProblem(
@@ -160,16 +210,49 @@ def decode_npy(body: bytes, pointer: str = "") -> FloatArray:
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def json_bytes(payload: object) -> bytes:
+def json_parts(payload: Mapping[str, Any]) -> list[bytes]:
     """JSON of dicts, lists, scalars and numpy arrays; large arrays in parts."""
-    if isinstance(payload, Mapping):
-        members = (orjson.dumps(key) + b":" + json_bytes(value) for key, value in payload.items())
-        return b"{" + b",".join(members) + b"}"
-    if isinstance(payload, np.ndarray) and payload.size > LARGE and payload.ndim > 0:
+    parts: list[bytes] = []
+    _append_json(payload, parts)
+    return parts
+
+
+def _append_json(payload: object, parts: list[bytes]) -> None:
+    if isinstance(payload, Mapping) and any(_has_large(value) for value in payload.values()):
+        for position, (key, value) in enumerate(payload.items()):
+            parts.append((b"," if position else b"{") + orjson.dumps(key) + b":")
+            _append_json(value, parts)
+        parts.append(b"}")
+    elif isinstance(payload, np.ndarray) and payload.size > LARGE:
         rows = max(1, LARGE // max(1, payload[0].size))
-        parts = (_dumps(payload[k : k + rows])[1:-1] for k in range(0, len(payload), rows))
-        return b"[" + b",".join(parts) + b"]"
-    return _dumps(payload)
+        for start in range(0, len(payload), rows):
+            parts.append((b"," if start else b"[") + _dumps(payload[start : start + rows])[1:-1])
+        parts.append(b"]")
+    else:
+        parts.append(_dumps(payload))
+
+
+def _has_large(value: object) -> bool:
+    if isinstance(value, Mapping):
+        return any(_has_large(item) for item in value.values())
+    return isinstance(value, np.ndarray) and value.size > LARGE
+
+
+class PartsResponse(Response):
+    """A body in parts that are never joined: a copy of megabytes would hold up other requests."""
+
+    def __init__(self, parts: list[bytes], status: int, headers: Mapping[str, str]) -> None:
+        length = {"content-length": str(sum(map(len, parts)))}
+        super().__init__(None, status, {**headers, **length}, JSON)
+        self.parts = parts
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:  # noqa: ARG002
+        """Sends the parts one by one."""
+        start = {"type": "http.response.start", "status": self.status_code}
+        await send({**start, "headers": self.raw_headers})
+        for part in self.parts:
+            await send({"type": "http.response.body", "body": part, "more_body": True})
+        await send({"type": "http.response.body", "body": b"", "more_body": False})
 
 
 def _dumps(payload: object) -> bytes:
@@ -219,7 +302,10 @@ def respond(
         if array is None:
             raise RequestProblem(NOT_ACCEPTABLE, "this answer has no npy form; ask for JSON")
         return Response(npy_bytes(array), status, dict(headers or {}), NPY)
-    return Response(json_bytes(payload), status, dict(headers or {}), JSON)
+    parts = json_parts(payload)
+    if len(parts) > 1:
+        return PartsResponse(parts, status, headers or {})
+    return Response(parts[0], status, dict(headers or {}), JSON)
 
 
 def require_type(request: Request, *accepted: str) -> str:

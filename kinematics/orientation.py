@@ -19,6 +19,9 @@ from robots.robot import FloatArray
 DEGENERATE = 1e-12
 """|sin θ| (proper) or |cos θ| (three axes) below which only φ ± ψ is determined."""
 
+CHUNK = 4096
+"""Rotations given to SciPy at once, which lets no other thread run meanwhile."""
+
 _AXES = "XYZ"
 _EVEN = {(0, 1, 2), (1, 2, 0), (2, 0, 1)}
 
@@ -179,9 +182,12 @@ def analytic_map(R: FloatArray, sequence: str) -> FloatArray:
 
 def quaternion_xyzw(R: FloatArray) -> FloatArray:
     """Unit quaternions x, y, z, w with w ≥ 0; shape (..., 3, 3) -> (..., 4)."""
-    shape = R.shape[:-2]
-    quaternions = Rotation.from_matrix(R.reshape(-1, 3, 3)).as_quat(canonical=True)
-    return np.asarray(quaternions.reshape(*shape, 4))
+    shape, flat = R.shape[:-2], R.reshape(-1, 3, 3)
+    quaternions = np.empty((len(flat), 4))
+    for k in range(0, len(flat), CHUNK):
+        part = Rotation.from_matrix(flat[k : k + CHUNK])
+        quaternions[k : k + CHUNK] = part.as_quat(canonical=True)
+    return quaternions.reshape(*shape, 4)
 
 
 def rpy(R: FloatArray) -> FloatArray:

@@ -25,7 +25,9 @@ def free_port() -> int:
 
 
 @contextmanager
-def running_server(data_dir: Path, *arguments: str) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+def running_server(
+    data_dir: Path, *arguments: str
+) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
     """A ``denavit serve`` of its own; gives its address and process."""
     port = free_port()
     command = [str(SCRIPTS / "denavit"), "serve", "--port", str(port), "--log-level", "warning"]

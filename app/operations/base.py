@@ -12,7 +12,7 @@ import numpy as np
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
 from app.units import Units
-from app.wire import decode_json
+from app.wire import decode_json, decode_rows
 from kinematics.configuration import configuration, configuration_by_name
 from robots.robot import FloatArray, Robot
 
@@ -131,7 +131,7 @@ def read_single(
 
 
 def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str) -> Any:
-    text = bytes(raw).lstrip()
+    text = bytes(raw)
     if text[:1] == b"{":
         values = decode_json(text, dict[str, float], pointer)
         return configuration_by_name(robot, values, pointer)
@@ -142,9 +142,9 @@ def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str) -> Any:
             " numbers, one a joint",
             pointer,
         )
-    if text[1:].lstrip()[:1] == b"[":
-        rows = decode_json(text, list[list[float]], pointer)
-        for index, row in enumerate(rows):
+    if text[1:64].lstrip()[:1] == b"[":
+        rows = decode_rows(text, pointer)
+        for index, row in enumerate(rows if isinstance(rows, list) else rows[:1]):
             if len(row) != robot.dof:
                 return configuration(robot, row, f"{pointer}/{index}")
         return rows

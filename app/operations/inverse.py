@@ -24,7 +24,11 @@ from kinematics.inverse.target import TargetSpec, target_pose
 from kinematics.task import Task, task_from
 from robots.robot import FloatArray, Robot
 
-NOT_GIVEN = msgspec.Raw(b"null")
+NOT_GIVEN = b"null"
+
+
+def _not_given() -> msgspec.Raw:
+    return msgspec.Raw(NOT_GIVEN)
 
 
 class EulerField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -83,7 +87,7 @@ class IKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     ] = None
     frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
     task: TaskField = "pose"
-    seed: SingleConfiguration = NOT_GIVEN
+    seed: SingleConfiguration = msgspec.field(default_factory=_not_given)
     tolerance: ToleranceField = msgspec.field(default_factory=ToleranceField)
     max_restarts: int = 50
     max_iterations: int = 100
@@ -131,7 +135,7 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
         time_budget=request.time_budget_ms / 1e3,
     )
     seed = None
-    if bytes(request.seed) != b"null":
+    if bytes(request.seed) != NOT_GIVEN:
         seed = read_single(request.seed, robot, context, "/seed")
     poses, many = _targets(request, task, context)
     results = [

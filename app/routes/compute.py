@@ -15,7 +15,17 @@ from app.operations.base import Context
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.query import body_from_query, check_query, units_of
 from app.units import Units
-from app.wire import JSON, NPY, TEXT, decode_json, decode_npy, require_type, respond, wanted_type
+from app.wire import (
+    JSON,
+    NPY,
+    TEXT,
+    decode_json,
+    decode_npy,
+    read_body,
+    require_type,
+    respond,
+    wanted_type,
+)
 from robots.robot import Robot
 
 INLINE_BYTES = 20_000
@@ -44,7 +54,7 @@ def _add(router: APIRouter, operation: Operation, max_body: int) -> None:
         check_query(request, *(operation.query if kind == NPY else ()))
         units, wanted = units_of(request), wanted_type(request, *offers)
         parameters = body_from_query(request, units) if kind == NPY else b"{}"
-        body = await request.body()
+        body = await read_body(request, max_body)
         decode = _npy_decoder if kind == NPY else _json_decoder
         return await _answer(
             services, operation, stored.robot, units, wanted, len(body),
@@ -64,7 +74,7 @@ def _add(router: APIRouter, operation: Operation, max_body: int) -> None:
         require_type(request, JSON)
         check_query(request)
         units, wanted = units_of(request), wanted_type(request, *offers)
-        body = await request.body()
+        body = await read_body(request, max_body)
         if len(body) > INLINE_BYTES:
             parsed = await services.in_thread(lambda: decode_json(body, inline_type))
         else:
@@ -73,11 +83,11 @@ def _add(router: APIRouter, operation: Operation, max_body: int) -> None:
         return await _answer(services, operation, robot, units, wanted, len(body), lambda: parsed)
 
     docs, name = operation_docs(operation), operation.name
-    common: dict[str, Any] = {"description": operation.description, "max_body_size": max_body}
+    text = operation.description
     path = f"/robots/{{robot_id}}/{name}"
-    router.post(path, **common, **docs.post)(post)
-    router.get(path, description=operation.description, **docs.get)(get)
-    router.post(f"/{name}", **common, **docs.inline)(inline)
+    router.post(path, description=text, **docs.post)(post)
+    router.get(path, description=text, **docs.get)(get)
+    router.post(f"/{name}", description=text, **docs.inline)(inline)
 
 
 async def _answer(

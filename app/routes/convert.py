@@ -7,7 +7,7 @@ from fastapi import APIRouter, Request, Response
 from app.dependencies import ServicesDep
 from app.documents import XML_TYPES, robot_from_body
 from app.openapi import PROBLEMS, REF
-from app.wire import media_type, unsupported
+from app.wire import media_type, read_body, unsupported
 
 
 def build_router(max_body: int) -> APIRouter:
@@ -18,7 +18,7 @@ def build_router(max_body: int) -> APIRouter:
     """
     router = APIRouter(prefix="/v1", tags=["convert"], responses=PROBLEMS)
 
-    @router.post("/dh-to-urdf", summary="D-H table to URDF", max_body_size=max_body,
+    @router.post("/dh-to-urdf", summary="D-H table to URDF", response_class=Response,
                  responses={200: {"description": "URDF.", "content": {"application/xml": {}}}},
                  openapi_extra={"requestBody": {"required": True, "content": {
                      "application/json": {"schema": {"$ref": REF.format(name="DHTable")}},
@@ -28,7 +28,7 @@ def build_router(max_body: int) -> APIRouter:
         if media_type(request) in XML_TYPES:
             accepted = ("application/json", "application/yaml", "text/csv")
             raise unsupported(media_type(request), accepted)
-        body = await request.body()
+        body = await read_body(request, max_body)
         robot = await services.in_thread(lambda: robot_from_body(request, body, "robot"))
         return Response(robot.urdf, media_type="application/xml")
 

@@ -14,7 +14,7 @@ from app.openapi import PROBLEMS, REF
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.query import check_query, units_of
 from app.units import Units
-from app.wire import JSON, TEXT, media_type, respond, wanted_type
+from app.wire import JSON, TEXT, media_type, read_body, respond, wanted_type
 from dh_to_urdf.documents import table_to_mapping
 from dh_to_urdf.readers import CONVENTION_ALIASES
 from robots.errors import RobotError
@@ -192,10 +192,10 @@ def build_router(max_body: int) -> APIRouter:
             )
         return await services.in_thread(lambda: _page(services, page_size, page_token, wanted))
 
-    @router.post("", status_code=201, summary="Upload a robot", max_body_size=max_body,
+    @router.post("", status_code=201, summary="Upload a robot",
                  responses={201: view[200]}, openapi_extra=document)  # fmt: skip
     async def create_robot(request: Request, services: ServicesDep) -> Response:
-        wanted, body = wanted_type(request, JSON, TEXT), await request.body()
+        wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
         name = request.query_params.get("name")
 
         def create() -> StoredRobot:
@@ -214,12 +214,12 @@ def build_router(max_body: int) -> APIRouter:
         payload = robot_view(stored, units)
         return _not_modified(request, tag) or respond(payload, wanted, headers={"ETag": tag})
 
-    @router.put("/{robot_id}", summary="Upload or replace a robot", max_body_size=max_body,
+    @router.put("/{robot_id}", summary="Upload or replace a robot",
                 responses=view | {201: view[200]}, openapi_extra=document)  # fmt: skip
     async def put_robot(
         request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
     ) -> Response:
-        wanted, body = wanted_type(request, JSON, TEXT), await request.body()
+        wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
         create_only = request.headers.get("if-none-match", "").strip() == "*"
 
         def put() -> tuple[StoredRobot, bool]:
@@ -244,7 +244,7 @@ def build_router(max_body: int) -> APIRouter:
         await services.in_thread(lambda: services.store.delete(robot_id, if_match=if_match))
         return Response(status_code=204)
 
-    @router.get("/{robot_id}/urdf", summary="The URDF of a robot",
+    @router.get("/{robot_id}/urdf", summary="The URDF of a robot", response_class=Response,
                 responses={200: {"description": "URDF.",
                                  "content": {"application/xml": {}}}})  # fmt: skip
     async def read_urdf(request: Request, stored: RobotDep) -> Response:

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
-NAMES = [robot["name"] for robot in json.loads((FIXTURES / "rtb_oracle.json").read_text())["robots"]]
+NAMES = [
+    robot["name"] for robot in json.loads((FIXTURES / "rtb_oracle.json").read_text())["robots"]
+]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -27,6 +29,9 @@ def test_frames_tip_and_jacobian_equal_the_oracle(client, oracle_documents, name
         np.testing.assert_allclose(J, configuration["jacob0"], atol=1e-12, rtol=0)
         T = client.post("/v1/dh-matrices", json={"robot": document, "q": q}).json()["T"]
         np.testing.assert_allclose(T, configuration["fkine"], atol=1e-12, rtol=0)
+
+
+TYPES = ["revolute", "prismatic", "continuous", "fixed"]
 
 
 def elementary(axis, angle=0.0, length=0.0):
@@ -64,7 +69,7 @@ def test_random_tables_equal_the_plain_product(client, convention, seed):
     document = {"convention": convention, "joints": [], "tool": {"matrix": None}}
     for _ in range(int(rng.integers(1, 10))):
         row = {
-            "type": str(rng.choice(["revolute", "prismatic", "continuous", "fixed"], p=[0.5, 0.25, 0.15, 0.1])),
+            "type": str(rng.choice(TYPES, p=[0.5, 0.25, 0.15, 0.1])),
             "alpha": float(rng.choice([0, np.pi / 2, -np.pi / 2, rng.uniform(-3, 3)])),
             "theta": float(rng.uniform(-3, 3)), "d": float(rng.uniform(-1, 1)),
             "offset": float(rng.uniform(-3, 3)), "sign": int(rng.choice([-1, 1])),
