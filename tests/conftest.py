@@ -18,7 +18,7 @@ FIXTURES = Path(__file__).parent / "fixtures"
 SCRIPTS = Path(sys.executable).parent
 
 
-def free_port() -> int:
+def unused_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
@@ -29,7 +29,7 @@ def running_server(
     data_dir: Path, *arguments: str
 ) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
     """A ``denavit serve`` of its own; gives its address and process."""
-    port = free_port()
+    port = unused_port()
     command = [str(SCRIPTS / "denavit"), "serve", "--port", str(port), "--log-level", "warning"]
     process = subprocess.Popen(
         [*command, "--data-dir", str(data_dir), *arguments],
@@ -68,6 +68,11 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 def client(server: str) -> Iterator[httpx.Client]:
     with httpx.Client(base_url=server, timeout=60) as shared:
         yield shared
+
+
+@pytest.fixture
+def free_port() -> int:
+    return unused_port()
 
 
 @pytest.fixture
