@@ -35,6 +35,13 @@ LARGE = 20_000
 """Numbers in an array above which it is written in parts, so that other threads get a turn."""
 
 _PATH = re.compile(r" - at `([^`]*)`$")
+_TYPE_NAMES = (
+    ("float", "a number"),
+    ("int", "an integer"),
+    ("str", "a text"),
+    ("array", "a list"),
+    ("bool", "true or false"),
+)
 _FORMATS = {"json": JSON, "text": TEXT, "npy": NPY}
 
 
@@ -165,17 +172,16 @@ def validation_problem(error: msgspec.ValidationError, pointer: str = "") -> Req
             f"the field {missing[1]!r} is missing; give it",
             f"{found}/{missing[1]}",
         )
-    where = f"{found.removeprefix('/')}: " if found else ""
+    where = f"{found.removeprefix('/')}: " if found else "the body: "
+    for name, plain in _TYPE_NAMES:
+        message = re.sub(rf"\b{name}\b", plain, message)
     return RequestProblem(INVALID_REQUEST, f"{where}{message[:1].lower()}{message[1:]}", found)
 
 
 def json_pointer(path: str) -> str:
     """``$.joints[2].alpha`` -> ``/joints/2/alpha``."""
-    return (
-        re.sub(r"\[(\d+|\.\.\.)\]", r"/\1", path.removeprefix("$"))
-        .replace(".", "/")
-        .replace("[///]", "/*")
-    )
+    known = path.removeprefix("$").partition("[...]")[0]
+    return re.sub(r"\[(\d+)\]", r"/\1", known).replace(".", "/")
 
 
 def decode_npy(body: bytes, pointer: str = "") -> FloatArray:

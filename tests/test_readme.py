@@ -84,7 +84,7 @@ def test_make_run_serves_and_prints_a_command_that_works(tmp_path, free_port):
         assert "matrix:" in printed.stdout
     finally:
         os.killpg(process.pid, signal.SIGTERM)
-        process.wait(20)
+        process.communicate(timeout=20)
 
 
 def test_every_other_block_is_run_elsewhere():

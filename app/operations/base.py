@@ -13,6 +13,7 @@ from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
 from app.units import Units
 from app.wire import decode_json, decode_rows
+from dh_to_urdf.errors import quoted
 from kinematics.configuration import configuration, configuration_by_name
 from robots.robot import FloatArray, Robot
 
@@ -133,7 +134,15 @@ def read_single(
 def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str) -> Any:
     text = bytes(raw)
     if text[:1] == b"{":
-        values = decode_json(text, dict[str, float], pointer)
+        values = decode_json(text, dict[str, Any], pointer)
+        for name, value in values.items():
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                raise RequestProblem(
+                    INVALID_REQUEST,
+                    f"{pointer.rsplit('/', 1)[-1]} of joint {name[:64]} is {quoted(value)}; give a"
+                    " number",
+                    f"{pointer}/{name[:64]}",
+                )
         return configuration_by_name(robot, values, pointer)
     if text[:1] != b"[":
         raise RequestProblem(

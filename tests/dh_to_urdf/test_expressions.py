@@ -212,7 +212,7 @@ def test_a_length_refuses_an_angle():
 
 @pytest.mark.parametrize("cell", [math.nan, math.inf, -math.inf, 1e7, -1e7, 10**9, 10**400])
 def test_numbers_must_be_finite_and_at_most_a_million(cell):
-    with pytest.raises(CellError, match="finite number|beyond"):
+    with pytest.raises(CellError, match=r"finite number|beyond"):
         parse_cell(cell, NUMBER)
 
 
@@ -238,16 +238,15 @@ PIECES = st.sampled_from(
 TEXTS = st.text(max_size=80) | st.lists(PIECES, max_size=30).map("".join)
 
 
-@settings(max_examples=1000, deadline=None)
+@settings(max_examples=500, deadline=None)
 @given(TEXTS, st.sampled_from(list(Quantity)), st.sampled_from([1.0, DEGREES, MILLIMETRES]))
 def test_any_text_is_a_finite_cell_or_a_cell_error(text, quantity, unit):
     try:
         cell = parse_cell(text, quantity, unit)
-    except CellError as error:
-        assert str(error)
-    else:
-        assert abs(cell.value) <= 1e6
-        assert cell.sign in (1, -1)
+    except CellError:
+        return
+    assert abs(cell.value) <= 1e6
+    assert cell.sign in (1, -1)
 
 
 ARITHMETIC = st.recursive(
@@ -261,7 +260,7 @@ ARITHMETIC = st.recursive(
 )
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(ARITHMETIC)
 def test_arithmetic_gives_what_python_gives(text):
     assume(len(text) <= 64)
