@@ -1,0 +1,1 @@
+"""Paired benchmarks: only ratios within one run mean anything on a shared machine."""
