@@ -16,9 +16,7 @@ RUN --mount=type=cache,target=/root/.cache/pip \
     && python -m pip --python /opt/denavit/bin/python check
 COPY docker/strip.py docker/
 COPY robots/library robots/library
-RUN /opt/denavit/bin/python docker/strip.py robots/library \
-    && find /opt/denavit -name __pycache__ -exec rm -r {} + \
-    && python -m compileall -q -j 0 --invalidation-mode unchecked-hash /opt/denavit/lib
+RUN /opt/denavit/bin/python -B docker/strip.py robots/library
 
 # The service itself, below /app as it will lie below /.
 RUN --mount=type=cache,target=/root/.cache/pip \
@@ -31,8 +29,7 @@ COPY kinematics kinematics
 COPY app app
 RUN python -m pip wheel --no-cache-dir --no-deps --no-build-isolation --wheel-dir dist . \
     && python -m pip --python /opt/denavit/bin/python install \
-        --no-cache-dir --no-deps --no-index --no-compile --root /app dist/*.whl \
-    && python -m compileall -q --invalidation-mode unchecked-hash -s /app /app
+        --no-cache-dir --no-deps --no-index --no-compile --root /app dist/*.whl
 
 
 FROM docker.io/library/python:3.11-slim-bookworm
@@ -54,8 +51,9 @@ ENV PATH=/opt/denavit/bin:$PATH \
     DENAVIT_DATA_DIR=/data
 COPY --from=build /opt/denavit /opt/denavit
 COPY --from=build /app/opt/denavit /opt/denavit
-# What the first start would compile and could not keep, the root file system being read-only.
-RUN python -c "import app.cli, app.main; app.main.create_app()"
+# Leaves the bytecode, and all else that a first start compiles, in the image.
+COPY docker/warm_up.py /tmp/
+RUN python /tmp/warm_up.py && rm /tmp/warm_up.py
 
 USER 10001:10001
 VOLUME /data

@@ -29,13 +29,10 @@ def needed(wanted: list[str], pins: list[str]) -> set[str]:
         constraints.write_text("\n".join(pins), encoding="utf-8")
         requirements.write_text("\n".join(wanted), encoding="utf-8")
         report = Path(folder, "report")
-        subprocess.run(
-            [sys.executable, "-m", "pip", "install", "--dry-run", "--ignore-installed", "--quiet"]
-            + ["--only-binary", ":all:", "--report", report]
-            + ["--constraint", constraints, "--requirement", requirements],
-            check=True,
-            stdout=sys.stderr,
-        )
+        pip_install = [sys.executable, "-m", "pip", "install", "--quiet", "--only-binary", ":all:"]
+        dry_run = ["--dry-run", "--ignore-installed", "--report", report]
+        given = ["--constraint", constraints, "--requirement", requirements]
+        subprocess.run([*pip_install, *dry_run, *given], check=True, stdout=sys.stderr)
         found = json.loads(report.read_text(encoding="utf-8"))["install"]
     return {normalised(item["metadata"]["name"]) for item in found}
 

@@ -1,12 +1,13 @@
 """Removes from the environment whose Python runs it what the service does not need to run.
 
-``python docker/strip.py robots/library``, once the dependencies are installed. Nothing is removed
-by guess: what goes is for building and testing, or belongs to a robot that the library does not
-name, or is a shared library that no extension module links to, directly or through others.
+``python docker/strip.py robots/library``, once the dependencies are installed: what only builds or
+tests, the data of robots that the library does not name, shared libraries that no extension module
+links to, and parts of packages that the service does not import.
 """
 
 from __future__ import annotations
 
+import hashlib
 import re
 import shutil
 import subprocess
@@ -23,17 +24,17 @@ PREFIX = SITE / "cmeel.prefix"
 ROBOTS = PREFIX / "share" / "example-robot-data" / "robots"
 
 # Sources, headers, static libraries and type stubs: for compilers and checkers.
-BUILD_SUFFIXES = {".a", ".c", ".cpp", ".h", ".hpp", ".pxd", ".pxi", ".pyi", ".pyx", ".tp"}
-# Folders of tests and headers, by pattern, in packages that are known to run without them.
-UNUSED = (
-    "numpy/**/tests",
-    "numpy/_core/include",
-    "numpy/_pyinstaller",
-    "numpy/f2py",
-    "scipy/**/tests",
-    "scipy/_build_utils",
-    "lxml/includes",
-)
+BUILD_SUFFIXES = {".a", ".c", ".cpp", ".h", ".hpp", ".pxd", ".pxi", ".pyi", ".pyx"}
+# What neither the service nor what it imports from these packages imports. The image's build
+# fails, in warm_up.py, where the service comes to name one of these modules: take it out here.
+UNUSED = {
+    "numpy": "**/tests _core/include _core/_simd.* _pyinstaller distutils f2py/src",
+    "scipy": "**/tests _build_utils _lib/cobyqa _lib/pyprima special/cython_special.*"
+    " cluster datasets differentiate fftpack integrate interpolate io misc ndimage odr optimize"
+    " signal stats",
+    "lxml": "builder.* cssselect.* doctestcompare.* html includes isoschematron objectify.* sax.*",
+    "fastapi_offline": "static/redoc*",
+}
 
 
 def main() -> None:
@@ -43,6 +44,7 @@ def main() -> None:
     keep_linked_libraries()
     remove_unused()
     strip_binaries()
+    link_duplicates()
     print(f"{SITE}: {before / 1e6:.0f} MB before, {size(SITE) / 1e6:.0f} MB after")
 
 
@@ -88,23 +90,62 @@ def linked(binary: Path) -> list[str]:
 
 
 def remove_unused() -> None:
-    """Removes sources, tests, the lists of installed files, and the packages' commands."""
-    for pattern in UNUSED:
-        for path in SITE.glob(pattern):
-            shutil.rmtree(path, ignore_errors=True)
-    for path in SITE.rglob("*"):
+    """Removes UNUSED, sources, the lists of installed files, and the packages' commands."""
+    for package, patterns in UNUSED.items():
+        for pattern in patterns.split():
+            for path in list((SITE / package).glob(pattern)):
+                if path.is_dir():
+                    shutil.rmtree(path)
+                else:
+                    path.unlink()
+    for path in list(SITE.rglob("*")):
         if path.suffix in BUILD_SUFFIXES or path.match("*.dist-info/RECORD"):
             path.unlink()
+        elif path.name == "__pycache__":
+            shutil.rmtree(path)
     for path in SCRIPTS.iterdir():
         if not path.name.startswith("python"):
             path.unlink()
 
 
 def strip_binaries() -> None:
-    """Removes the symbols that only linkers and debuggers read."""
+    """Removes the symbols that only linkers and debuggers read.
+
+    Not from libraries that strip would spoil: where a wheel's builder has moved segments to add a
+    search path, strip lays them out anew and forgets the alignment.
+    """
     for path in SITE.rglob("*.so*"):
-        if path.is_file() and not path.is_symlink():
-            subprocess.run(["strip", "--strip-unneeded", path], check=True)
+        stripped = path.with_name(f"{path.name}.stripped")
+        subprocess.run(["strip", "--strip-unneeded", "-o", stripped, path], check=True)
+        if loadable(stripped):
+            stripped.replace(path)
+        else:
+            stripped.unlink()
+            print(f"not stripped: {path.relative_to(SITE)}")
+
+
+def loadable(binary: Path) -> bool:
+    """True where every segment lies in the file as it must lie in memory, modulo its alignment."""
+    segments = subprocess.run(
+        ["readelf", "--segments", "--wide", binary], check=True, capture_output=True, text=True
+    ).stdout
+    loads = [line.split() for line in segments.splitlines() if line.split()[:1] == ["LOAD"]]
+    return all(
+        (int(offset, 16) - int(address, 16)) % int(load[-1], 16) == 0
+        for load in loads
+        for offset, address in [load[1:3]]
+    )
+
+
+def link_duplicates() -> None:
+    """Keeps one copy of the libraries that NumPy and SciPy both bring."""
+    first: dict[tuple[str, str], Path] = {}
+    for path in sorted(SITE.glob("*.libs/*.so*")):
+        digest = hashlib.sha256(path.read_bytes()).hexdigest()
+        kept = first.setdefault((path.name, digest), path)
+        if kept != path:
+            path.unlink()
+            path.symlink_to(Path("..") / kept.relative_to(SITE))
 
 
 def remove_files(folder: Path, *, keep: set[Path]) -> None:
@@ -119,7 +160,7 @@ def remove_files(folder: Path, *, keep: set[Path]) -> None:
 
 def size(folder: Path) -> int:
     """Bytes of all files below a folder."""
-    return sum(path.lstat().st_size for path in folder.rglob("*") if path.is_file())
+    return sum(path.lstat().st_size for path in folder.rglob("*") if not path.is_dir())
 
 
 if __name__ == "__main__":
