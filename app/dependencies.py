@@ -21,14 +21,16 @@ from robots.robot import Robot
 from robots.store import RobotStore, StoredRobot
 
 T = TypeVar("T")
-INLINE_ROBOTS = 128
+INLINE_WEIGHT = 20_000
+"""Bound on the sum of dof² of inline robots in memory; a working memory grows with its square."""
+LOADING_THREADS = 4
 
 
 class InlineRobots:
     """The last inline robots by content, so that a repeated table is not built again."""
 
-    def __init__(self, size: int = INLINE_ROBOTS) -> None:
-        self._size = size
+    def __init__(self, weight: int = INLINE_WEIGHT) -> None:
+        self._weight = weight
         self._robots: OrderedDict[bytes, Robot] = OrderedDict()
         self._lock = threading.Lock()
 
@@ -40,11 +42,9 @@ class InlineRobots:
             RobotError: Not a usable URDF.
             RequestProblem: Neither an object nor a name.
         """
-        key = hashlib.sha256(document).digest()
-        with self._lock:
-            if key in self._robots:
-                self._robots.move_to_end(key)
-                return self._robots[key]
+        found = self.known(document)
+        if found is not None:
+            return found
         data = decode_json(document, Any, "/robot")
         if not isinstance(data, dict):
             raise RequestProblem(
@@ -52,10 +52,20 @@ class InlineRobots:
             )
         robot = robot_from_inline(data)
         with self._lock:
-            self._robots[key] = robot
-            while len(self._robots) > self._size:
-                self._robots.popitem(last=False)
+            self._robots[hashlib.sha256(document).digest()] = robot
+            weight = sum(one.dof**2 for one in self._robots.values())
+            while weight > self._weight and len(self._robots) > 1:
+                _, dropped = self._robots.popitem(last=False)
+                weight -= dropped.dof**2
         return robot
+
+    def known(self, document: bytes) -> Robot | None:
+        """The robot of a JSON document if it is in memory."""
+        key = hashlib.sha256(document).digest()
+        with self._lock:
+            if key in self._robots:
+                self._robots.move_to_end(key)
+            return self._robots.get(key)
 
 
 class Services:
@@ -65,13 +75,16 @@ class Services:
         self.settings = settings
         self.store = RobotStore(settings.data_dir)
         self.inline = InlineRobots()
-        self._limiter: anyio.CapacityLimiter | None = None
+        self._compute = anyio.CapacityLimiter(settings.compute_threads)
+        self._load = anyio.CapacityLimiter(LOADING_THREADS)
 
-    async def in_thread(self, call: Callable[[], T]) -> T:
-        """Runs a blocking call in one of the compute threads."""
-        if self._limiter is None:
-            self._limiter = anyio.CapacityLimiter(self.settings.compute_threads)
-        return await run_sync(call, limiter=self._limiter)
+    async def computed(self, call: Callable[[], T]) -> T:
+        """Runs a computation in one of the compute threads."""
+        return await run_sync(call, limiter=self._compute)
+
+    async def loaded(self, call: Callable[[], T]) -> T:
+        """Reads or writes robots in a thread: a lane of its own, not held up by computations."""
+        return await run_sync(call, limiter=self._load)
 
     async def robot(self, robot_id: str) -> StoredRobot:
         """A robot by id; loaded in a thread where it is not in memory.
@@ -82,7 +95,7 @@ class Services:
         loaded = self.store.in_memory(robot_id)
         if loaded is not None:
             return loaded
-        return await self.in_thread(lambda: self.store.get(robot_id))
+        return await self.loaded(lambda: self.store.get(robot_id))
 
     async def inline_robot(self, raw: msgspec.Raw) -> Robot:
         """The robot of a body's ``robot`` field: a table, a URDF or an id.
@@ -94,7 +107,10 @@ class Services:
         document = bytes(raw)
         if document[:1] == b'"':
             return (await self.robot(decode_json(document, str, "/robot"))).robot
-        return await self.in_thread(lambda: self.inline.get(document))
+        known = self.inline.known(document)
+        if known is not None:
+            return known
+        return await self.loaded(lambda: self.inline.get(document))
 
 
 async def services_of(request: Request) -> Services:

@@ -11,6 +11,7 @@ from fastapi import Request
 from app.query import check_query
 from app.wire import media_type, unsupported
 from dh_to_urdf import DHError, read_csv, read_json, read_mapping, read_yaml
+from robots.errors import InvalidURDF
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 
 JSON_TYPES = ("application/json",)
@@ -37,14 +38,14 @@ def robot_from_body(request: Request, body: bytes, default_name: str | None) -> 
     """
     kind, query = media_type(request), request.query_params
     if kind in XML_TYPES:
-        check_query(request, "tip", "base", "name")
+        check_query(request, "tip", "base", "name", common=("format",))
         return robot_from_urdf(body, base=query.get("base"), tip=query.get("tip"))
     if kind in CSV_TYPES:
         check_query(request, "convention", "name", "length")
         name = query.get("name", default_name or "")
         angle, length = query.get("angle", "rad"), query.get("length", "m")
         return robot_from_table(read_csv(body, query.get("convention"), name, angle, length))
-    check_query(request, "name")
+    check_query(request, "name", common=("format",))
     default_name = query.get("name", default_name)
     if kind in JSON_TYPES:
         return robot_from_table(read_json(body, default_name))
@@ -70,7 +71,10 @@ def robot_from_inline(document: Mapping[str, Any]) -> Robot:
     for key, value in document.items():
         if key not in ("urdf", "base", "tip", "name") or not isinstance(value, str):
             raise DHError.single(f"/robot/{key}", "give urdf, base and tip as texts")
-    return robot_from_urdf(document["urdf"], base=document.get("base"), tip=document.get("tip"))
+    try:
+        return robot_from_urdf(document["urdf"], base=document.get("base"), tip=document.get("tip"))
+    except InvalidURDF as error:
+        raise InvalidURDF(str(error), "/robot/urdf") from None
 
 
 def id_from_name(name: str) -> str:

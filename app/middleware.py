@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import itertools
+import logging
 import re
 import secrets
 
+from fastapi import Request
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from app.problems import INTERNAL, problem_response
+from dh_to_urdf import Problem
+
+_LOG = logging.getLogger("denavit")
 _ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
 
 
@@ -30,11 +36,23 @@ class RequestId:
         request_id = given if harmless else f"{self.prefix}-{next(self.counter):x}"
         scope.setdefault("state", {})["request_id"] = request_id
 
+        started = False
+
         async def send_with_id(message: Message) -> None:
+            nonlocal started
+            started = True
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
                 headers["x-request-id"] = request_id
                 headers["x-content-type-options"] = "nosniff"
             await send(message)
 
-        await self.app(scope, receive, send_with_id)
+        try:
+            await self.app(scope, receive, send_with_id)
+        except Exception:
+            if started:
+                raise
+            _LOG.exception("request %s failed", request_id)
+            message = "this should not happen; please report it with the request_id"
+            response = problem_response(Request(scope), INTERNAL, [Problem("", message)])
+            await response(scope, receive, send_with_id)

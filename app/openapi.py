@@ -25,7 +25,7 @@ _NUMBERS = {
     "euler": ("Euler sequence such as ZXZ; for ik with angles: ZXZ:10,20,30.", False),
     "reference_frame": ("local_world_aligned, world or local.", False),
     "task": ("Task space by name, or six 0 or 1.", False),
-    "tolerance": ("Relative tolerance of the rank.", False),
+    "tolerance": ("singularity: relative tolerance of the rank; ik: m and rad.", False),
     "position": ("Target x,y,z in m.", False),
     "rpy": ("Target roll,pitch,yaw.", False),
     "quaternion_xyzw": ("Target quaternion x,y,z,w.", False),
@@ -34,6 +34,7 @@ _NUMBERS = {
     "max_restarts": ("Random starts after the seed.", False),
     "random_seed": ("Seed of the random starts.", False),
     "time_budget_ms": ("Milliseconds.", False),
+    "max_iterations": ("Steps of one start.", False),
 }
 
 

@@ -14,6 +14,7 @@ from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
 from dh_to_urdf import DHError, Problem
+from dh_to_urdf.errors import DHSyntaxError
 from kinematics import errors as kinematics
 from robots import errors as robots
 
@@ -54,14 +55,15 @@ class RequestProblem(Exception):
         self.headers = dict(headers or {})
 
 
-INVALID_REQUEST = ProblemType("invalid-request", 422, "The request cannot be used")
 MALFORMED_BODY = ProblemType("malformed-body", 400, "The body cannot be parsed")
+INVALID_REQUEST = ProblemType("invalid-request", 422, "The request cannot be used")
 UNSUPPORTED_TYPE = ProblemType("unsupported-media-type", 415, "This body type is not read here")
 NOT_ACCEPTABLE = ProblemType("not-acceptable", 406, "The answer has no such form")
 TOO_LARGE = ProblemType("too-large", 413, "The request is too large")
 INTERNAL = ProblemType("internal-error", 500, "The service failed")
 
 BY_EXCEPTION: dict[type[Exception], ProblemType] = {
+    DHSyntaxError: MALFORMED_BODY,
     DHError: ProblemType("invalid-table", 422, "The D-H table cannot be used"),
     robots.InvalidURDF: ProblemType("invalid-urdf", 422, "The URDF cannot be used"),
     robots.RobotTooLarge: ProblemType("robot-too-large", 422, "The robot is too large"),
@@ -125,7 +127,6 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RequestProblem, _request_problem)
     app.add_exception_handler(RequestValidationError, _validation_error)
     app.add_exception_handler(HTTPException, _http_exception)
-    app.add_exception_handler(Exception, _unexpected)
 
 
 def _domain_handler(type_: ProblemType) -> Any:
@@ -168,8 +169,3 @@ async def _http_exception(request: Request, error: Exception) -> Response:
     type_ = ProblemType(slug, status.value, status.phrase)
     detail = details.get(status, str(error.detail))
     return problem_response(request, type_, [Problem("", detail)], error.headers)
-
-
-async def _unexpected(request: Request, error: Exception) -> Response:  # noqa: ARG001
-    message = "this should not happen; please report it with the request_id"
-    return problem_response(request, INTERNAL, [Problem("", message)])

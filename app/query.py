@@ -13,19 +13,22 @@ from app.problems import INVALID_REQUEST, RequestProblem
 from app.units import Units
 from dh_to_urdf.expressions import CellError, Quantity, parse_cell
 from robots.errors import hint
+from robots.robot import Robot
 
 COMMON = ("angle", "format")
 MAX_QUERY_VALUES = 1024
+MAX_VALUE = 1e15
+_JOINTS = ("q", "seed")
 _TARGET = ("position", "rpy", "quaternion_xyzw", "euler", "phi", "matrix")
 
 
-def check_query(request: Request, *allowed: str) -> None:
+def check_query(request: Request, *allowed: str, common: tuple[str, ...] = COMMON) -> None:
     """Refuses parameters that would be ignored, and ones given twice.
 
     Raises:
         RequestProblem: With the names that are known.
     """
-    known = (*allowed, *COMMON)
+    known = (*allowed, *common)
     seen: set[str] = set()
     for name, _ in request.query_params.multi_items():
         if name not in known:
@@ -51,7 +54,7 @@ def units_of(request: Request) -> Units:
     return Units(angle == "deg")
 
 
-def body_from_query(request: Request, units: Units) -> bytes:
+def body_from_query(request: Request, units: Units, robot: Robot) -> bytes:
     """The JSON body that a GET request's parameters stand for.
 
     Raises:
@@ -59,12 +62,19 @@ def body_from_query(request: Request, units: Units) -> bytes:
     """
     body: dict[str, Any] = {}
     target: dict[str, Any] = {}
+    inverse = "q" not in request.query_params
     for name, text in request.query_params.items():
         if name in COMMON:
             continue
-        read = _READERS.get(name)
-        value = read(name, text, units) if read else text
-        if name in _TARGET and "q" not in request.query_params:
+        if name in _JOINTS:
+            value: Any = _joint_values(name, text, units, robot)
+        elif name in _READERS:
+            value = _READERS[name](name, text, units)
+        else:
+            value = text
+        if name == "tolerance" and inverse:
+            value = {"position": value, "orientation": value}
+        if name in _TARGET and inverse:
             target[name] = value
         else:
             body[name] = value
@@ -73,41 +83,70 @@ def body_from_query(request: Request, units: Units) -> bytes:
     return orjson.dumps(body)
 
 
-def number(name: str, text: str, units: Units) -> float:
-    """A plain number, or an expression such as pi/2 or 90deg in the request's unit."""
+def number(name: str, text: str, units: Units, quantity: Quantity = Quantity.ANGLE) -> float:
+    """A plain number, or an expression such as pi/2, 90deg or 300mm in the request's unit."""
     try:
         value = float(text)
         if "_" in text:
             raise ValueError
     except ValueError:
-        unit = math.pi / 180 if units.degrees else 1.0
-        try:
-            cell = parse_cell(text, Quantity.ANGLE, unit)
-        except CellError as error:
-            raise RequestProblem(INVALID_REQUEST, f"{name}: a value {error}", f"/{name}") from None
-        if cell.variable is not None:
-            raise RequestProblem(
-                INVALID_REQUEST, f"{name} holds {text[:32]!r}; give numbers", f"/{name}"
-            ) from None
-        value = math.degrees(cell.value) if units.degrees else cell.value
-    if not math.isfinite(value):
+        value = _expression(name, text, units, quantity)
+    if not math.isfinite(value) or abs(value) > MAX_VALUE:
         raise RequestProblem(
-            INVALID_REQUEST, f"{name} holds {text[:32]!r}; give finite numbers", f"/{name}"
+            INVALID_REQUEST,
+            f"{name} holds {text[:32]!r}; give finite numbers up to 1e15",
+            f"/{name}",
         )
     return value
 
 
-def _numbers(name: str, text: str, units: Units) -> list[float]:
+def _expression(name: str, text: str, units: Units, quantity: Quantity) -> float:
+    degrees = units.degrees and quantity is Quantity.ANGLE
+    try:
+        cell = parse_cell(text, quantity, math.pi / 180 if degrees else 1.0)
+    except CellError as error:
+        plus = "; in a URL write + as %2B" if " " in text.strip() else ""
+        raise RequestProblem(
+            INVALID_REQUEST, f"{name}: a value {error}{plus}", f"/{name}"
+        ) from None
+    if cell.variable is not None:
+        raise RequestProblem(
+            INVALID_REQUEST, f"{name} holds {text[:32]!r}; give numbers", f"/{name}"
+        )
+    return math.degrees(cell.value) if degrees else cell.value
+
+
+def _joint_values(name: str, text: str, units: Units, robot: Robot) -> list[float]:
+    parts = _split(name, text)
+    quantities = [Quantity.ANGLE if turns else Quantity.LENGTH for turns in robot.turns]
+    if len(parts) != len(quantities):
+        quantities = [Quantity.ANGLE] * len(parts)
+    return [number(name, part, units, q) for part, q in zip(parts, quantities, strict=True)]
+
+
+def _split(name: str, text: str) -> list[str]:
     parts = text.strip().strip("[]").split(",")
     if len(parts) > MAX_QUERY_VALUES:
         raise RequestProblem(
             INVALID_REQUEST, f"{name} has over {MAX_QUERY_VALUES} values; send a body", f"/{name}"
         )
-    return [number(name, part, units) for part in parts]
+    return parts
+
+
+def _numbers(name: str, text: str, units: Units) -> list[float]:
+    return [number(name, part, units) for part in _split(name, text)]
+
+
+def _lengths(name: str, text: str, units: Units) -> list[float]:
+    return [number(name, part, units, Quantity.LENGTH) for part in _split(name, text)]
+
+
+def _plain(name: str, text: str, units: Units) -> list[float]:
+    return [number(name, part, units, Quantity.NUMBER) for part in _split(name, text)]
 
 
 def _matrix(name: str, text: str, units: Units) -> list[list[float]]:
-    values = _numbers(name, text, units)
+    values = _plain(name, text, units)
     if len(values) != 16:
         raise RequestProblem(
             INVALID_REQUEST, f"{name} has {len(values)} values; give 16, row by row", f"/{name}"
@@ -116,13 +155,17 @@ def _matrix(name: str, text: str, units: Units) -> list[list[float]]:
 
 
 def _frames(name: str, text: str, units: Units) -> list[str] | str:  # noqa: ARG001
-    return "all" if text == "all" else text.split(",")
+    return "all" if text == "all" else [part.strip() for part in text.split(",") if part.strip()]
 
 
 def _task(name: str, text: str, units: Units) -> list[int] | str:
     if "," not in text:
         return text
     return [int(value) if value in (0.0, 1.0) else 2 for value in _numbers(name, text, units)]
+
+
+def _scalar(name: str, text: str, units: Units) -> float:
+    return number(name, text, units, Quantity.NUMBER)
 
 
 def _euler(name: str, text: str, units: Units) -> dict[str, Any] | str:
@@ -134,7 +177,7 @@ def _euler(name: str, text: str, units: Units) -> dict[str, Any] | str:
 
 
 def _integer(name: str, text: str, units: Units) -> int:
-    value = number(name, text, units)
+    value = number(name, text, units, Quantity.NUMBER)
     if not value.is_integer():
         raise RequestProblem(
             INVALID_REQUEST, f"{name} is {text[:32]!r}; give an integer", f"/{name}"
@@ -143,15 +186,14 @@ def _integer(name: str, text: str, units: Units) -> int:
 
 
 _READERS: dict[str, Callable[[str, str, Units], Any]] = {
-    "q": _numbers,
-    "seed": _numbers,
-    "position": _numbers,
+    "position": _lengths,
     "rpy": _numbers,
-    "quaternion_xyzw": _numbers,
+    "quaternion_xyzw": _plain,
     "matrix": _matrix,
     "phi": number,
-    "tolerance": number,
-    "time_budget_ms": number,
+    "tolerance": _scalar,
+    "time_budget_ms": _scalar,
+    "max_iterations": _integer,
     "max_restarts": _integer,
     "random_seed": _integer,
     "frames": _frames,

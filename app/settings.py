@@ -33,6 +33,9 @@ class Settings(BaseSettings):
     )
     max_batch: int = Field(default=200_000, ge=1, description="Most configurations in one request.")
     max_ik_batch: int = Field(default=10_000, ge=1, description="Most IK targets in one request.")
+    max_request_seconds: float = Field(
+        default=60.0, gt=0, description="Longest computation of one request."
+    )
     compute_threads: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
         ge=1,

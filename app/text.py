@@ -95,6 +95,8 @@ def _array(value: object) -> NDArray[Any] | None:
 
 
 def _cell(value: Any) -> str:
+    if isinstance(value, (int, np.integer)):
+        return str(value)
     number = float(value)
     if abs(number) < 5e-13:
         number = 0.0
@@ -104,6 +106,8 @@ def _cell(value: Any) -> str:
 def _scalar(value: object) -> str:
     if value is None:
         return "-"
+    if isinstance(value, Mapping):
+        return " ".join(f"{key} {_scalar(item)}" for key, item in value.items())
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, (float, np.floating)):

@@ -100,7 +100,9 @@ def decode_json(body: bytes | msgspec.Raw, type_: type[T], pointer: str = "") ->
         raise validation_problem(error, pointer) from None
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
         reason = str(error)[:160]
-        remedy = "; NaN and Infinity are not JSON" if "invalid character" in reason else ""
+        remedy = ""
+        if "invalid character" in reason:
+            remedy = "; JSON is UTF-8 without a byte order mark, and NaN and Infinity are not JSON"
         raise RequestProblem(
             MALFORMED_BODY, f"the body is not JSON: {reason}{remedy}", pointer
         ) from None
@@ -205,7 +207,11 @@ def decode_npy(body: bytes, pointer: str = "") -> FloatArray:
         raise RequestProblem(
             INVALID_REQUEST, "the npy array holds no real numbers; save it as float64", pointer
         )
-    count = int(np.prod([int(n) for n in shape], dtype=object)) if shape else 1
+    count = 1
+    for extent in shape:
+        if isinstance(extent, bool) or not 0 < extent < 10**9 or len(shape) > 3:
+            raise RequestProblem(MALFORMED_BODY, f"the npy array has shape {shape!r:.80}", pointer)
+        count *= extent
     payload = body[stream.tell() :]
     if count * dtype.itemsize != len(payload):
         raise RequestProblem(
@@ -231,8 +237,10 @@ def _append_json(payload: object, parts: list[bytes]) -> None:
         parts.append(b"}")
     elif isinstance(payload, np.ndarray) and payload.size > LARGE:
         rows = max(1, LARGE // max(1, payload[0].size))
-        for start in range(0, len(payload), rows):
-            parts.append((b"," if start else b"[") + _dumps(payload[start : start + rows])[1:-1])
+        parts.extend(
+            (b"," if start else b"[") + _dumps(payload[start : start + rows])[1:-1]
+            for start in range(0, len(payload), rows)
+        )
         parts.append(b"]")
     else:
         parts.append(_dumps(payload))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 MAX_PROBLEMS = 10
 
@@ -35,13 +36,24 @@ class DHError(ValueError):
         super().__init__(f"{problems[0].message}{suffix}")
 
     @classmethod
-    def single(cls, pointer: str, message: str) -> DHError:
+    def single(cls, pointer: str, message: str) -> Self:
         """An error with one problem."""
         return cls([Problem(pointer, message)])
 
 
+class DHSyntaxError(DHError):
+    """A text that is no JSON, YAML or CSV at all."""
+
+
+def escaped(token: object) -> str:
+    """A key as one token of a JSON pointer (RFC 6901), at most 64 characters."""
+    return str(token)[:64].replace("~", "~0").replace("/", "~1")
+
+
 def quoted(value: object, limit: int = 40) -> str:
     """``repr`` of an input value, cut to ``limit`` characters, safe to show in a message."""
+    if isinstance(value, int) and abs(value) > 10**limit:
+        return "a number of over 40 digits"
     text = repr(value) if isinstance(value, (str, int, float, bool)) or value is None else ""
     if not text:
         return f"a {type(value).__name__}"

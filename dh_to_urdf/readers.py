@@ -9,20 +9,24 @@ import csv
 import json
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from ruamel.yaml import YAML
-from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.error import MarkedYAMLError
 
-from dh_to_urdf.errors import DHError, Problem, quoted
+from dh_to_urdf.errors import DHError, DHSyntaxError, Problem, escaped, quoted
 from dh_to_urdf.expressions import Cell, CellError, Quantity, parse_cell
 from dh_to_urdf.placements import read_inertial, read_placement
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType, Limits
 
 MAX_ROWS = 300
+MAX_COLUMNS = 32
+MAX_YAML_BYTES = 64_000
+MAX_YAML_DEPTH = 16
 DEFAULT_NAME = "robot"
 NAME = re.compile(r"\w(?:[\w .:+-]{0,62}[\w.+-])?", re.UNICODE)
 NAME_RULE = "use letters, digits and . _ - + : (at most 64, starting with a letter or digit)"
@@ -115,7 +119,7 @@ def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
             if isinstance(error, RecursionError)
             else "it holds a text or number that cannot be read"
         )
-        raise DHError.single("", f"the text is not JSON: {reason}") from None
+        raise DHSyntaxError.single("", f"the text is not JSON: {reason}") from None
     return read_mapping(data, default_name)
 
 
@@ -129,16 +133,31 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
     Raises:
         DHError: Not YAML, or not a usable table.
     """
+    text = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
+    _refuse_costly_yaml(text)
     try:
         data = YAML(typ="safe", pure=True).load(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
         problem = (error.problem or "malformed").splitlines()[0][:120]
-        raise DHError.single("", f"the text is not YAML: {problem}{place}") from None
-    except (YAMLError, UnicodeDecodeError, ValueError, RecursionError, TypeError):
-        raise DHError.single("", "the text is not YAML of plain keys and values") from None
+        raise DHSyntaxError.single("", f"the text is not YAML: {problem}{place}") from None
+    except Exception:  # tags and escapes make the constructor raise whatever int() or chr() do
+        raise DHSyntaxError.single("", "the text is not YAML of plain keys and values") from None
     return read_mapping(data, default_name)
+
+
+def _refuse_costly_yaml(text: str) -> None:
+    """The parser takes 50 µs a byte of nesting: what no table needs is refused beforehand."""
+    if len(text) > MAX_YAML_BYTES:
+        raise DHError.single("", f"the YAML text is longer than {MAX_YAML_BYTES} characters")
+    depth = deepest = 0
+    for bracket in re.findall(r"[\[\]{}]", text):
+        depth += 1 if bracket in "[{" else -1
+        deepest = max(deepest, depth)
+    dashes = max((len(run) for run in re.findall(r"(?:[-?:] +)+", text)), default=0)
+    if deepest > MAX_YAML_DEPTH or dashes > 4 * MAX_YAML_DEPTH:
+        raise DHSyntaxError.single("", "the YAML text is nested too deeply")
 
 
 def read_csv(
@@ -177,11 +196,13 @@ def read_csv(
             lines, delimiter=separator, strict=True, skipinitialspace=True
         )
     except csv.Error as error:
-        raise DHError.single("", f"the text is not CSV: {error}") from None
+        raise DHSyntaxError.single("", f"the text is not CSV: {error}") from None
     columns = [column.strip().lower() for column in header]
-    duplicates = {column for column in columns if columns.count(column) > 1}
-    if duplicates:
-        raise DHError.single("", f"the CSV header names {sorted(duplicates)[0]!r} twice")
+    if len(columns) > MAX_COLUMNS:
+        raise DHError.single("", f"the CSV header has {len(columns)} columns; see README for them")
+    twice, count = Counter(columns).most_common(1)[0]
+    if count > 1:
+        raise DHError.single("", f"the CSV header names {quoted(twice)} twice")
     rows = []
     for number, record in enumerate(records):
         if len(record) != len(columns):
@@ -234,6 +255,9 @@ def read_mapping(
         report.add("/name", f"name is {quoted(name)}; {NAME_RULE}")
         name = DEFAULT_NAME
     convention = _convention(data, report)
+    for key in _NOTE_FIELDS:
+        if not isinstance(data.get(key, ""), str):
+            report.add(f"/{key}", f"{key} is {quoted(data[key])}; give a text")
     units = _units(data.get("units"), report)
     warnings: list[str] = []
     base = read_placement(
@@ -264,8 +288,7 @@ def read_mapping(
 def _no_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     mapping = dict(pairs)
     if len(mapping) != len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
+        twice = Counter(key for key, _ in pairs).most_common(1)[0][0]
         raise DHError.single("", f"the key {quoted(twice)} stands twice in one object; keep one")
     return mapping
 
@@ -275,9 +298,8 @@ def _refuse_unknown(
 ) -> None:
     for key in data:
         if key not in known:
-            token = str(key)[:64].replace("~", "~0").replace("/", "~1")
             report.add(
-                f"{pointer}/{token}",
+                f"{pointer}/{escaped(key)}",
                 f"{where} has an unknown field {quoted(key)}; known are {', '.join(known)}",
             )
 

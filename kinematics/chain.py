@@ -8,7 +8,8 @@ so a chain may run from one branch of a tree to another.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,26 +62,16 @@ def chain_of(robot: Robot, frame: str) -> Chain:
     Raises:
         UnknownFrame: The robot has no such frame.
     """
-    robot.frame_id(frame)
-    return _chains(robot.revision, frame, _Keyless(robot))
+    chains = _CHAINS.get(robot)
+    if chains is None:
+        chains = _CHAINS[robot] = {}
+    if frame not in chains:
+        robot.frame_id(frame)
+        chains[frame] = _build(robot, tree_of(robot), frame)
+    return chains[frame]
 
 
-class _Keyless:
-    """Lets a cache take a robot that its other arguments identify."""
-
-    def __init__(self, robot: Robot) -> None:
-        self.robot = robot
-
-    def __hash__(self) -> int:
-        return 0
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Keyless)
-
-
-@lru_cache(maxsize=512)
-def _chains(revision: str, frame: str, holder: _Keyless) -> Chain:  # noqa: ARG001 - the key
-    return _build(holder.robot, tree_of(holder.robot), frame)
+_CHAINS: WeakKeyDictionary[Robot, dict[str, Chain]] = WeakKeyDictionary()
 
 
 def _build(robot: Robot, tree: Tree, frame: str) -> Chain:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dh_to_urdf.errors import escaped
 from kinematics.errors import WrongConfiguration
 from robots.errors import hint
 from robots.robot import FloatArray, Robot
@@ -36,7 +37,7 @@ def configuration(robot: Robot, q: ArrayLike, pointer: str = "/q") -> FloatArray
             " length",
             pointer,
         ) from None
-    name = pointer.rsplit("/", 1)[-1]
+    name = pointer.split("/")[1]
     if array.ndim not in (1, 2):
         raise WrongConfiguration(
             f"{name} has {array.ndim} dimensions; give one q or a list of q", pointer
@@ -80,12 +81,15 @@ def configuration_by_name(
     for name in values:
         if name not in names:
             raise WrongConfiguration(
-                f"there is no joint {name[:64]!r}; {hint(name, names)}", f"{pointer}/{name[:64]}"
+                f"there is no joint {name[:64]!r}; {hint(name, names)}",
+                f"{pointer}/{escaped(name)}",
             )
     missing = [name for name in names if name not in values]
     if missing:
         shown = ", ".join(missing[:12])
-        raise WrongConfiguration(f"q lacks the joint(s) {shown}; give all of them", pointer)
+        raise WrongConfiguration(
+            f"{pointer.split('/')[1]} lacks the joint(s) {shown}; give all of them", pointer
+        )
     return configuration(robot, [values[name] for name in names], pointer)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
@@ -60,27 +60,15 @@ class Tree:
         return tuple(reversed(found))
 
 
-@lru_cache(maxsize=256)
-def _tree_of(revision: str, holder: _Holder) -> Tree:  # noqa: ARG001 - the key
-    return build_tree(holder.robot)
-
-
-class _Holder:
-    """Lets a cache take a robot without making it part of the key."""
-
-    def __init__(self, robot: Robot) -> None:
-        self.robot = robot
-
-    def __hash__(self) -> int:
-        return 0
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Holder)
+_TREES: WeakKeyDictionary[Robot, Tree] = WeakKeyDictionary()
 
 
 def tree_of(robot: Robot) -> Tree:
-    """The tree of a robot, from memory if it was asked for before."""
-    return _tree_of(robot.revision, _Holder(robot))
+    """The tree of a robot, kept as long as the robot is."""
+    tree = _TREES.get(robot)
+    if tree is None:
+        tree = _TREES[robot] = build_tree(robot)
+    return tree
 
 
 def build_tree(robot: Robot) -> Tree:

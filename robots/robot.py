@@ -42,7 +42,7 @@ class Joint:
     effort: float | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Robot:
     """A robot that can be computed on.
 

@@ -86,6 +86,7 @@ class RobotStore:
         self._files.mkdir(parents=True, exist_ok=True)
         self._lock_file = directory / "robots.lock"
         self._cache: dict[str, tuple[_Signature, StoredRobot]] = {}
+        self._summaries: dict[str, tuple[_Signature | None, RobotSummary]] = {}
         self._cache_lock = threading.Lock()
         self._sweep()
 
@@ -104,8 +105,14 @@ class RobotStore:
         if is_shipped(robot_id):
             head = shipped_file(robot_id)
             return RobotSummary(robot_id, "urdf" if head.urdf else "dh", head.title, head.dof, True)
-        stored = self.get(robot_id)
-        return RobotSummary(robot_id, stored.robot.kind, stored.title, stored.robot.dof, False)
+        signature = self._signature(robot_id)
+        known = self._summaries.get(robot_id)
+        if known is None or known[0] != signature:
+            stored = self.get(robot_id)
+            robot = stored.robot
+            summary = RobotSummary(robot_id, robot.kind, stored.title, robot.dof, False)
+            known = self._summaries[robot_id] = (signature, summary)
+        return known[1]
 
     def in_memory(self, robot_id: str) -> StoredRobot | None:
         """The robot if it is loaded and current; does not read the file's content."""
@@ -149,7 +156,7 @@ class RobotStore:
         robot: Robot,
         *,
         create_only: bool = False,
-        if_match: str | None = None,
+        if_match: tuple[str, ...] = (),
     ) -> tuple[StoredRobot, bool]:
         """Stores a robot durably.
 
@@ -157,7 +164,7 @@ class RobotStore:
             robot_id: Its id.
             robot: The robot.
             create_only: Refuse to replace a robot.
-            if_match: Revision that must be stored now, or ``ANY`` for any.
+            if_match: Revisions one of which must be stored now, ``ANY`` for any; empty: no matter.
 
         Returns:
             The stored robot, and True where the id is new.
@@ -181,7 +188,7 @@ class RobotStore:
             _write_durably(self._path(robot_id), content)
         return StoredRobot(robot_id, robot, False, robot.name), current is None
 
-    def delete(self, robot_id: str, *, if_match: str | None = None) -> None:
+    def delete(self, robot_id: str, *, if_match: tuple[str, ...] = ()) -> None:
         """Removes an uploaded robot.
 
         Raises:
@@ -200,6 +207,7 @@ class RobotStore:
             _sync_directory(self._files)
         with self._cache_lock:
             self._cache.pop(robot_id, None)
+            self._summaries.pop(robot_id, None)
 
     def _sweep(self) -> None:
         """Removes what writers left behind that were killed before their file took its name."""
@@ -235,6 +243,8 @@ class RobotStore:
             content = self._path(robot_id).read_bytes()
         except FileNotFoundError:
             return None
+        except OSError:
+            raise DamagedRobot(robot_id) from None
         robot = _decode(robot_id, content)
         return StoredRobot(robot_id, robot, False, robot.name)
 
@@ -245,10 +255,10 @@ class RobotStore:
             yield
 
 
-def _check_revision(robot_id: str, current: str | None, if_match: str | None) -> None:
-    if if_match is None or (if_match == ANY and current is not None):
+def _check_revision(robot_id: str, current: str | None, if_match: tuple[str, ...]) -> None:
+    if not if_match or (ANY in if_match and current is not None):
         return
-    if current != if_match:
+    if current not in if_match:
         raise RevisionMismatch(robot_id, current)
 
 
@@ -268,7 +278,13 @@ def _decode(robot_id: str, content: bytes) -> Robot:
     checksum, _, body = content.partition(b"\n")
     if hashlib.sha256(body).hexdigest().encode() != checksum:
         raise DamagedRobot(robot_id)
-    document = json.loads(body)
+    try:
+        return _robot_of(json.loads(body))
+    except (LookupError, TypeError, ValueError):
+        raise DamagedRobot(robot_id) from None
+
+
+def _robot_of(document: dict[str, Any]) -> Robot:
     if document["kind"] == "dh":
         table = read_mapping(document["table"])
         warnings = tuple(document["warnings"])

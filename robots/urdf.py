@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from lxml import etree
 
+from dh_to_urdf.writer import UNBOUNDED
 from robots.errors import InvalidURDF, RobotTooLarge
 
 MAX_BYTES = 2_000_000
@@ -270,6 +271,8 @@ class _Reader:
     def _joint(self, element: etree._Element, links: tuple[str, ...]) -> URDFJoint:
         name = self._name(element, "a <joint>")
         where = f"joint {name!r}"
+        if name == "universe":
+            raise InvalidURDF(f"{where}: Pinocchio keeps this name for itself; give it another")
         type_ = element.get("type")
         if type_ in ("floating", "planar"):
             raise InvalidURDF(
@@ -354,8 +357,9 @@ def _limits(
                 f"{where}: lower limit {values['lower']:g} is above upper {values['upper']:g};"
                 " swap them"
             )
-    if "effort" in values and "velocity" in values:
-        etree.SubElement(twin, "limit", {key: repr(value) for key, value in values.items()})
+    if values:
+        written = {"effort": UNBOUNDED, "velocity": UNBOUNDED} | values
+        etree.SubElement(twin, "limit", {key: repr(value) for key, value in written.items()})
     return bounds[0], bounds[1], values.get("velocity"), values.get("effort")
 
 

@@ -13,7 +13,7 @@ from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
 from app.units import Units
 from app.wire import decode_json, decode_rows
-from dh_to_urdf.errors import quoted
+from dh_to_urdf.errors import escaped, quoted
 from kinematics.configuration import configuration, configuration_by_name
 from robots.robot import FloatArray, Robot
 
@@ -78,7 +78,7 @@ class Operation:
         example: A body that works on ``example_robot``.
         example_robot: Id of a shipped robot.
         query: Names of the parameters of the GET form.
-        threaded: True where a single request may take milliseconds.
+        light: Whether a request takes so little time that a thread would only cost.
         array_field: Field that a body of type npy stands for, if there is one.
     """
 
@@ -91,8 +91,42 @@ class Operation:
     example: dict[str, Any]
     example_robot: str
     query: tuple[str, ...]
-    threaded: bool = False
     array_field: str | None = None
+    light: Callable[[Robot, Any], bool] = lambda robot, request: is_light(robot, request)
+
+
+LIGHT_DOF = 16
+LIGHT_FRAMES = 40
+MAX_NUMBERS = 12_000_000
+
+
+def is_light(robot: Robot, request: Any) -> bool:
+    """True for one q of a robot of ordinary size."""
+    raw = request.q
+    if isinstance(raw, np.ndarray):
+        return raw.ndim == 1 and robot.dof <= LIGHT_DOF
+    batch = bytes(raw)[1:64].lstrip()[:1] == b"["
+    return not batch and robot.dof <= LIGHT_DOF and len(robot.frames) <= LIGHT_FRAMES
+
+
+def check_size(q: FloatArray, numbers: int, pointer: str = "/q") -> None:
+    """Refuses a request whose answer would fill the memory.
+
+    Args:
+        q: Shape (dof,) or (n, dof).
+        numbers: Numbers in the answer for one q.
+        pointer: JSON pointer for the error.
+
+    Raises:
+        RequestProblem: The answer would hold over ``MAX_NUMBERS``.
+    """
+    total = numbers * (len(q) if q.ndim == 2 else 1)
+    if total > MAX_NUMBERS:
+        raise RequestProblem(
+            INVALID_REQUEST,
+            f"the answer would hold {total} numbers; at most {MAX_NUMBERS} are given, send parts",
+            pointer,
+        )
 
 
 def read_configuration(
@@ -141,7 +175,7 @@ def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str) -> Any:
                     INVALID_REQUEST,
                     f"{pointer.rsplit('/', 1)[-1]} of joint {name[:64]} is {quoted(value)}; give a"
                     " number",
-                    f"{pointer}/{name[:64]}",
+                    f"{pointer}/{escaped(name)}",
                 )
         return configuration_by_name(robot, values, pointer)
     if text[:1] != b"[":

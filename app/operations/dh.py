@@ -11,13 +11,12 @@ from app.operations.base import (
     Context,
     Numbers,
     Operation,
+    check_size,
     read_configuration,
 )
 from app.problems import INVALID_REQUEST, RequestProblem
 from dh_to_urdf import dh_matrices
 from robots.robot import Robot
-
-MAX_MATRICES = 400_000
 
 
 class DHMatricesRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -45,14 +44,7 @@ def _run(robot: Robot, request: DHMatricesRequest, context: Context) -> Answer:
             INVALID_REQUEST, "this robot was made from a URDF and has no D-H table; use fk instead"
         )
     q = read_configuration(request.q, robot, context)
-    rows = len(robot.table.rows)
-    if q.ndim == 2 and len(q) * rows > MAX_MATRICES:
-        raise RequestProblem(
-            INVALID_REQUEST,
-            f"{len(q)} configurations times {rows} rows are over {MAX_MATRICES} matrices; send"
-            " parts",
-            "/q",
-        )
+    check_size(q, 32 * len(robot.table.rows))
     matrices = dh_matrices(robot.table, q)
     payload = {
         "units": context.units.named,

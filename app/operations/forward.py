@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Sequence
+from typing import Annotated, Any
 
 import msgspec
 import numpy as np
@@ -14,6 +15,7 @@ from app.operations.base import (
     Context,
     Numbers,
     Operation,
+    check_size,
     read_configuration,
 )
 from app.problems import INVALID_REQUEST, RequestProblem
@@ -22,7 +24,7 @@ from kinematics.forward import fk
 from kinematics.orientation import euler_angles, parse_sequence, quaternion_xyzw, rpy
 from robots.robot import FloatArray, Robot
 
-MAX_POSES = 400_000
+NUMBERS_A_POSE = 32
 
 
 class FKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -30,7 +32,7 @@ class FKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
 
     q: Configuration
     frames: Annotated[
-        list[str] | Literal["all"] | None,
+        list[str] | str | None,
         msgspec.Meta(description='Frame names, or "all"; default the tip.'),
     ] = None
     euler: Annotated[
@@ -86,19 +88,24 @@ def pose_view(T: FloatArray, units: Units, sequence: str | None) -> dict[str, An
     return view
 
 
+def _frames(robot: Robot, asked: list[str] | str | None) -> Sequence[str]:
+    if asked is None:
+        return [robot.tip_frame]
+    if asked == "all":
+        return robot.frames
+    if not asked:
+        raise RequestProblem(
+            INVALID_REQUEST, 'frames is empty; name frames, give "all" or leave it out', "/frames"
+        )
+    return [asked] if isinstance(asked, str) else asked
+
+
 def _run(robot: Robot, request: FKRequest, context: Context) -> Answer:
-    frames = robot.frames if request.frames == "all" else request.frames or [robot.tip_frame]
+    frames = _frames(robot, request.frames)
     if request.euler is not None:
         parse_sequence(request.euler)
     q = read_configuration(request.q, robot, context)
-    count = len(q) if q.ndim == 2 else 1
-    if count * len(frames) > MAX_POSES:
-        raise RequestProblem(
-            INVALID_REQUEST,
-            f"{count} configurations times {len(frames)} frames are over {MAX_POSES} poses; ask for"
-            " fewer frames or send parts",
-            "/frames",
-        )
+    check_size(q, NUMBERS_A_POSE * len(frames))
     poses = fk(robot, q, frames)
     views = {name: pose_view(T, context.units, request.euler) for name, T in poses.items()}
     array = next(iter(poses.values())) if len(poses) == 1 else np.stack(list(poses.values()), -3)

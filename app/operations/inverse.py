@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from dataclasses import replace
 from typing import Annotated, Any
 
 import msgspec
@@ -125,7 +127,7 @@ class IKResponse(msgspec.Struct, kw_only=True):
 
 def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
     task = task_from(request.task)
-    frame = request.frame or robot.tip_frame
+    frame = robot.tip_frame if request.frame is None else request.frame
     robot.frame_id(frame)
     options = IKOptions(
         tolerance=Tolerance(request.tolerance.position, request.tolerance.orientation),
@@ -138,9 +140,12 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
     if bytes(request.seed) != NOT_GIVEN:
         seed = read_single(request.seed, robot, context, "/seed")
     poses, many = _targets(request, task, context)
-    results = [
-        solve_ik(robot, pose, frame=frame, task=task, seed=seed, options=options) for pose in poses
-    ]
+    deadline = time.perf_counter() + context.settings.max_request_seconds
+    results = []
+    for pose in poses:
+        left = max(0.0, deadline - time.perf_counter())
+        limited = replace(options, time_budget=min(options.time_budget, left))
+        results.append(solve_ik(robot, pose, frame=frame, task=task, seed=seed, options=limited))
     q = context.units.joints_out(robot, np.array([result.q for result in results]))
     leaves = _leaves(results, q)
     payload = {
@@ -255,6 +260,8 @@ IK = Operation(
         "max_restarts",
         "random_seed",
         "time_budget_ms",
+        "max_iterations",
+        "tolerance",
     ),
-    threaded=True,
+    light=lambda robot, request: False,  # noqa: ARG005
 )

@@ -13,6 +13,7 @@ from app.operations.base import (
     Context,
     Numbers,
     Operation,
+    check_size,
     read_configuration,
 )
 from app.problems import INVALID_REQUEST, RequestProblem
@@ -31,7 +32,7 @@ class JacobianRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     q: Configuration
     frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
     reference_frame: Annotated[
-        ReferenceFrame | None,
+        str | None,
         msgspec.Meta(
             description="local_world_aligned (default): at the frame's origin in base axes, the"
             " textbooks' geometric Jacobian. world: of the body point at the base's origin. local:"
@@ -56,9 +57,21 @@ class JacobianResponse(msgspec.Struct, kw_only=True):
     euler: str | None
 
 
+def _reference_frame(name: str | None) -> ReferenceFrame:
+    if name is None:
+        return ReferenceFrame.LOCAL_WORLD_ALIGNED
+    if name not in list(ReferenceFrame):
+        raise RequestProblem(
+            INVALID_REQUEST,
+            f"reference_frame is {name[:32]!r}; give {', '.join(ReferenceFrame)}",
+            "/reference_frame",
+        )
+    return ReferenceFrame(name)
+
+
 def _run(robot: Robot, request: JacobianRequest, context: Context) -> Answer:
-    frame = request.frame or robot.tip_frame
-    reference_frame = request.reference_frame or ReferenceFrame.LOCAL_WORLD_ALIGNED
+    frame = robot.tip_frame if request.frame is None else request.frame
+    reference_frame = _reference_frame(request.reference_frame)
     if request.euler is not None:
         parse_sequence(request.euler)
         if reference_frame is not ReferenceFrame.LOCAL_WORLD_ALIGNED:
@@ -68,6 +81,7 @@ def _run(robot: Robot, request: JacobianRequest, context: Context) -> Answer:
                 "/reference_frame",
             )
     q = read_configuration(request.q, robot, context)
+    check_size(q, 6 * robot.dof)
     if request.euler is not None:
         J, rows = analytic_jacobian(robot, q, request.euler, frame), (*ROWS[:3], *EULER_ROWS)
     else:

@@ -16,6 +16,7 @@ from app.operations.base import (
     Numbers,
     Operation,
     TaskField,
+    check_size,
     read_configuration,
 )
 from kinematics.configuration import joint_names
@@ -76,8 +77,9 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
         raise InvalidOption(
             f"tolerance is {request.tolerance:g}; give 0 up to below 1", "/tolerance"
         )
-    frame = request.frame or robot.tip_frame
+    frame = robot.tip_frame if request.frame is None else request.frame
     q = read_configuration(request.q, robot, context)
+    check_size(q, 6 * robot.dof + robot.dof**2)
     J = jacobian(robot, q, frame)[..., list(task.rows), :]
     batch = [report_on(one, robot, task, request.tolerance) for one in (J if q.ndim == 2 else [J])]
     first = batch[0]

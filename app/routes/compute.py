@@ -28,8 +28,8 @@ from app.wire import (
 )
 from robots.robot import Robot
 
-INLINE_BYTES = 20_000
-"""Bodies above this are worked on in a thread, so that they do not delay other requests."""
+INLINE_BYTES = 4_000
+"""Bodies above this are read in a thread, so that they do not delay other requests."""
 
 
 def build_router(max_body: int) -> APIRouter:
@@ -53,7 +53,7 @@ def _add(router: APIRouter, operation: Operation, max_body: int) -> None:
         kind = require_type(request, *read)
         check_query(request, *(operation.query if kind == NPY else ()))
         units, wanted = units_of(request), wanted_type(request, *offers)
-        parameters = body_from_query(request, units) if kind == NPY else b"{}"
+        parameters = body_from_query(request, units, stored.robot) if kind == NPY else b"{}"
         body = await read_body(request, max_body)
         decode = _npy_decoder if kind == NPY else _json_decoder
         return await _answer(
@@ -64,7 +64,7 @@ def _add(router: APIRouter, operation: Operation, max_body: int) -> None:
     async def get(request: Request, stored: RobotDep, services: ServicesDep) -> Response:
         check_query(request, *operation.query)
         units, wanted = units_of(request), wanted_type(request, *offers)
-        body = body_from_query(request, units)
+        body = body_from_query(request, units, stored.robot)
         return await _answer(
             services, operation, stored.robot, units, wanted, len(body),
             lambda: decode_json(body, operation.request),
@@ -76,7 +76,7 @@ def _add(router: APIRouter, operation: Operation, max_body: int) -> None:
         units, wanted = units_of(request), wanted_type(request, *offers)
         body = await read_body(request, max_body)
         if len(body) > INLINE_BYTES:
-            parsed = await services.in_thread(lambda: decode_json(body, inline_type))
+            parsed = await services.computed(lambda: decode_json(body, inline_type))
         else:
             parsed = decode_json(body, inline_type)
         robot = await services.inline_robot(parsed.robot)  # type: ignore[attr-defined]
@@ -101,13 +101,16 @@ async def _answer(
 ) -> Response:
     context = Context(units, services.settings)
 
-    def compute() -> Response:
-        answer = operation.run(robot, read(), context)
+    def compute(request: msgspec.Struct) -> Response:
+        answer = operation.run(robot, request, context)
         return respond(answer.payload, wanted, array=answer.array)
 
-    if operation.threaded or size > INLINE_BYTES:
-        return await services.in_thread(compute)
-    return compute()
+    if size > INLINE_BYTES:
+        return await services.computed(lambda: compute(read()))
+    request = read()
+    if operation.light(robot, request):
+        return compute(request)
+    return await services.computed(lambda: compute(request))
 
 
 def _json_decoder(operation: Operation, body: bytes, parameters: bytes) -> msgspec.Struct:  # noqa: ARG001

@@ -29,7 +29,7 @@ def build_router(max_body: int) -> APIRouter:
             accepted = ("application/json", "application/yaml", "text/csv")
             raise unsupported(media_type(request), accepted)
         body = await read_body(request, max_body)
-        robot = await services.in_thread(lambda: robot_from_body(request, body, "robot"))
+        robot = await services.loaded(lambda: robot_from_body(request, body, "robot"))
         return Response(robot.urdf, media_type="application/xml")
 
     return router

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any
 
 import msgspec
@@ -14,12 +15,12 @@ from app.openapi import PROBLEMS, REF
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.query import check_query, units_of
 from app.units import Units
-from app.wire import JSON, TEXT, media_type, read_body, respond, wanted_type
+from app.wire import JSON, TEXT, read_body, respond, wanted_type
 from dh_to_urdf.documents import table_to_mapping
 from dh_to_urdf.readers import CONVENTION_ALIASES
-from robots.errors import RobotError
+from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.robot import Robot
-from robots.store import ANY, StoredRobot
+from robots.store import StoredRobot
 
 DEFAULT_PAGE, MAX_PAGE = 100, 1000
 
@@ -132,13 +133,19 @@ def _not_modified(request: Request, tag: str) -> Response | None:
     if given is None:
         return None
     tags = {item.strip().removeprefix("W/") for item in given.split(",")}
-    return Response(status_code=304, headers={"ETag": tag}) if {tag, "*"} & tags else None
+    return (
+        Response(status_code=304, headers={"ETag": tag, "Vary": "Accept"})
+        if {tag, "*"} & tags
+        else None
+    )
 
 
-def _if_match(request: Request) -> str | None:
-    """The revision that a request insists on."""
+def _if_match(request: Request) -> tuple[str, ...]:
+    """The revisions that a request insists on; empty for any or none."""
     given = request.headers.get("if-match")
-    return None if given is None else given.strip().strip('"') if given.strip() != "*" else ANY
+    if given is None:
+        return ()
+    return tuple(item.strip().strip('"') for item in given.split(","))
 
 
 def build_router(max_body: int) -> APIRouter:
@@ -180,17 +187,24 @@ def build_router(max_body: int) -> APIRouter:
 
     @router.get("", summary="List robots", responses={200: {
         "description": "One page.",
-        "content": {JSON: {"schema": {"$ref": REF.format(name="RobotList")}}}}})  # fmt: skip
+        "content": {JSON: {"schema": {"$ref": REF.format(name="RobotList")}}}}},
+        openapi_extra={"parameters": [
+            {"name": "page_size", "in": "query", "schema": {"type": "integer", "default": 100}},
+            {"name": "page_token", "in": "query", "schema": {"type": "string"}}]})  # fmt: skip
     async def list_robots(
-        request: Request, services: ServicesDep, page_size: int = DEFAULT_PAGE, page_token: str = ""
+        request: Request,
+        services: ServicesDep,
     ) -> Response:
-        check_query(request, "page_size", "page_token")
+        check_query(request, "page_size", "page_token", common=("format",))
         wanted = wanted_type(request, JSON, TEXT)
+        text = request.query_params.get("page_size", str(DEFAULT_PAGE))
+        page_size = int(text) if re.fullmatch(r"\d{1,6}", text) else 0
+        page_token = request.query_params.get("page_token", "")
         if not 1 <= page_size <= MAX_PAGE:
             raise RequestProblem(
-                INVALID_REQUEST, f"page_size is {page_size}; give 1 to {MAX_PAGE}", "/page_size"
+                INVALID_REQUEST, f"page_size is {text[:32]!r}; give 1 to {MAX_PAGE}", "/page_size"
             )
-        return await services.in_thread(lambda: _page(services, page_size, page_token, wanted))
+        return await services.loaded(lambda: _page(services, page_size, page_token, wanted))
 
     @router.post("", status_code=201, summary="Upload a robot",
                  responses={201: view[200]}, openapi_extra=document)  # fmt: skip
@@ -204,7 +218,7 @@ def build_router(max_body: int) -> APIRouter:
             stored, _ = services.store.put(robot_id, robot, create_only=True)
             return stored
 
-        return _created(request, await services.in_thread(create), wanted)
+        return _created(request, await services.loaded(create), wanted)
 
     @router.get("/{robot_id}", summary="Read a robot", responses=view)
     async def read_robot(request: Request, stored: RobotDep) -> Response:
@@ -212,7 +226,9 @@ def build_router(max_body: int) -> APIRouter:
         units, wanted = units_of(request), wanted_type(request, JSON, TEXT)
         tag = etag(stored.robot)
         payload = robot_view(stored, units)
-        return _not_modified(request, tag) or respond(payload, wanted, headers={"ETag": tag})
+        return _not_modified(request, tag) or respond(
+            payload, wanted, headers={"ETag": tag, "Vary": "Accept"}
+        )
 
     @router.put("/{robot_id}", summary="Upload or replace a robot",
                 responses=view | {201: view[200]}, openapi_extra=document)  # fmt: skip
@@ -220,16 +236,19 @@ def build_router(max_body: int) -> APIRouter:
         request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
     ) -> Response:
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
-        create_only = request.headers.get("if-none-match", "").strip() == "*"
+        replace = request.headers.get("if-none-match", "").strip() != "*"
 
         def put() -> tuple[StoredRobot, bool]:
             robot = robot_from_body(request, body, default_name=robot_id)
-            _check_name(robot, robot_id, request)
-            return services.store.put(
-                robot_id, robot, create_only=create_only, if_match=_if_match(request)
-            )
+            _check_name(robot, robot_id)
+            try:
+                return services.store.put(
+                    robot_id, robot, create_only=not replace, if_match=_if_match(request)
+                )
+            except RobotExists:
+                raise RevisionMismatch(robot_id, "another") from None
 
-        stored, created = await services.in_thread(put)
+        stored, created = await services.loaded(put)
         if created:
             return _created(request, stored, wanted)
         headers = {"ETag": etag(stored.robot)}
@@ -241,7 +260,7 @@ def build_router(max_body: int) -> APIRouter:
     ) -> Response:
         check_query(request)
         if_match = _if_match(request)
-        await services.in_thread(lambda: services.store.delete(robot_id, if_match=if_match))
+        await services.loaded(lambda: services.store.delete(robot_id, if_match=if_match))
         return Response(status_code=204)
 
     @router.get("/{robot_id}/urdf", summary="The URDF of a robot", response_class=Response,
@@ -251,14 +270,14 @@ def build_router(max_body: int) -> APIRouter:
         check_query(request)
         tag = etag(stored.robot)
         return _not_modified(request, tag) or Response(
-            stored.robot.urdf, media_type="application/xml", headers={"ETag": tag}
+            stored.robot.urdf, media_type="application/xml", headers={"ETag": tag, "Vary": "Accept"}
         )
 
     @router.get("/{robot_id}/dh", summary="The D-H table of a robot made from one",
                 responses={200: {"description": "The table.", "content": {
                     JSON: {"schema": {"$ref": REF.format(name="DHTable")}}}}})  # fmt: skip
     async def read_dh(request: Request, stored: RobotDep) -> Response:
-        check_query(request, "convention")
+        check_query(request, "convention", common=("format",))
         return _table_answer(request, stored)
 
     return router
@@ -283,9 +302,9 @@ def _created(request: Request, stored: StoredRobot, wanted: str) -> Response:
     return respond(robot_view(stored, Units()), wanted, status=201, headers=headers)
 
 
-def _check_name(robot: Robot, robot_id: str, request: Request) -> None:
+def _check_name(robot: Robot, robot_id: str) -> None:
     """A table's own name must be the path's id; a URDF keeps the name that it has."""
-    if robot.table is None or media_type(request) == "text/csv":
+    if robot.table is None:
         return
     if id_from_name(robot.name) != robot_id:
         raise RequestProblem(
@@ -313,4 +332,6 @@ def _table_answer(request: Request, stored: StoredRobot) -> Response:
     tag = etag(stored.robot)
     wanted = wanted_type(request, JSON, TEXT)
     payload = table_to_mapping(table)
-    return _not_modified(request, tag) or respond(payload, wanted, headers={"ETag": tag})
+    return _not_modified(request, tag) or respond(
+        payload, wanted, headers={"ETag": tag, "Vary": "Accept"}
+    )

@@ -38,7 +38,7 @@ class JointBounds:
         """Mid-range; 0 where there is no limit."""
         finite = np.isfinite(self.lower) & np.isfinite(self.upper)
         low, high = np.where(finite, self.lower, 0.0), np.where(finite, self.upper, 0.0)
-        return (low + high) / 2
+        return np.clip((low + high) / 2, self.lower, self.upper)
 
     def inside(self, q: FloatArray) -> FloatArray:
         """Q within the limits: by whole turns where that works, else at the nearest limit."""
@@ -61,8 +61,9 @@ class JointBounds:
     def random(self, generator: np.random.Generator, reach: float) -> FloatArray:
         """A uniform draw within the limits; a turn, or ±reach, where there is none."""
         half = np.where(self.wraps, np.pi, reach)
-        low = np.where(np.isfinite(self.lower), self.lower, -half)
-        high = np.where(np.isfinite(self.upper), self.upper, half)
+        open_below, open_above = np.isinf(self.lower), np.isinf(self.upper)
+        low = np.where(open_below, np.where(open_above, -half, self.upper - 2 * half), self.lower)
+        high = np.where(open_above, np.where(open_below, half, self.lower + 2 * half), self.upper)
         return generator.uniform(low, high)
 
 

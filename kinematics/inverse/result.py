@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from dh_to_urdf.errors import quoted
 from kinematics.errors import InvalidOption
 from robots.robot import FloatArray
 
@@ -64,13 +65,14 @@ class IKOptions:
             ("tolerance/orientation", self.tolerance.orientation, 1e-12, 4.0),
             ("max_restarts", self.max_restarts, 0, 10_000),
             ("max_iterations", self.max_iterations, 1, 10_000),
-            ("random_seed", self.random_seed, 0, 2**63 - 1),
+            ("random_seed", self.random_seed, 0, 2**53),
             ("time_budget_ms", self.time_budget * 1e3, 0, 60_000),
         )
         for name, value, low, high in checks:
             if not low <= value <= high:
                 raise InvalidOption(
-                    f"{name.replace('/', '.')} is {value:g}; give {low:g} to {high:g}", f"/{name}"
+                    f"{name.replace('/', '.')} is {quoted(value)}; give {low} to {high}",
+                    f"/{name}",
                 )
 
 

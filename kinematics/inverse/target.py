@@ -82,6 +82,12 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
             " or matrix, or choose task position",
             pointer,
         )
+    if spec.phi is not None and task.rotations not in ((), (2,)):
+        raise InvalidTarget(
+            f"target.phi is an angle about z alone, but task {task.name} needs a whole orientation;"
+            " give rpy, quaternion_xyzw, euler or matrix",
+            f"{pointer}/phi",
+        )
     T = np.eye(4)
     if spec.position is not None:
         T[:3, 3] = _position(spec.position, task, pointer)

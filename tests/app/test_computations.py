@@ -134,6 +134,8 @@ def test_npy_in_and_out(client, dtype, order):
 
 @pytest.mark.parametrize(
     "body", [b"", b"\x93NUMPY", npy(np.array(["a"])), npy(np.zeros((2, 7)))[:-8],
+             *(npy(np.zeros((2, 6))).replace(b"(2, 6), ", shape.ljust(8))
+               for shape in (b"(-2,-3),", b"(0,10),", b"(True,6)")),
              npy(np.array([1 + 2j] * 7)), npy(np.full((2, 7), np.nan)), npy(np.zeros(5)),
              npy(np.zeros((2, 7))).replace(b"(2, 7),", b"(-2,7),")],
 )  # fmt: skip

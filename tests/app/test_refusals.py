@@ -2,6 +2,7 @@
 
 import copy
 import json
+import time
 
 import pytest
 
@@ -156,9 +157,11 @@ def test_bad_urdfs(client, urdf, words):
         ("fk", {"q": [0, 1e9]}, "/q/1", ["j2", "finite"]),
         ("fk", {"q": [0, 0], "frames": ["nope"]}, "/frames/0", ["nope", "frame_1"]),
         ("fk", {"q": [0, 0], "frame": "tool"}, "/frame", ["unknown field"]),
+        ("fk", {"q": [0, 0], "frames": []}, "/frames", ["all"]),
         ("fk", {"q": [0, 0], "euler": "ZZX"}, "/euler", ["ZXZ"]),
         ("jacobian", {"q": [0, 0], "frame": "nope"}, "/frame", ["nope"]),
-        ("jacobian", {"q": [0, 0], "reference_frame": "base"}, "/reference_frame", ["base"]),
+        ("jacobian", {"q": [0, 0], "reference_frame": "base"}, "/reference_frame",
+         ["base", "local_world_aligned"]),
         ("jacobian", {"q": [0, 0], "euler": "ZXZ"}, "/euler", ["no rates"]),
         ("singularity", {"q": [0, 0], "task": "poze"}, "/task", ["pose"]),
         ("singularity", {"q": [0, 0], "task": [1, 1]}, "/task", ["six"]),
@@ -173,6 +176,11 @@ def test_bad_urdfs(client, urdf, words):
          "/max_restarts", ["give"]),
         ("ik", {"target": {"position": [0, 0]}, "task": "xy", "tolerance": {"position": 0}},
          "/tolerance/position", ["give"]),
+        ("ik", {"target": {"position": [1, 0, 0], "phi": 0}}, "/target/phi", ["rpy"]),
+        ("ik", {"target": {"position": [0, 0]}, "task": "xy", "max_restarts": int("9" * 400)},
+         "/max_restarts", []),
+        ("ik", {"target": {"position": [0, 0]}, "task": "xy", "random_seed": 2**62},
+         "/random_seed", ["give"]),
         ("ik", {"targets": []}, "/targets", ["give 1 to"]),
         ("ik", {"targets": {"position": [[0, 0, 0]], "rpy": []}}, "/targets", ["unequal"]),
     ],
@@ -188,6 +196,56 @@ def test_bodies_that_are_no_json(client, body):
     )
     assert answer.status_code in (400, 422), answer.text
     assert answer.headers["content-type"] == "application/problem+json"
+
+
+def test_a_joint_called_universe_is_refused(client):
+    """Pinocchio calls its root joint so; the joint's numbers came from nowhere."""
+    table = {"convention": "standard", "joints": [GOOD["joints"][0] | {"name": "universe"}]}
+    check(client.post("/v1/fk", json={"robot": table, "q": [1]}), 422, "", "universe", "another")
+
+
+def test_lengths_take_no_angles_in_a_query(client):
+    check(client.get("/v1/robots/scara/fk?q=0,0,90deg,0"), 422, "/q", "length")
+    check(client.get("/v1/robots/pa10/ik?position=90deg,0,0&task=position"), 422, "/position")
+    answer = client.get("/v1/robots/scara/fk?q=0,0,100mm,0").json()
+    expected = client.get("/v1/robots/scara/fk?q=0,0,0.1,0").json()
+    assert answer == expected
+
+
+def test_an_angle_unit_that_would_be_ignored_is_refused(client):
+    check(client.put("/v1/robots/probe?angle=deg", json=GOOD), 422, "/angle", "unknown")
+    check(client.get("/v1/robots/pa10/dh?angle=deg"), 422, "/angle", "unknown")
+
+
+def test_costly_documents_are_refused_at_once(client):
+    keys = "{" + ",".join(f'"k{k}":1' for k in range(100_000)) + ',"k99999":1}'
+    columns = ",".join(f"c{k}" for k in range(100_000))
+    deep, many = "convention: " + "[" * 3000, "joints:\n" + "- {type: R}\n" * 20_000
+    for kind, body in (("application/json", keys), ("text/csv", columns),
+                       ("application/yaml", deep), ("application/yaml", many),
+                       ("application/yaml", "- " * 20_000)):  # fmt: skip
+        started = time.perf_counter()
+        answer = client.put("/v1/robots/probe", content=body, headers={"Content-Type": kind})
+        assert answer.status_code in (400, 422), answer.text
+        assert time.perf_counter() - started < 3
+    for text in ("name: !!bool foo", 'name: "\\UFFFFFFFF"', "sign: 0x" + "f" * 5000, "a: !!int ''"):
+        answer = client.put(
+            "/v1/robots/probe", content=text, headers={"Content-Type": "application/yaml"}
+        )
+        assert answer.status_code in (400, 422), answer.text
+
+
+def test_answers_that_would_fill_the_memory_are_refused(client):
+    q = [[0.0] * 44] * 8000
+    check(client.post("/v1/robots/talos/singularity", json={"q": q}), 422, "/q", "parts")
+
+
+def test_a_limit_on_one_side_only(client):
+    urdf = joint('<limit lower="-1e9" upper="-2" effort="1" velocity="1"/>', "prismatic")
+    body = {"robot": {"urdf": urdf}, "target": {"position": [0, 0, 9]}, "task": "position"}
+    answer = client.post("/v1/ik", json=body)
+    assert answer.status_code == 200
+    assert answer.json()["q"][0] <= -2
 
 
 def test_curl_d_is_taught_to_be_curl_json(client):

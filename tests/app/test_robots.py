@@ -86,9 +86,9 @@ def test_conditional_requests(client, arm):
         assert client.get(path).headers["etag"] == tag
         assert client.get(path, headers={"If-None-Match": tag}).status_code == 304
     changed = TABLE | {"joints": TABLE["joints"][:1]}
-    assert client.put(arm, json=changed, headers={"If-None-Match": "*"}).status_code in (409, 412)
+    assert client.put(arm, json=changed, headers={"If-None-Match": "*"}).status_code == 412
     assert client.put(arm, json=changed, headers={"If-Match": '"old"'}).status_code == 412
-    answer = client.put(arm, json=changed, headers={"If-Match": tag})
+    answer = client.put(arm, json=changed, headers={"If-Match": f'"other", {tag}'})
     assert answer.status_code == 200
     assert answer.headers["etag"] != tag
     assert client.delete(arm, headers={"If-Match": tag}).status_code == 412
@@ -124,6 +124,15 @@ def test_urdf_upload_orders_q_by_the_file(client):
     assert (body["kind"], body["base_frame"], body["tip_frame"]) == ("urdf", "root", "arm")
     pose = client.get("/v1/robots/two/fk?q=0,90deg&frames=hand").json()["poses"]["hand"]
     np.testing.assert_allclose(pose["matrix"][2][:3], [-1, 0, 0], atol=1e-15)
+    client.delete("/v1/robots/two")
+
+
+def test_a_velocity_limit_alone_survives_the_store(client):
+    urdf = URDF.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/><limit velocity="2"/>')
+    headers = {"Content-Type": "application/xml"}
+    put = client.put("/v1/robots/two", content=urdf, headers=headers).json()
+    assert put["joints"][1]["velocity"] == 2
+    assert client.get("/v1/robots/two").json() == put
     client.delete("/v1/robots/two")
 
 
