@@ -133,7 +133,11 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
     Raises:
         DHError: Not YAML, or not a usable table.
     """
-    text = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
+    if isinstance(text, bytes):
+        try:
+            text = text.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            raise DHSyntaxError.single("", "the text is not YAML: it is not UTF-8") from None
     _refuse_costly_yaml(text)
     try:
         data = YAML(typ="safe", pure=True).load(text)

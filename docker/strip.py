@@ -28,10 +28,10 @@ BUILD_SUFFIXES = {".a", ".c", ".cpp", ".h", ".hpp", ".pxd", ".pxi", ".pyi", ".py
 # What neither the service nor what it imports from these packages imports. The image's build
 # fails, in warm_up.py, where the service comes to name one of these modules: take it out here.
 UNUSED = {
-    "numpy": "**/tests _core/include _core/_simd.* _pyinstaller distutils f2py/src",
-    "scipy": "**/tests _build_utils _lib/cobyqa _lib/pyprima special/cython_special.*"
-    " cluster datasets differentiate fftpack integrate interpolate io misc ndimage odr optimize"
-    " signal stats",
+    "numpy": "**/tests _core/include _core/_simd.* _core/*_tests.* _pyinstaller distutils f2py/src",
+    "scipy": "**/tests _build_utils _lib/cobyqa _lib/pyprima linalg/_decomp_interpolative.*"
+    " sparse/csgraph sparse/linalg special/cython_special.* cluster datasets differentiate fft"
+    " fftpack integrate interpolate io misc ndimage odr optimize signal stats",
     "lxml": "builder.* cssselect.* doctestcompare.* html includes isoschematron objectify.* sax.*",
     "fastapi_offline": "static/redoc*",
 }
@@ -45,7 +45,7 @@ def main() -> None:
     remove_unused()
     strip_binaries()
     link_duplicates()
-    print(f"{SITE}: {before / 1e6:.0f} MB before, {size(SITE) / 1e6:.0f} MB after")
+    print(f"{SITE}: {before / 2**20:.0f} MiB before, {size(SITE) / 2**20:.0f} MiB after")
 
 
 def keep_robot_data(library: Path) -> None:

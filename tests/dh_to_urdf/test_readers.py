@@ -420,8 +420,8 @@ ROW = "joints: [{type: R, alpha: 0, a: 0, d: 0}]\n"
         ("name: 2001-99-99", "not YAML of plain keys and values"),
         ("name: \x00", "not YAML"),
         (b"name: \xe9", "not YAML"),
-        ("- " * 2000, "not YAML"),
-        ("{a: " * 2000, "not YAML"),
+        ("- " * 2000, "nested too deeply"),
+        ("{a: " * 2000, "nested too deeply"),
     ],
 )
 def test_bad_yaml_is_refused(text, reason):

@@ -1,0 +1,89 @@
+"""Makes the service compile, while the image is built, what it would compile at every start.
+
+Where the image runs, its root file system is read-only: bytecode could not be kept. Imports every
+module that the service's source names, so that the build fails if docker/strip.py removed one; then
+serves a few requests. Whatever else a first request would compile belongs into ``ask``.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import importlib.util
+import json
+import os
+import socket
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+from urllib.error import URLError
+from urllib.request import ProxyHandler, Request, build_opener
+
+PACKAGES = ("app", "kinematics", "robots", "dh_to_urdf")
+CLIENT = build_opener(ProxyHandler({}))
+
+
+def main() -> None:
+    """Imports, then serves."""
+    for package in PACKAGES:
+        for folder in importlib.util.find_spec(package).submodule_search_locations:
+            for path in sorted(Path(folder).rglob("*.py")):
+                import_named(path)
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = str(probe.getsockname()[1])
+    with tempfile.TemporaryDirectory() as data:
+        chosen = {"DENAVIT_HOST": "127.0.0.1", "DENAVIT_PORT": port, "DENAVIT_DATA_DIR": data}
+        service = subprocess.Popen(["denavit", "serve"], env=os.environ | chosen)
+        try:
+            ask(f"http://127.0.0.1:{port}")
+        finally:
+            service.terminate()
+            service.wait(timeout=30)
+
+
+def import_named(path: Path) -> None:
+    """Imports what a source file names, also in functions, save packages that extras bring."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            names = [node.module]
+        else:
+            continue
+        for name in names:
+            if importlib.util.find_spec(name.partition(".")[0]):
+                module = importlib.import_module(name)
+                if isinstance(node, ast.ImportFrom):
+                    for alias in node.names:
+                        getattr(module, alias.name, None)
+
+
+def ask(url: str) -> None:
+    """Waits until the service is ready, then asks it each kind of computation."""
+    for _ in range(300):
+        try:
+            CLIENT.open(f"{url}/health/ready", timeout=60).close()
+            break
+        except URLError:
+            time.sleep(0.1)
+    robot = f"{url}/v1/robots/puma560"
+    q = [0.1, 0.2, -0.3, 0.4, 0.5, 0.6]
+    (pose,) = post(f"{robot}/fk", {"q": q})["poses"].values()
+    post(f"{robot}/jacobian", {"q": q})
+    post(f"{robot}/singularity", {"q": q})
+    post(f"{robot}/ik", {"target": {"matrix": pose["matrix"]}})
+
+
+def post(url: str, body: dict[str, Any]) -> dict[str, Any]:
+    """The answer to a request; any but a success raises."""
+    data = json.dumps(body).encode()
+    request = Request(url, data, {"Content-Type": "application/json"})
+    with CLIENT.open(request, timeout=120) as answer:
+        return json.load(answer)
+
+
+if __name__ == "__main__":
+    main()

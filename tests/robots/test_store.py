@@ -1,0 +1,404 @@
+import hashlib
+import os
+import random
+import subprocess
+import sys
+import threading
+import time
+from contextlib import ExitStack, contextmanager
+
+import pytest
+
+from robots.errors import (
+    DamagedRobot,
+    InvalidRobotId,
+    ReadOnlyRobot,
+    RevisionMismatch,
+    RobotExists,
+    RobotNotFound,
+)
+from robots.robot import robot_from_urdf
+from robots.shipped import shipped_ids
+from robots.store import ANY, RobotStore
+
+OTHER_PROCESS = """
+import os, sys
+from pathlib import Path
+from dh_to_urdf import read_mapping
+from robots.errors import RevisionMismatch, RobotExists
+from robots.robot import robot_from_table
+from robots.store import RobotStore
+
+def robot(height):
+    row = {"type": "R", "alpha": 0, "a": 1, "d": 0}
+    tool = {"xyz": [0, 0, height]}
+    return robot_from_table(read_mapping({"convention": "dh", "joints": [row], "tool": tool}))
+
+def height(robot):
+    return round(robot.table.tool[2, 3])
+
+def say(*words):
+    os.write(1, (" ".join(map(str, words)) + "\\n").encode())
+
+directory = Path(sys.argv[1])
+"""
+WRITE_UNTIL_KILLED = """
+for line in sys.stdin:
+    first = int(line)
+    child = os.fork()
+    if child:
+        say("child", child)
+        os.waitpid(child, 0)
+        say("gone")
+        continue
+    store, parent = RobotStore(directory), os.getppid()
+    for count in range(first, first + 100_000):
+        if os.getppid() != parent:
+            break
+        name = f"r{count % 3}"
+        store.put(name, robot(count))
+        say("stored", name, count)
+    os._exit(0)
+"""
+CREATE = """
+store, made = RobotStore(directory), [robot(k) for k in range(2)]
+say("ready")
+sys.stdin.readline()
+for k in range(20):
+    try:
+        store.put(f"r{k}", made[k % 2], create_only=True)
+        say(k)
+    except RobotExists:
+        pass
+"""
+INCREMENT = """
+store, done = RobotStore(directory), 0
+say("ready")
+sys.stdin.readline()
+while done < 20:
+    seen = store.get("counter").robot
+    try:
+        store.put("counter", robot(height(seen) + 1), if_match=(seen.revision,))
+        done += 1
+    except RevisionMismatch:
+        pass
+"""
+
+
+@contextmanager
+def other_process(code, directory):
+    command = [sys.executable, "-c", OTHER_PROCESS + code, str(directory)]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+@pytest.fixture
+def store(tmp_path):
+    return RobotStore(tmp_path)
+
+
+def file_of(directory, robot_id):
+    return directory / "robots" / f"{robot_id}.json"
+
+
+def is_sound(path):
+    checksum, _, body = path.read_bytes().partition(b"\n")
+    return hashlib.sha256(body).hexdigest().encode() == checksum
+
+
+def test_a_robot_comes_back_as_it_went_in(store, make_robot, assert_same_robot):
+    robot = make_robot()
+    stored, created = store.put("probe", robot)
+    assert (stored.id, stored.robot, stored.shipped, stored.title) == (
+        "probe",
+        robot,
+        False,
+        "probe",
+    )
+    assert created
+    assert_same_robot(store.get("probe").robot, robot)
+    assert store.get("probe") is store.get("probe")
+    assert not store.put("probe", robot)[1]
+
+
+def test_a_urdf_comes_back_with_its_base_tip_and_warnings(
+    tmp_path, store, arm_urdf, assert_same_robot
+):
+    text = arm_urdf.replace('upper="1.5"', 'upper="1e9"').replace(
+        '<axis xyz="1 1 0"/>', '<axis xyz="1 1 0"/><mimic joint="turn"/>'
+    )
+    robot = robot_from_urdf(text, base="turret", tip="boom")
+    assert robot.warnings
+    store.put("arm", robot)
+    assert_same_robot(RobotStore(tmp_path).get("arm").robot, robot)
+
+
+def test_a_stored_robot_is_there_for_every_store_of_the_directory(
+    tmp_path, store, make_robot, assert_same_robot
+):
+    store.put("probe", make_robot())
+    assert_same_robot(RobotStore(tmp_path).get("probe").robot, make_robot())
+
+
+def test_another_store_sees_every_change_at_once(tmp_path, store, make_robot):
+    other = RobotStore(tmp_path)
+    with pytest.raises(RobotNotFound):
+        other.get("probe")
+    robots = [make_robot(tool) for tool in (1, 2)]
+    for count in range(60):
+        robot = robots[count % 2]
+        store.put("probe", robot)
+        assert other.get("probe").robot.revision == robot.revision
+        assert other.in_memory("probe").robot.revision == robot.revision
+    store.delete("probe")
+    assert other.in_memory("probe") is None
+    with pytest.raises(RobotNotFound):
+        other.get("probe")
+
+
+def test_shipped_and_stored_robots_are_listed_in_order(store, make_robot):
+    assert store.ids() == shipped_ids()
+    store.put("zeta", make_robot())
+    store.put("Alpha", make_robot())
+    assert store.ids() == tuple(sorted(("Alpha", "zeta", *shipped_ids())))
+
+
+def test_foreign_files_are_not_listed(tmp_path, store):
+    for name in ("notes.txt", ".hidden.json", "a b.json", "é.json", ".json", "-x.json"):
+        (tmp_path / "robots" / name).write_text("x")
+    assert store.ids() == shipped_ids()
+
+
+def test_a_summary_says_what_a_list_shows(store, make_robot):
+    store.put("probe", make_robot(name="My probe", dof=5))
+    mine, theirs = store.summary("probe"), store.summary("talos")
+    assert (mine.id, mine.kind, mine.title, mine.dof) == ("probe", "dh", "My probe", 5)
+    assert not mine.shipped
+    assert (theirs.kind, theirs.dof, theirs.shipped) == ("urdf", 44, True)
+    assert store.in_memory("talos") is None
+    with pytest.raises(RobotNotFound):
+        store.summary("nobody")
+
+
+def test_a_shipped_robot_is_served_and_read_only(store, make_robot):
+    assert store.get("ur5").shipped
+    assert store.get("ur5").source
+    with pytest.raises(ReadOnlyRobot, match="'ur5' is shipped"):
+        store.put("ur5", make_robot())
+    with pytest.raises(ReadOnlyRobot, match="'ur5' is shipped"):
+        store.delete("ur5")
+
+
+ESCAPES = ("", ".", "..", "../x", "a/b", "/etc/passwd", "a\x00")
+BAD_IDS = (*ESCAPES, "x" * 65, ".a", "-a", "a b", "é", "a\n")
+
+
+@pytest.mark.parametrize("robot_id", BAD_IDS)
+def test_ids_that_are_no_file_names_are_refused(tmp_path, store, make_robot, robot_id):
+    with pytest.raises(InvalidRobotId, match="letters, digits"):
+        store.put(robot_id, make_robot())
+    for call in (store.get, store.delete, store.summary):
+        with pytest.raises(RobotNotFound):
+            call(robot_id)
+    assert store.in_memory(robot_id) is None
+    assert not list((tmp_path / "robots").iterdir())
+
+
+@pytest.mark.parametrize("robot_id", ["a", "9", "x" * 64, "a.json", "a..b", "A-b_c.d", "con"])
+def test_other_ids_are_accepted(tmp_path, store, make_robot, robot_id):
+    store.put(robot_id, make_robot())
+    assert robot_id in RobotStore(tmp_path).ids()
+    assert RobotStore(tmp_path).get(robot_id).robot.dof == 3
+    store.delete(robot_id)
+    assert robot_id not in store.ids()
+
+
+def test_an_unknown_robot_is_refused_with_the_nearest_names(store):
+    with pytest.raises(RobotNotFound, match="did you mean puma560"):
+        store.get("puma56")
+
+
+def test_a_robot_is_created_only_once(store, make_robot):
+    store.put("probe", make_robot(), create_only=True)
+    with pytest.raises(RobotExists, match="'probe' exists already; PUT"):
+        store.put("probe", make_robot(2), create_only=True)
+    assert store.get("probe").robot.revision == make_robot().revision
+
+
+def test_a_robot_is_replaced_only_at_the_revision_that_was_read(store, make_robot):
+    first, second = make_robot(1), make_robot(2)
+    with pytest.raises(RevisionMismatch, match="does not exist"):
+        store.put("probe", first, if_match=(first.revision,))
+    with pytest.raises(RevisionMismatch, match="does not exist"):
+        store.put("probe", first, if_match=(ANY,))
+    store.put("probe", first)
+    with pytest.raises(RevisionMismatch, match="read it again") as caught:
+        store.put("probe", second, if_match=(second.revision,))
+    assert caught.value.current == first.revision
+    store.put("probe", second, if_match=(first.revision,))
+    store.put("probe", first, if_match=(ANY,))
+    with pytest.raises(RevisionMismatch):
+        store.delete("probe", if_match=(second.revision,))
+    store.delete("probe", if_match=(first.revision,))
+    with pytest.raises(RobotNotFound):
+        store.delete("probe")
+
+
+def test_a_file_with_any_byte_changed_is_never_served_and_put_heals_it(tmp_path, store, make_robot):
+    robot = make_robot()
+    store.put("probe", robot)
+    path = file_of(tmp_path, "probe")
+    sound, rng = path.read_bytes(), random.Random(0)
+    for _ in range(60):
+        damaged = bytearray(sound)
+        damaged[rng.randrange(len(sound))] ^= 1 << rng.randrange(8)
+        path.write_bytes(damaged)
+        with pytest.raises(DamagedRobot, match="upload the robot again"):
+            RobotStore(tmp_path).get("probe")
+    with pytest.raises(DamagedRobot):
+        store.get("probe")
+    assert "probe" in store.ids()
+    store.put("probe", robot)
+    assert path.read_bytes() == sound
+    assert store.get("probe").robot.revision == robot.revision
+
+
+@pytest.mark.parametrize("content", [b"", b"\n", b"{}", b"\x00" * 500, b"x" * 64 + b"\n{}"])
+def test_a_file_of_something_else_is_damaged(tmp_path, store, content):
+    file_of(tmp_path, "probe").write_bytes(content)
+    with pytest.raises(DamagedRobot):
+        store.get("probe")
+    with pytest.raises(DamagedRobot):
+        store.summary("probe")
+    store.delete("probe")
+    assert "probe" not in store.ids()
+
+
+def test_a_truncated_file_is_damaged(tmp_path, store, make_robot):
+    store.put("probe", make_robot())
+    path = file_of(tmp_path, "probe")
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(DamagedRobot):
+        store.get("probe")
+
+
+def test_a_damaged_robot_has_no_revision_to_match(tmp_path, store, make_robot):
+    file_of(tmp_path, "probe").write_bytes(b"")
+    with pytest.raises(RobotExists):
+        store.put("probe", make_robot(), create_only=True)
+    with pytest.raises(RevisionMismatch):
+        store.put("probe", make_robot(), if_match=(make_robot().revision,))
+    store.put("probe", make_robot(), if_match=(ANY,))
+    assert store.get("probe").robot.dof == 3
+
+
+def test_leftovers_of_killed_writers_are_swept_when_they_are_old(tmp_path, store, make_robot):
+    store.put("probe", make_robot())
+    old, young = (tmp_path / "robots" / name for name in (".old.tmp", ".young.tmp"))
+    for leftover in (old, young):
+        leftover.write_text("half a robo")
+    hour_ago = time.time() - 3600
+    os.utime(old, (hour_ago, hour_ago))
+    os.utime(file_of(tmp_path, "probe"), (hour_ago, hour_ago))
+    assert RobotStore(tmp_path).ids() == tuple(sorted(("probe", *shipped_ids())))
+    assert (old.exists(), young.exists()) == (False, True)
+
+
+def test_a_failed_write_leaves_the_old_robot_and_no_file_behind(
+    tmp_path, store, make_robot, monkeypatch
+):
+    store.put("probe", make_robot(1))
+
+    def no_space_left(descriptor):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", no_space_left)
+    with pytest.raises(OSError, match="No space left"):
+        store.put("probe", make_robot(2))
+    assert [path.name for path in (tmp_path / "robots").iterdir()] == ["probe.json"]
+    assert RobotStore(tmp_path).get("probe").robot.revision == make_robot(1).revision
+
+
+def test_threads_of_one_store_never_lose_a_robot(tmp_path, store, make_robot):
+    robots = [make_robot(tool) for tool in range(8)]
+    revisions = {robot.revision for robot in robots}
+    failures = []
+
+    def work(k):
+        for _ in range(10):
+            store.put(f"own{k}", robots[k])
+            store.put("shared", robots[k])
+            if store.get(f"own{k}").robot.revision != robots[k].revision:
+                failures.append(k)
+            if store.get("shared").robot.revision not in revisions:
+                failures.append("shared")
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert failures == []
+    assert len(RobotStore(tmp_path).ids()) == len(shipped_ids()) + 9
+
+
+def test_writers_killed_at_any_moment_leave_whole_robots(tmp_path):
+    """After each kill: every robot loads, none is older than the last one confirmed."""
+    rng, count, confirmed = random.Random(0), 0, {}
+    with other_process(WRITE_UNTIL_KILLED, tmp_path) as process:
+        for _ in range(40):
+            process.stdin.write(f"{count}\n")
+            word, child = process.stdout.readline().split()
+            assert word == "child"
+            time.sleep(rng.uniform(0.01, 0.08))
+            os.kill(int(child), 9)
+            while (words := process.stdout.readline().split()) != ["gone"]:
+                confirmed[words[1]] = int(words[2])
+            store = RobotStore(tmp_path)
+            assert set(confirmed) <= set(store.ids())
+            for robot_id in set(store.ids()) - set(shipped_ids()):
+                assert is_sound(file_of(tmp_path, robot_id))
+                found = round(store.get(robot_id).robot.table.tool[2, 3])
+                assert found >= confirmed.get(robot_id, 0)
+                count = max(count, found + 1)
+    assert count > 40
+
+
+def test_the_lock_of_a_killed_writer_is_free(tmp_path, make_robot):
+    with other_process(WRITE_UNTIL_KILLED, tmp_path) as process:
+        process.stdin.write("0\n")
+        child = int(process.stdout.readline().split()[1])
+        process.stdout.readline()
+        os.kill(child, 9)
+        started = time.monotonic()
+        RobotStore(tmp_path).put("probe", make_robot())
+        assert time.monotonic() - started < 5
+
+
+def race(code, directory):
+    """Runs four processes from one starting gun; gives the lines that they say."""
+    with ExitStack() as stack:
+        racers = [stack.enter_context(other_process(code, directory)) for _ in range(4)]
+        for racer in racers:
+            assert racer.stdout.readline() == "ready\n"
+        for racer in racers:
+            racer.stdin.write("go\n")
+        lines = [line for racer in racers for line in racer.stdout.read().splitlines()]
+        assert [racer.wait() for racer in racers] == [0] * 4
+    return lines
+
+
+def test_of_several_processes_that_create_a_robot_one_wins(tmp_path):
+    winners = race(CREATE, tmp_path)
+    assert sorted(map(int, winners)) == list(range(20))
+
+
+def test_processes_that_count_by_revisions_lose_no_step(tmp_path, store, make_robot):
+    store.put("counter", make_robot(tool=0))
+    race(INCREMENT, tmp_path)
+    assert round(store.get("counter").robot.table.tool[2, 3]) == 80
