@@ -14,6 +14,7 @@ from app.text import render_text
 from app.units import Units
 from dh_to_urdf import DHError, read_json, read_yaml
 from kinematics.errors import KinematicsError
+from kinematics.warm import warm_up
 from robots.errors import RobotError
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 from robots.store import RobotStore
@@ -40,8 +41,9 @@ def serve(
         if value is not None:
             os.environ[f"DENAVIT_{name.upper()}"] = str(value)
     settings = Settings()
-    # Once, before the workers start: they share the directory.
+    # Once, before the workers start: they share the directory and the compiled code.
     RobotStore(settings.data_dir)
+    warm_up()
     shown = "localhost" if settings.host in ("127.0.0.1", "0.0.0.0", "::") else settings.host
     click.echo(
         f"Denavit listens on http://{shown}:{settings.port}  (docs: /docs, robots:"

@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from importlib.metadata import version
 from typing import Any
 
+from anyio.to_thread import run_sync
 from fastapi import FastAPI
 
 from app import docs, problems
@@ -15,6 +16,7 @@ from app.middleware import RequestId
 from app.openapi import build_openapi
 from app.routes import compute, convert, health, robots
 from app.settings import Settings
+from kinematics.warm import warm_up
 
 DESCRIPTION = """Kinematics over HTTP: post a Denavit-Hartenberg table or a URDF, ask for forward
 kinematics, Jacobians, singularities and inverse kinematics.
@@ -34,6 +36,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         app.state.services = Services(chosen)
+        await run_sync(warm_up)
         yield
 
     app = FastAPI(

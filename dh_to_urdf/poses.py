@@ -51,6 +51,29 @@ def rigid_transform(matrix: ArrayLike) -> Matrix:
     return T
 
 
+def rigid_transforms(matrices: Matrix) -> Matrix:
+    """:func:`rigid_transform` of many, shape (n, 4, 4), at once.
+
+    Raises:
+        ValueError: As for one; the message ends with the index of the first that is refused.
+    """
+    T = np.array(matrices, dtype=np.float64)
+    R = T[:, :3, :3]
+    with np.errstate(invalid="ignore", over="ignore"):
+        deviation = np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max(axis=(1, 2))
+        good = np.isfinite(T).all(axis=(1, 2)) & (deviation <= ROUNDING)
+        good &= (T[:, 3] == [0.0, 0.0, 0.0, 1.0]).all(axis=1) & (np.linalg.det(R) > 0)
+    if not good.all():
+        first = int(np.flatnonzero(~good)[0])
+        rigid_transform(T[first])
+        raise ValueError("is no rigid placement")
+    mend = deviation > 1e-14
+    if mend.any():
+        U, _, Vt = np.linalg.svd(R[mend])
+        T[mend, :3, :3] = U @ Vt
+    return T
+
+
 def is_mended(matrix: ArrayLike) -> bool:
     """True where :func:`rigid_transform` has to change the matrix by more than 1e-12."""
     return bool(np.abs(rigid_transform(matrix) - np.asarray(matrix)).max() > 1e-12)

@@ -62,6 +62,7 @@ class Answer:
 
     payload: dict[str, Any]
     array: FloatArray | None = None
+    headers: dict[str, str] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +79,7 @@ class Operation:
         example: A body that works on ``example_robot``.
         example_robot: Id of a shipped robot.
         query: Names of the parameters of the GET form.
-        light: Whether a request takes so little time that a thread would only cost.
+        quick: What :meth:`run_quickly` does, where it is not a matter of size alone.
         array_field: Field that a body of type npy stands for, if there is one.
     """
 
@@ -92,7 +93,13 @@ class Operation:
     example_robot: str
     query: tuple[str, ...]
     array_field: str | None = None
-    light: Callable[[Robot, Any], bool] = lambda robot, request: is_light(robot, request)
+    quick: Callable[[Robot, Any, Context], Answer | None] | None = None
+
+    def run_quickly(self, robot: Robot, request: Any, context: Context) -> Answer | None:
+        """The answer if it takes so little time that a thread would only cost; else None."""
+        if self.quick is not None:
+            return self.quick(robot, request, context)
+        return self.run(robot, request, context) if is_light(robot, request) else None
 
 
 LIGHT_DOF = 16

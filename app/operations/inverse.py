@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 import msgspec
@@ -21,12 +20,23 @@ from app.operations.base import (
 )
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.units import Units
-from kinematics.inverse import IKOptions, IKResult, Tolerance, solve_ik
-from kinematics.inverse.target import TargetSpec, target_pose
+from kinematics.compiled import COMPILED
+from kinematics.errors import InvalidTarget
+from kinematics.inverse import (
+    IKOptions,
+    IKResult,
+    IKStatus,
+    Tolerance,
+    solve_ik,
+    solve_ik_batch,
+)
+from kinematics.inverse.target import TargetSpec, target_pose, target_poses
 from kinematics.task import Task, task_from
 from robots.robot import FloatArray, Robot
 
 NOT_GIVEN = b"null"
+MAX_LISTED = 500
+"""Targets not reached that the header of an npy answer lists."""
 
 
 def _not_given() -> msgspec.Raw:
@@ -91,7 +101,7 @@ class IKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     task: TaskField = "pose"
     seed: SingleConfiguration = msgspec.field(default_factory=_not_given)
     tolerance: ToleranceField = msgspec.field(default_factory=ToleranceField)
-    max_restarts: int = 50
+    max_restarts: int = 200
     max_iterations: int = 100
     random_seed: int = 0
     time_budget_ms: Annotated[float, msgspec.Meta(description="For each target, milliseconds.")] = (
@@ -125,7 +135,23 @@ class IKResponse(msgspec.Struct, kw_only=True):
     time_budget_ms: float
 
 
-def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
+QUICK_SECONDS = 0.0005
+"""What a single solve may take before it is moved to a thread."""
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """A request, read and checked."""
+
+    frame: str
+    task: Task
+    options: IKOptions
+    seed: FloatArray | None
+    poses: FloatArray
+    many: bool
+
+
+def _read(robot: Robot, request: IKRequest, context: Context) -> _Problem:
     task = task_from(request.task)
     frame = robot.tip_frame if request.frame is None else request.frame
     robot.frame_id(frame)
@@ -135,66 +161,151 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
         max_iterations=request.max_iterations,
         random_seed=request.random_seed,
         time_budget=request.time_budget_ms / 1e3,
-    )
+    ).within(context.settings.max_request_seconds)
     seed = None
     if bytes(request.seed) != NOT_GIVEN:
         seed = read_single(request.seed, robot, context, "/seed")
     poses, many = _targets(request, task, context)
-    deadline = time.perf_counter() + context.settings.max_request_seconds
-    results = []
-    for pose in poses:
-        left = max(0.0, deadline - time.perf_counter())
-        limited = replace(options, time_budget=min(options.time_budget, left))
-        results.append(solve_ik(robot, pose, frame=frame, task=task, seed=seed, options=limited))
-    q = context.units.joints_out(robot, np.array([result.q for result in results]))
-    leaves = _leaves(results, q)
+    return _Problem(frame, task, options, seed, poses, many)
+
+
+def _quick(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
+    """A single target if half a millisecond is enough for it."""
+    if request.target is None or not COMPILED:
+        return None
+    problem = _read(robot, request, context)
+    options = problem.options.within(QUICK_SECONDS)
+    result = solve_ik(
+        robot,
+        problem.poses[0],
+        frame=problem.frame,
+        task=problem.task,
+        seed=problem.seed,
+        options=options,
+    )
+    if result.status is IKStatus.TIMEOUT and options != problem.options:
+        return None
+    return _single(robot, request, context, problem, result)
+
+
+def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
+    problem = _read(robot, request, context)
+    if not problem.many:
+        result = solve_ik(
+            robot,
+            problem.poses[0],
+            frame=problem.frame,
+            task=problem.task,
+            seed=problem.seed,
+            options=problem.options,
+        )
+        return _single(robot, request, context, problem, result)
+    batch = solve_ik_batch(
+        robot,
+        problem.poses,
+        frame=problem.frame,
+        task=problem.task,
+        seed=problem.seed,
+        options=problem.options,
+        threads=context.settings.compute_threads,
+        seconds=context.settings.max_request_seconds,
+    )
+    q = context.units.joints_out(robot, batch.q)
+    statuses = batch.statuses
+    missed = [k for k, status in enumerate(statuses) if status is not IKStatus.CONVERGED]
+    leaves = {
+        "status": [status.value for status in statuses],
+        "q": q,
+        "position_error": batch.position_error,
+        "orientation_error": batch.orientation_error,
+        "iterations": batch.iterations,
+        "restarts": batch.restarts,
+        "elapsed_ms": batch.elapsed * 1e3,
+    }
+    headers = {
+        "x-converged": str(len(statuses) - len(missed)),
+        "x-not-converged": ",".join(map(str, missed[:MAX_LISTED])),
+    }
+    echo = _echo(robot, request, context, problem, batch.seed)
+    return Answer({"units": context.units.named, **leaves, **echo}, q, headers)
+
+
+def _single(
+    robot: Robot, request: IKRequest, context: Context, problem: _Problem, result: IKResult
+) -> Answer:
+    q = context.units.joints_out(robot, result.q)
     payload = {
         "units": context.units.named,
-        **(leaves if many else {name: leaf[0] for name, leaf in leaves.items()}),
+        "status": result.status.value,
+        "q": q,
+        "position_error": result.position_error,
+        "orientation_error": result.orientation_error,
+        "iterations": result.iterations,
+        "restarts": result.restarts,
+        "elapsed_ms": round(result.elapsed * 1e3, 6),
+        **_echo(robot, request, context, problem, result.seed),
+    }
+    return Answer(payload, q)
+
+
+def _echo(
+    robot: Robot, request: IKRequest, context: Context, problem: _Problem, seed: FloatArray
+) -> dict[str, Any]:
+    """What the request chose, or what was taken where it did not."""
+    return {
         "columns": [joint.name for joint in robot.joints],
-        "frame": frame,
-        "task": task.name,
-        "seed": context.units.joints_out(robot, results[0].seed),
-        "tolerance": msgspec.to_builtins(request.tolerance),
+        "frame": problem.frame,
+        "task": problem.task.name,
+        "seed": context.units.joints_out(robot, seed),
+        "tolerance": {
+            "position": request.tolerance.position,
+            "orientation": request.tolerance.orientation,
+        },
         "max_restarts": request.max_restarts,
         "max_iterations": request.max_iterations,
         "random_seed": request.random_seed,
         "time_budget_ms": request.time_budget_ms,
     }
-    return Answer(payload, q if many else q[0])
 
 
-def _leaves(results: list[IKResult], q: FloatArray) -> dict[str, Any]:
-    return {
-        "status": [result.status.value for result in results],
-        "q": q,
-        "position_error": [result.position_error for result in results],
-        "orientation_error": [result.orientation_error for result in results],
-        "iterations": [result.iterations for result in results],
-        "restarts": [result.restarts for result in results],
-        "elapsed_ms": [round(result.elapsed * 1e3, 6) for result in results],
-    }
-
-
-def _targets(request: IKRequest, task: Task, context: Context) -> tuple[list[FloatArray], bool]:
+def _targets(request: IKRequest, task: Task, context: Context) -> tuple[FloatArray, bool]:
     if (request.target is None) == (request.targets is None):
         raise RequestProblem(
             INVALID_REQUEST, "give either target (one) or targets (many)", "/target"
         )
     if request.target is not None:
-        return [_pose(request.target, task, context.units, "/target")], False
-    targets = request.targets
-    listed = targets if isinstance(targets, list) else _split(targets or TargetBatch())
-    limit = context.settings.max_ik_batch
-    if not 1 <= len(listed) <= limit:
-        raise RequestProblem(
-            INVALID_REQUEST, f"targets holds {len(listed)}; give 1 to {limit}", "/targets"
-        )
+        return _pose(request.target, task, context.units, "/target")[None], False
+    targets: Any = request.targets
+    if isinstance(targets, np.ndarray):
+        _check_count(len(targets) if targets.ndim == 3 else 1, context)
+        return target_poses(targets if targets.ndim == 3 else targets[None]), targets.ndim == 3
+    if isinstance(targets, TargetBatch) and targets.matrix is not None and _only_matrix(targets):
+        _check_count(len(targets.matrix), context)
+        try:
+            return target_poses(np.array(targets.matrix, dtype=np.float64)), True
+        except ValueError as error:
+            if isinstance(error, InvalidTarget):
+                raise
+    listed = targets if isinstance(targets, list) else _split(targets)
+    _check_count(len(listed), context)
     poses = [
         _pose(target, task, context.units, f"/targets/{index}")
         for index, target in enumerate(listed)
     ]
-    return poses, True
+    return np.array(poses), True
+
+
+def _only_matrix(batch: TargetBatch) -> bool:
+    others = (batch.position, batch.quaternion_xyzw, batch.rpy, batch.euler, batch.phi)
+    return all(other is None for other in others)
+
+
+def _check_count(count: int, context: Context) -> None:
+    limit = context.settings.max_ik_batch
+    if not 1 <= count <= limit:
+        raise RequestProblem(
+            INVALID_REQUEST, f"targets holds {count}; give 1 to {limit}", "/targets"
+        )
 
 
 def _split(batch: TargetBatch) -> list[Target]:
@@ -241,7 +352,8 @@ IK = Operation(
     summary="Inverse kinematics",
     description="A q within the limits that brings a frame to a target. An answer that is not"
     " found is a 200 with an honest `status`, the best q and its measured errors. Only the joints"
-    " between base and frame move; the others stay at the seed. As npy: q.",
+    " between base and frame move; the others stay at the seed. As npy: targets (n, 4, 4) in, q"
+    " out; the headers X-Converged and X-Not-Converged say how many and which.",
     request=IKRequest,
     response=IKResponse,
     run=_run,
@@ -263,5 +375,6 @@ IK = Operation(
         "max_iterations",
         "tolerance",
     ),
-    light=lambda robot, request: False,  # noqa: ARG005
+    quick=_quick,
+    array_field="targets",
 )

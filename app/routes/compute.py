@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request, Response
 
 from app.dependencies import RobotDep, Services, ServicesDep
 from app.openapi import inline_request_type, operation_docs
-from app.operations import OPERATIONS, Operation
+from app.operations import OPERATIONS, Answer, Operation
 from app.operations.base import Context
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.query import body_from_query, check_query, units_of
@@ -101,15 +101,18 @@ async def _answer(
 ) -> Response:
     context = Context(units, services.settings)
 
+    def written(answer: Answer) -> Response:
+        return respond(answer.payload, wanted, array=answer.array, headers=answer.headers)
+
     def compute(request: msgspec.Struct) -> Response:
-        answer = operation.run(robot, request, context)
-        return respond(answer.payload, wanted, array=answer.array)
+        return written(operation.run(robot, request, context))
 
     if size > INLINE_BYTES:
         return await services.computed(lambda: compute(read()))
     request = read()
-    if operation.light(robot, request):
-        return compute(request)
+    answer = operation.run_quickly(robot, request, context)
+    if answer is not None:
+        return written(answer)
     return await services.computed(lambda: compute(request))
 
 
@@ -125,7 +128,7 @@ def _npy_decoder(operation: Operation, body: bytes, parameters: bytes) -> msgspe
         raise RequestProblem(
             INVALID_REQUEST, f"{field} is in the npy body and in the query", f"/{field}"
         )
-    values[field] = msgspec.Raw(b"[]")
+    values[field] = []
     request = decode_json(msgspec.json.encode(values), operation.request)
     setattr(request, field, np.asarray(array))
     return request

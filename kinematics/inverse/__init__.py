@@ -1,6 +1,14 @@
 """Inverse kinematics: ``solve_ik(robot, target, …) -> IKResult``."""
 
-from kinematics.inverse.numeric import solve_ik
-from kinematics.inverse.result import IKOptions, IKResult, IKStatus, Tolerance
+from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus, Tolerance
+from kinematics.inverse.solve import solve_ik, solve_ik_batch
 
-__all__ = ["IKOptions", "IKResult", "IKStatus", "Tolerance", "solve_ik"]
+__all__ = [
+    "IKBatch",
+    "IKOptions",
+    "IKResult",
+    "IKStatus",
+    "Tolerance",
+    "solve_ik",
+    "solve_ik_batch",
+]

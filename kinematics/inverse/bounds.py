@@ -58,13 +58,13 @@ class JointBounds:
         within = (candidate >= self.lower) & (candidate <= self.upper)
         return np.where(self.wraps & within, candidate, q)
 
-    def random(self, generator: np.random.Generator, reach: float) -> FloatArray:
-        """A uniform draw within the limits; a turn, or ±reach, where there is none."""
+    def ranges(self, reach: float) -> tuple[FloatArray, FloatArray]:
+        """Where starts are taken from: the limits; a turn, or ±reach, where there is none."""
         half = np.where(self.wraps, np.pi, reach)
         open_below, open_above = np.isinf(self.lower), np.isinf(self.upper)
         low = np.where(open_below, np.where(open_above, -half, self.upper - 2 * half), self.lower)
         high = np.where(open_above, np.where(open_below, half, self.lower + 2 * half), self.upper)
-        return generator.uniform(low, high)
+        return low, high
 
 
 def reach_bound(robot: Robot, frame: str) -> tuple[FloatArray, float]:

@@ -16,6 +16,7 @@ import pinocchio as pin
 
 from kinematics.inverse.bounds import JointBounds, reach_bound
 from kinematics.inverse.result import IKOptions, IKResult, IKStatus
+from kinematics.inverse.starts import starts
 from kinematics.task import POSE, Task
 from kinematics.tree import path_signs, tree_of
 from robots.robot import FloatArray, Robot
@@ -89,7 +90,7 @@ class _Problem:
         return np.asarray(J[:, self.columns][self.rows])
 
 
-def solve_ik(
+def solve_on_pinocchio(
     robot: Robot,
     target: FloatArray,
     *,
@@ -129,7 +130,8 @@ def solve_ik(
     centre, reach = reach_bound(robot, frame)
     unreachable = _beyond(target, centre, reach, task, options)
     max_restarts = min(options.max_restarts, 2) if unreachable else options.max_restarts
-    generator: np.random.Generator | None = None
+    low, high = bounds.ranges(reach if np.isfinite(reach) else 1.0)
+    sequence = starts(options.random_seed, low[problem.moving], high[problem.moving])
     best, q = _Best(start), start
     iterations = restarts = 0
     while True:
@@ -137,10 +139,9 @@ def solve_ik(
         if best.converged or restarts >= max_restarts or time.perf_counter() >= deadline:
             break
         restarts += 1
-        generator = generator or np.random.default_rng(options.random_seed)
+        offset, ratio, lowest, span = sequence
         q = start.copy()
-        draw = bounds.random(generator, reach if np.isfinite(reach) else 1.0)
-        q[problem.moving] = draw[problem.moving]
+        q[problem.moving] = lowest + (offset + restarts * ratio) % 1.0 * span
     if not best.converged:
         iterations += _settle(problem, bounds, options, deadline, best)
     answer = best.q.copy()

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
 
 from dh_to_urdf.errors import quoted
 from kinematics.errors import InvalidOption
@@ -38,7 +42,7 @@ class Tolerance:
     orientation: float = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class IKOptions:
     """What a caller may choose.
 
@@ -54,10 +58,22 @@ class IKOptions:
     """
 
     tolerance: Tolerance = field(default_factory=Tolerance)
-    max_restarts: int = 50
+    max_restarts: int = 200
     max_iterations: int = 100
     random_seed: int = 0
     time_budget: float = 1.0
+
+    @cached_property
+    def limits(self) -> FloatArray:
+        """Squared tolerances, most steps of a start, most restarts, as the kernel takes them."""
+        steps = self.max_iterations if self.time_budget > 0 else 0
+        restarts = self.max_restarts if self.time_budget > 0 else 0
+        tolerance = self.tolerance
+        return np.array([tolerance.position**2, tolerance.orientation**2, steps, restarts])
+
+    def within(self, seconds: float) -> IKOptions:
+        """The same with a time budget of at most ``seconds``."""
+        return replace(self, time_budget=min(self.time_budget, seconds))
 
     def __post_init__(self) -> None:
         checks = (
@@ -74,6 +90,37 @@ class IKOptions:
                     f"{name.replace('/', '.')} is {quoted(value)}; give {low} to {high}",
                     f"/{name}",
                 )
+
+
+@dataclass(frozen=True)
+class IKBatch:
+    """Many answers; see :class:`IKResult` for each.
+
+    Attributes:
+        codes: Index into ``tuple(IKStatus)`` of each status; shape (n,).
+        q: Shape (n, dof).
+        seed: The start of all; shape (dof,).
+        position_error: Shape (n,).
+        orientation_error: Shape (n,).
+        iterations: Shape (n,).
+        restarts: Shape (n,).
+        elapsed: Seconds, the mean of those that were solved together; shape (n,).
+    """
+
+    codes: NDArray[np.int64]
+    q: FloatArray
+    seed: FloatArray
+    position_error: FloatArray
+    orientation_error: FloatArray
+    iterations: NDArray[np.int64]
+    restarts: NDArray[np.int64]
+    elapsed: FloatArray
+
+    @property
+    def statuses(self) -> list[IKStatus]:
+        """Status of each."""
+        names = tuple(IKStatus)
+        return [names[code] for code in self.codes]
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dh_to_urdf.poses import from_xyz_quaternion, rigid_transform
+from dh_to_urdf.poses import from_xyz_quaternion, rigid_transform, rigid_transforms
 from kinematics.errors import InvalidTarget
 from kinematics.orientation import rotation_from_euler
-from kinematics.task import Task
+from kinematics.task import POSE, Task
 from robots.robot import FloatArray
 
 MAX_VALUE = 1e6
@@ -66,7 +66,8 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
         try:
             matrix = rigid_transform(spec.matrix)
         except ValueError as error:
-            raise InvalidTarget(f"target.matrix {error}", f"{pointer}/matrix") from None
+            where = pointer if "matrix" in pointer else f"{pointer}/matrix"
+            raise InvalidTarget(f"target.matrix {error}", where) from None
         _bounded(matrix, "matrix", pointer)
         return matrix
     if len(given) > 1:
@@ -108,6 +109,25 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
     elif spec.phi is not None:
         T[:3, :3] = rotation_from_euler("xyz", _vector([0.0, 0.0, spec.phi], 3, "phi", pointer))
     return T
+
+
+def target_poses(matrices: FloatArray, pointer: str = "/targets/matrix") -> FloatArray:
+    """Checks many target matrices, shape (n, 4, 4).
+
+    Raises:
+        InvalidTarget: One is no rigid placement; the pointer says which.
+    """
+    if matrices.ndim != 3 or matrices.shape[1:] != (4, 4):
+        raise InvalidTarget("targets are no 4x4 matrices; give shape (n, 4, 4)", pointer)
+    try:
+        poses = rigid_transforms(matrices)
+    except ValueError:
+        for index, matrix in enumerate(matrices):
+            target_pose(TargetSpec(matrix=matrix.tolist()), POSE, f"{pointer}/{index}")
+        raise
+    if poses.size and not np.abs(poses).max() <= MAX_VALUE:
+        raise InvalidTarget("a target is beyond ±1e6", pointer)
+    return poses
 
 
 def _position(position: Sequence[float], task: Task, pointer: str) -> FloatArray:

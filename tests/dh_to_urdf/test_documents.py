@@ -7,14 +7,14 @@ from dh_to_urdf import read_json, read_mapping, table_to_urdf
 from dh_to_urdf.documents import table_to_mapping
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=50)
 @given(st.data())
 def test_a_table_comes_back_bit_for_bit(tables, assert_same_table, data):
     table = data.draw(tables(inertials=data.draw(st.booleans())))
     assert_same_table(read_mapping(table_to_mapping(table)), table)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=20)
 @given(st.data())
 def test_a_table_comes_back_through_json_text(tables, assert_same_table, data):
     table = data.draw(tables(inertials=True))

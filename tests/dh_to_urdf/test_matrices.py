@@ -23,7 +23,7 @@ def planar(*lengths):
     return read_mapping({"convention": "mdh", "tool": {"xyz": [lengths[-1], 0, 0]}, "joints": rows})
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=60)
 @given(st.data())
 def test_every_matrix_is_the_product_of_its_elementary_ones(
     tables, configurations, elementary, data

@@ -45,7 +45,7 @@ def joints_of(text):
     return {joint.get("name"): joint for joint in ET.fromstring(text).iter("joint")}
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=60)
 @given(st.data())
 def test_every_frame_of_the_table_is_a_link_of_the_urdf(tables, configurations, elementary, data):
     table = data.draw(tables())
@@ -98,7 +98,7 @@ def mass_matrix(table, q, frames):
     return total
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=40)
 @given(st.data())
 def test_masses_move_with_frame_k(tables, configurations, elementary, data):
     table = data.draw(tables(inertials=True))
@@ -133,9 +133,10 @@ def test_mass_and_centre_of_mass_are_those_of_the_table(elementary):
 
 @settings(deadline=None, max_examples=30)
 @given(st.data())
-def test_an_independent_reader_agrees(tables, configurations, elementary, data):
+def test_an_independent_reader_agrees(tables, elementary, data):
     table = data.draw(tables())
-    q = data.draw(configurations(table))
+    steps = st.integers(-500, 500)  # this reader takes an angle below about 1e-8 for zero
+    q = [k / 64 for k in data.draw(st.lists(steps, min_size=table.dof, max_size=table.dof))]
     text = table_to_urdf(table)
     robot = URDF.load(io.BytesIO(text.encode()), load_meshes=False, build_scene_graph=True)
     assert robot.validate(), robot.errors
@@ -182,7 +183,7 @@ def distance(left, right):
     return min(np.abs(np.subtract(left, ends)).max() for ends in (right, right[::-1]))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=40)
 @given(st.data())
 def test_rods_run_along_a_and_d_from_frame_to_frame(tables, elementary, data):
     table = replace(data.draw(tables()), tool=np.eye(4))
@@ -230,7 +231,7 @@ def test_nothing_is_drawn_without_visuals_or_for_rows_that_say_so():
     assert with_visual == ["link_1"]
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=25)
 @given(st.data())
 def test_names_are_unique_whatever_the_joints_are_called(tables, data):
     robot = ET.fromstring(table_to_urdf(data.draw(tables(max_rows=9))))

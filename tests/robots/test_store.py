@@ -5,7 +5,7 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 
 import pytest
 
@@ -61,27 +61,39 @@ for line in sys.stdin:
     os._exit(0)
 """
 CREATE = """
-store, made = RobotStore(directory), [robot(k) for k in range(2)]
-say("ready")
-sys.stdin.readline()
-for k in range(20):
-    try:
-        store.put(f"r{k}", made[k % 2], create_only=True)
-        say(k)
-    except RobotExists:
-        pass
+made = [robot(k) for k in range(2)]
+
+def race(store):
+    for k in range(20):
+        try:
+            store.put(f"r{k}", made[k % 2], create_only=True)
+            say(k)
+        except RobotExists:
+            pass
 """
 INCREMENT = """
-store, done = RobotStore(directory), 0
-say("ready")
-sys.stdin.readline()
-while done < 20:
-    seen = store.get("counter").robot
-    try:
-        store.put("counter", robot(height(seen) + 1), if_match=(seen.revision,))
-        done += 1
-    except RevisionMismatch:
-        pass
+def race(store):
+    done = 0
+    while done < 10:
+        seen = store.get("counter").robot
+        try:
+            store.put("counter", robot(height(seen) + 1), if_match=(seen.revision,))
+            done += 1
+        except RevisionMismatch:
+            pass
+"""
+RACE = """
+wait, gun = os.pipe()
+children = []
+for _ in range(4):
+    children.append(os.fork())
+    if children[-1] == 0:
+        os.close(gun)
+        os.read(wait, 1)
+        race(RobotStore(directory))
+        os._exit(0)
+os.close(gun)
+sys.exit(any(os.waitpid(child, 0)[1] for child in children))
 """
 
 
@@ -150,7 +162,7 @@ def test_another_store_sees_every_change_at_once(tmp_path, store, make_robot):
     with pytest.raises(RobotNotFound):
         other.get("probe")
     robots = [make_robot(tool) for tool in (1, 2)]
-    for count in range(60):
+    for count in range(30):
         robot = robots[count % 2]
         store.put("probe", robot)
         assert other.get("probe").robot.revision == robot.revision
@@ -174,13 +186,18 @@ def test_foreign_files_are_not_listed(tmp_path, store):
     assert store.ids() == shipped_ids()
 
 
-def test_a_summary_says_what_a_list_shows(store, make_robot):
+def test_a_summary_says_what_a_list_shows(tmp_path, store, make_robot):
     store.put("probe", make_robot(name="My probe", dof=5))
     mine, theirs = store.summary("probe"), store.summary("talos")
     assert (mine.id, mine.kind, mine.title, mine.dof) == ("probe", "dh", "My probe", 5)
     assert not mine.shipped
     assert (theirs.kind, theirs.dof, theirs.shipped) == ("urdf", 44, True)
     assert store.in_memory("talos") is None
+    RobotStore(tmp_path).put("probe", make_robot(dof=2))
+    assert store.summary("probe").dof == 2
+    RobotStore(tmp_path).delete("probe")
+    with pytest.raises(RobotNotFound):
+        store.summary("probe")
     with pytest.raises(RobotNotFound):
         store.summary("nobody")
 
@@ -242,6 +259,8 @@ def test_a_robot_is_replaced_only_at_the_revision_that_was_read(store, make_robo
     assert caught.value.current == first.revision
     store.put("probe", second, if_match=(first.revision,))
     store.put("probe", first, if_match=(ANY,))
+    store.put("probe", second, if_match=(second.revision, first.revision))
+    store.put("probe", first)
     with pytest.raises(RevisionMismatch):
         store.delete("probe", if_match=(second.revision,))
     store.delete("probe", if_match=(first.revision,))
@@ -254,7 +273,7 @@ def test_a_file_with_any_byte_changed_is_never_served_and_put_heals_it(tmp_path,
     store.put("probe", robot)
     path = file_of(tmp_path, "probe")
     sound, rng = path.read_bytes(), random.Random(0)
-    for _ in range(60):
+    for _ in range(40):
         damaged = bytearray(sound)
         damaged[rng.randrange(len(sound))] ^= 1 << rng.randrange(8)
         path.write_bytes(damaged)
@@ -277,6 +296,25 @@ def test_a_file_of_something_else_is_damaged(tmp_path, store, content):
         store.summary("probe")
     store.delete("probe")
     assert "probe" not in store.ids()
+
+
+DOCUMENTS = [
+    b"[]",
+    b"null",
+    b'{"kind": "dh"}',
+    b'{"kind": "dh", "table": {"convention": "dh", "joints": []}, "warnings": []}',
+    b'{"kind": "urdf", "urdf": "<robot/>", "base": null, "tip": null, "warnings": []}',
+]
+
+
+@pytest.mark.parametrize("body", DOCUMENTS)
+def test_a_sound_file_that_holds_no_robot_is_damaged_too(tmp_path, store, make_robot, body):
+    checksum = hashlib.sha256(body).hexdigest().encode()
+    file_of(tmp_path, "probe").write_bytes(checksum + b"\n" + body)
+    with pytest.raises(DamagedRobot):
+        store.get("probe")
+    store.put("probe", make_robot())
+    assert store.get("probe").robot.dof == 3
 
 
 def test_a_truncated_file_is_damaged(tmp_path, store, make_robot):
@@ -330,7 +368,7 @@ def test_threads_of_one_store_never_lose_a_robot(tmp_path, store, make_robot):
     failures = []
 
     def work(k):
-        for _ in range(10):
+        for _ in range(4):
             store.put(f"own{k}", robots[k])
             store.put("shared", robots[k])
             if store.get(f"own{k}").robot.revision != robots[k].revision:
@@ -351,7 +389,7 @@ def test_writers_killed_at_any_moment_leave_whole_robots(tmp_path):
     """After each kill: every robot loads, none is older than the last one confirmed."""
     rng, count, confirmed = random.Random(0), 0, {}
     with other_process(WRITE_UNTIL_KILLED, tmp_path) as process:
-        for _ in range(40):
+        for _ in range(35):
             process.stdin.write(f"{count}\n")
             word, child = process.stdout.readline().split()
             assert word == "child"
@@ -366,7 +404,7 @@ def test_writers_killed_at_any_moment_leave_whole_robots(tmp_path):
                 found = round(store.get(robot_id).robot.table.tool[2, 3])
                 assert found >= confirmed.get(robot_id, 0)
                 count = max(count, found + 1)
-    assert count > 40
+    assert len(confirmed) == 3
 
 
 def test_the_lock_of_a_killed_writer_is_free(tmp_path, make_robot):
@@ -382,14 +420,9 @@ def test_the_lock_of_a_killed_writer_is_free(tmp_path, make_robot):
 
 def race(code, directory):
     """Runs four processes from one starting gun; gives the lines that they say."""
-    with ExitStack() as stack:
-        racers = [stack.enter_context(other_process(code, directory)) for _ in range(4)]
-        for racer in racers:
-            assert racer.stdout.readline() == "ready\n"
-        for racer in racers:
-            racer.stdin.write("go\n")
-        lines = [line for racer in racers for line in racer.stdout.read().splitlines()]
-        assert [racer.wait() for racer in racers] == [0] * 4
+    with other_process(code + RACE, directory) as racers:
+        lines = racers.communicate(timeout=60)[0].splitlines()
+        assert racers.returncode == 0
     return lines
 
 
@@ -401,4 +434,4 @@ def test_of_several_processes_that_create_a_robot_one_wins(tmp_path):
 def test_processes_that_count_by_revisions_lose_no_step(tmp_path, store, make_robot):
     store.put("counter", make_robot(tool=0))
     race(INCREMENT, tmp_path)
-    assert round(store.get("counter").robot.table.tool[2, 3]) == 80
+    assert round(store.get("counter").robot.table.tool[2, 3]) == 40

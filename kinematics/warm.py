@@ -1,0 +1,29 @@
+"""Compiles, or takes from the cache, what requests will call, so that none of them pays for it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinematics.compiled import COMPILED
+from kinematics.forward import fk
+from kinematics.inverse import IKOptions, solve_ik, solve_ik_batch
+from robots.shipped import shipped_robot
+
+
+def warm_up() -> bool:
+    """Runs each compiled function once; seconds the first time, a moment with its cache.
+
+    Returns:
+        False where there is nothing to compile (Numba is not installed).
+    """
+    if not COMPILED:
+        return False
+    robot = shipped_robot("puma560")
+    pose = fk(robot, np.full(robot.dof, 0.5))[robot.tip_frame]
+    solve_ik(robot, pose)
+    solve_ik_batch(robot, pose[None], options=IKOptions(max_restarts=1))
+    return True
+
+
+if __name__ == "__main__":
+    warm_up()
