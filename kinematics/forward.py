@@ -7,16 +7,18 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
+from kinematics.chain import chain_of
+from kinematics.compiled import COMPILED
 from kinematics.configuration import configuration
-from kinematics.tree import CHUNK, frame_pose, joint_poses, relative, tree_of
+from kinematics.kernels import forward_many
 from robots.robot import FloatArray, Robot
 
 
 def fk(robot: Robot, q: FloatArray, frames: Sequence[str] | None = None) -> dict[str, FloatArray]:
     """Poses of frames at one q or a batch.
 
-    One q goes through Pinocchio, a batch through the vectorised tree, which agrees with it to
-    rounding.
+    One q goes through Pinocchio, a batch through a compiled loop over the same constants, which
+    agrees with it to rounding.
 
     Args:
         robot: The robot.
@@ -36,12 +38,10 @@ def fk(robot: Robot, q: FloatArray, frames: Sequence[str] | None = None) -> dict
     q = configuration(robot, q)
     if q.ndim == 1:
         return _one(robot, q, names)
-    results = {name: np.empty((len(q), 4, 4)) for name in names}
-    for start in range(0, len(q), CHUNK):
-        part = slice(start, start + CHUNK)
-        for name, pose in _many(robot, q[part], names).items():
-            results[name][part] = pose
-    return results
+    if not COMPILED:
+        single = [_one(robot, row, names) for row in q]
+        return {name: np.array([poses[name] for poses in single]) for name in names}
+    return {name: _many(robot, q, name) for name in names}
 
 
 def _one(robot: Robot, q: FloatArray, names: tuple[str, ...]) -> dict[str, FloatArray]:
@@ -53,9 +53,11 @@ def _one(robot: Robot, q: FloatArray, names: tuple[str, ...]) -> dict[str, Float
     return {name: base.actInv(data.oMf[robot.frame_id(name)]).homogeneous for name in names}
 
 
-def _many(robot: Robot, q: FloatArray, names: tuple[str, ...]) -> dict[str, FloatArray]:
-    tree, n = tree_of(robot), len(q)
-    needed = [tree.frames[name][0] for name in (*names, robot.base_frame)]
-    poses = joint_poses(tree, q, needed)
-    base = frame_pose(tree, robot.base_frame, poses, n)
-    return {name: relative(base, frame_pose(tree, name, poses, n)) for name in names}
+def _many(robot: Robot, q: FloatArray, name: str) -> FloatArray:
+    chain = chain_of(robot, name)
+    K = chain.length
+    out = np.empty((len(q), 16))
+    memory = np.empty(K), np.empty((K, 6))
+    q = np.ascontiguousarray(q)
+    forward_many(chain.placements, chain.turns, chain.columns, q, *memory, out)
+    return out.reshape(-1, 4, 4)

@@ -7,10 +7,12 @@ from enum import StrEnum
 import numpy as np
 import pinocchio as pin
 
+from kinematics.chain import chain_of
+from kinematics.compiled import COMPILED
 from kinematics.configuration import configuration
 from kinematics.forward import fk
+from kinematics.kernels import jacobian_many
 from kinematics.orientation import analytic_map
-from kinematics.tree import CHUNK, frame_pose, joint_poses, path_signs, relative, tree_of
 from robots.robot import FloatArray, Robot
 
 
@@ -53,11 +55,9 @@ def jacobian(
     q = configuration(robot, q)
     if q.ndim == 1:
         return _one(robot, q, frame, reference_frame)
-    J = np.empty((len(q), 6, robot.dof))
-    for start in range(0, len(q), CHUNK):
-        part = slice(start, start + CHUNK)
-        J[part] = _many(robot, q[part], frame, reference_frame)
-    return J
+    if not COMPILED:
+        return np.array([_one(robot, row, frame, reference_frame) for row in q])
+    return _many(robot, q, frame, reference_frame)
 
 
 def analytic_jacobian(
@@ -107,25 +107,13 @@ def _one(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFram
 
 
 def _many(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFrame) -> FloatArray:
-    tree, n = tree_of(robot), len(q)
-    indices, signs = path_signs(robot, frame)
-    poses = joint_poses(
-        tree, q, [*indices, tree.frames[frame][0], tree.frames[robot.base_frame][0]]
-    )
-    base = frame_pose(tree, robot.base_frame, poses, n)
-    tip = frame_pose(tree, frame, poses, n)
-    J = np.zeros((n, 6, robot.dof))
-    for index, sign in zip(indices, signs, strict=True):
-        joint, pose = tree.joints[index], poses[int(index)]
-        z = sign * pose[..., 2]
-        if joint.turns:
-            J[:, :3, joint.column] = np.cross(z, tip[:, :3, 3] - pose[..., 3])
-            J[:, 3:, joint.column] = z
-        else:
-            J[:, :3, joint.column] = z
-    Rt = np.swapaxes(base[:, :3, :3], -1, -2)
-    J = np.concatenate((Rt @ J[:, :3], Rt @ J[:, 3:]), axis=1)
-    return _expressed(J, relative(base, tip), reference_frame)
+    chain = chain_of(robot, frame)
+    K = chain.length
+    poses, J = np.empty((len(q), 16)), np.zeros((len(q), 6, robot.dof))
+    memory = np.empty(K), np.empty((K, 6))
+    q = np.ascontiguousarray(q)
+    jacobian_many(chain.placements, chain.turns, chain.columns, q, *memory, poses, J)
+    return _expressed(J, poses.reshape(-1, 4, 4), reference_frame)
 
 
 def _expressed(J: FloatArray, tip: FloatArray, reference_frame: ReferenceFrame) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Joint bounds as a solver sees them: wrapping, midpoints, random starts, reach."""
+"""Joint bounds as a solver sees them: wrapping, midpoints, ranges."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.tree import path_signs, tree_of
 from robots.robot import FloatArray, Robot
 
 TURN = 2 * np.pi
@@ -65,38 +64,3 @@ class JointBounds:
         low = np.where(open_below, np.where(open_above, -half, self.upper - 2 * half), self.lower)
         high = np.where(open_above, np.where(open_below, half, self.lower + 2 * half), self.upper)
         return low, high
-
-
-def reach_bound(robot: Robot, frame: str) -> tuple[FloatArray, float]:
-    """A sphere that the frame never leaves.
-
-    The sum of the distances between successive joints, and of the prismatic joints' extents.
-
-    Args:
-        robot: The robot.
-        frame: Frame name.
-
-    Returns:
-        Centre in the base's axes, shape (3,), and radius in m; infinite where an unlimited
-        prismatic joint lets the frame go anywhere or the base itself is moved by a joint.
-    """
-    tree = tree_of(robot)
-    indices, signs = path_signs(robot, frame)
-    base_joint, base_placement = tree.frames[robot.base_frame]
-    if (signs < 0).any():
-        return np.zeros(3), np.inf
-    if indices.size == 0:
-        return np.zeros(3), np.inf
-    placements = [tree.joints[int(i)].placement for i in indices]
-    radius = float(np.linalg.norm(tree.frames[frame][1][:3, 3]))
-    radius += sum(float(np.linalg.norm(T[:3, 3])) for T in placements[1:])
-    for i in indices:
-        joint = tree.joints[int(i)]
-        if not joint.turns:
-            column = joint.column
-            radius += float(max(abs(robot.lower[column]), abs(robot.upper[column])))
-    first = tree.joints[int(indices[0])]
-    if first.parent != base_joint:
-        return np.zeros(3), np.inf
-    origin = first.placement[:3, 3] - base_placement[:3, 3]
-    return base_placement[:3, :3].T @ origin, radius

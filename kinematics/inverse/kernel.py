@@ -13,14 +13,11 @@ that is what the compiler keeps in registers.
 from __future__ import annotations
 
 import math
-from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinematics.compiled import jit
-
-Array: TypeAlias = NDArray[Any]
+from kinematics.kernels import Array, forward
 
 DAMPING = 0.03
 FLOOR = 1e-10
@@ -32,52 +29,6 @@ TURN = 2.0 * math.pi
 
 CONVERGED, GIVEN_UP, UNREACHABLE, OUT_OF_STEPS = 1, 0, 2, 3
 UNREACHABLE_RESTARTS = 2
-
-
-@jit
-def forward(
-    C: Array,
-    turns: Array,
-    q: Array,
-    Z: Array,
-    O: Array,
-    T: Array,
-) -> None:
-    """Poses along a chain: fills axes Z and origins O of the joints (K, 3), and the pose T (12)."""
-    r00, r01, r02, p0 = C[0, 0], C[0, 1], C[0, 2], C[0, 3]
-    r10, r11, r12, p1 = C[0, 4], C[0, 5], C[0, 6], C[0, 7]
-    r20, r21, r22, p2 = C[0, 8], C[0, 9], C[0, 10], C[0, 11]
-    for k in range(len(q)):
-        if turns[k]:
-            c, s = math.cos(q[k]), math.sin(q[k])
-            r00, r01 = c * r00 + s * r01, c * r01 - s * r00
-            r10, r11 = c * r10 + s * r11, c * r11 - s * r10
-            r20, r21 = c * r20 + s * r21, c * r21 - s * r20
-        else:
-            p0 += q[k] * r02
-            p1 += q[k] * r12
-            p2 += q[k] * r22
-        Z[k, 0], Z[k, 1], Z[k, 2] = r02, r12, r22
-        O[k, 0], O[k, 1], O[k, 2] = p0, p1, p2
-        x = C[k + 1]
-        p0 += r00 * x[3] + r01 * x[7] + r02 * x[11]
-        p1 += r10 * x[3] + r11 * x[7] + r12 * x[11]
-        p2 += r20 * x[3] + r21 * x[7] + r22 * x[11]
-        a, b, c = r00, r01, r02
-        r00 = a * x[0] + b * x[4] + c * x[8]
-        r01 = a * x[1] + b * x[5] + c * x[9]
-        r02 = a * x[2] + b * x[6] + c * x[10]
-        a, b, c = r10, r11, r12
-        r10 = a * x[0] + b * x[4] + c * x[8]
-        r11 = a * x[1] + b * x[5] + c * x[9]
-        r12 = a * x[2] + b * x[6] + c * x[10]
-        a, b, c = r20, r21, r22
-        r20 = a * x[0] + b * x[4] + c * x[8]
-        r21 = a * x[1] + b * x[5] + c * x[9]
-        r22 = a * x[2] + b * x[6] + c * x[10]
-    T[0], T[1], T[2], T[3] = r00, r01, r02, p0
-    T[4], T[5], T[6], T[7] = r10, r11, r12, p1
-    T[8], T[9], T[10], T[11] = r20, r21, r22, p2
 
 
 @jit

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from kinematics.inverse.bounds import JointBounds, reach_bound
+from kinematics.chain import chain_of
+from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.result import IKOptions, IKResult, IKStatus
 from kinematics.inverse.starts import starts
 from kinematics.task import POSE, Task
-from kinematics.tree import path_signs, tree_of
 from robots.robot import FloatArray, Robot
 
 DAMPING = 0.03
@@ -53,9 +53,7 @@ class _Problem:
         self.base = robot.frame_id(robot.base_frame)
         self.rows = list(task.rows)
         self.linear, self.angular = list(task.positions), list(task.rotations)
-        tree = tree_of(robot)
-        indices, _ = path_signs(robot, frame)
-        self.moving = np.array([tree.joints[int(i)].column for i in indices], dtype=np.intp)
+        self.moving = chain_of(robot, frame).columns
         self.columns = robot.velocity_columns[self.moving]
         self.R, self.p = target[:3, :3], target[:3, 3]
         self.fixed_base = bool(
@@ -127,7 +125,8 @@ def solve_on_pinocchio(
     bounds = JointBounds.of(robot)
     start = bounds.inside(bounds.middle() if seed is None else np.asarray(seed, dtype=np.float64))
     problem = _Problem(robot, target, frame, task)
-    centre, reach = reach_bound(robot, frame)
+    chain = chain_of(robot, frame)
+    centre, reach = chain.placements[0, [3, 7, 11]], chain.reach
     unreachable = _beyond(target, centre, reach, task, options)
     max_restarts = min(options.max_restarts, 2) if unreachable else options.max_restarts
     low, high = bounds.ranges(reach if np.isfinite(reach) else 1.0)

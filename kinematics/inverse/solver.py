@@ -16,9 +16,9 @@ import numpy as np
 from kinematics.chain import Chain, chain_of
 from kinematics.inverse import kernel
 from kinematics.inverse.bounds import JointBounds
-from kinematics.inverse.kernel import Array
 from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus
 from kinematics.inverse.starts import starts
+from kinematics.kernels import Array
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
 
