@@ -48,10 +48,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         lifespan=lifespan,
         redirect_slashes=False,
     )
+    compute.add_routes(app, chosen.max_compute_bytes)
     app.include_router(health.router)
     app.include_router(robots.build_router(chosen.max_document_bytes))
     app.include_router(convert.build_router(chosen.max_document_bytes))
-    app.include_router(compute.build_router(chosen.max_compute_bytes))
     docs.install(app)
     problems.install(app)
     app.add_middleware(RequestId)

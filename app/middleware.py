@@ -8,14 +8,13 @@ import re
 import secrets
 
 from fastapi import Request
-from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.problems import INTERNAL, problem_response
 from dh_to_urdf import Problem
 
 _LOG = logging.getLogger("denavit")
-_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
+_ID = re.compile(rb"[A-Za-z0-9._-]{1,64}")
 
 
 class RequestId:
@@ -31,9 +30,11 @@ class RequestId:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        given = Headers(scope=scope).get("x-request-id", "")
-        harmless = given and _ID.fullmatch(given)
-        request_id = given if harmless else f"{self.prefix}-{next(self.counter):x}"
+        given = next((value for name, value in scope["headers"] if name == b"x-request-id"), b"")
+        if given and _ID.fullmatch(given):
+            request_id = given.decode("ascii")
+        else:
+            request_id = f"{self.prefix}-{next(self.counter):x}"
         scope.setdefault("state", {})["request_id"] = request_id
 
         started = False
@@ -42,9 +43,11 @@ class RequestId:
             nonlocal started
             started = True
             if message["type"] == "http.response.start":
-                headers = MutableHeaders(scope=message)
-                headers["x-request-id"] = request_id
-                headers["x-content-type-options"] = "nosniff"
+                message["headers"] = [
+                    *message["headers"],
+                    (b"x-request-id", request_id.encode("ascii")),
+                    (b"x-content-type-options", b"nosniff"),
+                ]
             await send(message)
 
         try:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any
 
@@ -36,15 +35,6 @@ _NUMBERS = {
     "time_budget_ms": ("Milliseconds.", False),
     "max_iterations": ("Steps of one start.", False),
 }
-
-
-@dataclass(frozen=True)
-class OperationDocs:
-    """Keyword arguments for the three routes of a computation."""
-
-    post: dict[str, Any]
-    get: dict[str, Any]
-    inline: dict[str, Any]
 
 
 class ProblemItem(msgspec.Struct, kw_only=True):
@@ -90,8 +80,8 @@ def inline_request_type(operation: Operation) -> type[msgspec.Struct]:
     )
 
 
-def operation_docs(operation: Operation) -> OperationDocs:
-    """What the docs say of a computation's routes."""
+def operation_docs(operation: Operation) -> dict[str, dict[str, Any]]:
+    """What the docs say of a computation's routes, by path and method."""
     name = operation.name.replace("-", "_")
     answers = _answers(operation)
     choices = [
@@ -119,28 +109,38 @@ def operation_docs(operation: Operation) -> OperationDocs:
         for key in operation.query
     ]
 
-    def docs(suffix: str, summary: str, extra: dict[str, Any]) -> dict[str, Any]:
+    def item(suffix: str, summary: str, extra: dict[str, Any]) -> dict[str, Any]:
         return {
-            "operation_id": f"{name}{suffix}",
+            "tags": ["compute"],
+            "operationId": f"{name}{suffix}",
             "summary": summary,
+            "description": operation.description,
+            **extra,
             "responses": answers,
-            "openapi_extra": extra,
         }
 
-    path = _robot_parameter(operation.example_robot)
-    return OperationDocs(
-        post=docs("", operation.summary, {
-            "parameters": [path, *choices], "requestBody": {"required": True, "content": body}}),
-        get=docs("_get", f"{operation.summary}, from a query", {
-            "parameters": [path, *query, *choices]}),
-        inline=docs("_inline", f"{operation.summary} of a robot in the body", {
-            "parameters": choices, "requestBody": {"required": True, "content": inline_body}}),
-    )  # fmt: skip
+    robot = _robot_parameter(operation.example_robot)
+    content = {"required": True, "content": body}
+    inline_content = {"required": True, "content": inline_body}
+    summary = operation.summary
+    stored = {
+        "post": item("", summary, {"parameters": [robot, *choices], "requestBody": content}),
+        "get": item("_get", f"{summary}, from a query", {"parameters": [robot, *query, *choices]}),
+    }
+    inline = {
+        "post": item(
+            "_inline",
+            f"{summary} of a robot in the body",
+            {"parameters": choices, "requestBody": inline_content},
+        )
+    }
+    path = f"/v1/robots/{{robot_id}}/{operation.name}"
+    return {path: stored, f"/v1/{operation.name}": inline}
 
 
-def _answers(operation: Operation) -> dict[int | str, dict[str, Any]]:
+def _answers(operation: Operation) -> dict[str, Any]:
     return {
-        200: {
+        "200": {
             "description": "The answer.",
             "content": {
                 JSON: {"schema": {"$ref": REF.format(name=operation.response.__name__)}},
@@ -148,7 +148,7 @@ def _answers(operation: Operation) -> dict[int | str, dict[str, Any]]:
                 NPY: {"schema": {"type": "string", "format": "binary"}},
             },
         },
-        **PROBLEMS,
+        **{str(status): problem for status, problem in PROBLEMS.items()},
     }
 
 
@@ -302,6 +302,8 @@ def build_openapi(app: FastAPI, extra_types: tuple[Any, ...]) -> dict[str, Any]:
         title=app.title, version=app.version, description=app.description, routes=app.routes,
         tags=app.openapi_tags,
     )  # fmt: skip
+    for operation in OPERATIONS:
+        document["paths"].update(operation_docs(operation))
     types: list[Any] = [ProblemDetails, *extra_types]
     for operation in OPERATIONS:
         types += [operation.request, operation.response, inline_request_type(operation)]

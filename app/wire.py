@@ -230,7 +230,7 @@ def json_parts(payload: Mapping[str, Any]) -> list[bytes]:
 
 
 def _append_json(payload: object, parts: list[bytes]) -> None:
-    if isinstance(payload, Mapping) and any(_has_large(value) for value in payload.values()):
+    if isinstance(payload, dict) and any(_has_large(value) for value in payload.values()):
         for position, (key, value) in enumerate(payload.items()):
             parts.append((b"," if position else b"{") + orjson.dumps(key) + b":")
             _append_json(value, parts)
@@ -247,7 +247,7 @@ def _append_json(payload: object, parts: list[bytes]) -> None:
 
 
 def _has_large(value: object) -> bool:
-    if isinstance(value, Mapping):
+    if isinstance(value, dict):
         return any(_has_large(item) for item in value.values())
     return isinstance(value, np.ndarray) and value.size > LARGE
 

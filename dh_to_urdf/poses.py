@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TypeAlias
 
 import numpy as np
@@ -10,6 +11,8 @@ from scipy.spatial.transform import Rotation
 
 Matrix: TypeAlias = NDArray[np.float64]
 
+GIMBAL = 1e-12
+"""cos(pitch) below which only roll ± yaw is determined; yaw is then 0."""
 ROUNDING = 1e-5
 """Largest entry of RᵀR - I that is taken for rounding and mended."""
 
@@ -108,8 +111,9 @@ def to_rpy(R: Matrix) -> tuple[float, float, float]:
     Pitch by ``atan2(-R31, hypot(R11, R21))``: the arcsine loses half the digits near ±90°. Roll
     and yaw are read off ``R`` with yaw taken out, so that near ±90° the product is still ``R``.
     """
-    yaw = float(np.arctan2(R[1, 0], R[0, 0]))
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    pitch = float(np.arctan2(-R[2, 0], cos * R[0, 0] + sin * R[1, 0]))
-    roll = float(np.arctan2(sin * R[0, 2] - cos * R[1, 2], cos * R[1, 1] - sin * R[0, 1]))
+    (r11, r12, r13), (r21, r22, r23), (r31, _, _) = R.tolist()
+    yaw = math.atan2(r21, r11) if math.hypot(r11, r21) > GIMBAL else 0.0
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    pitch = math.atan2(-r31, cos * r11 + sin * r21)
+    roll = math.atan2(sin * r13 - cos * r23, cos * r22 - sin * r12)
     return roll, pitch, yaw

@@ -10,9 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from dh_to_urdf.poses import to_rpy
 from kinematics.errors import RepresentationSingularity, UnknownSequence
 from robots.robot import FloatArray
 
@@ -182,6 +184,9 @@ def analytic_map(R: FloatArray, sequence: str) -> FloatArray:
 
 def quaternion_xyzw(R: FloatArray) -> FloatArray:
     """Unit quaternions x, y, z, w with w ≥ 0; shape (..., 3, 3) -> (..., 4)."""
+    if R.ndim == 2:
+        single: FloatArray = pin.Quaternion(np.ascontiguousarray(R)).coeffs()
+        return -single if single[3] < 0.0 else single
     shape, flat = R.shape[:-2], R.reshape(-1, 3, 3)
     quaternions = np.empty((len(flat), 4))
     for k in range(0, len(flat), CHUNK):
@@ -192,4 +197,6 @@ def quaternion_xyzw(R: FloatArray) -> FloatArray:
 
 def rpy(R: FloatArray) -> FloatArray:
     """URDF's roll, pitch, yaw (fixed axes x, y, z); shape (..., 3, 3) -> (..., 3), rad."""
+    if R.ndim == 2:
+        return np.array(to_rpy(R))
     return euler_angles(R, "xyz").solutions[..., 0, :]

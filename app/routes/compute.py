@@ -6,10 +6,10 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from fastapi import APIRouter, Request, Response
+from fastapi import FastAPI, Request, Response
 
-from app.dependencies import RobotDep, Services, ServicesDep
-from app.openapi import inline_request_type, operation_docs
+from app.dependencies import Services, services_of
+from app.openapi import inline_request_type
 from app.operations import OPERATIONS, Answer, Operation
 from app.operations.base import Context
 from app.problems import INVALID_REQUEST, RequestProblem
@@ -28,66 +28,82 @@ from app.wire import (
 )
 from robots.robot import Robot
 
+OFFERS = (JSON, TEXT, NPY)
+PLAIN = Units()
 INLINE_BYTES = 4_000
 """Bodies above this are read in a thread, so that they do not delay other requests."""
 
 
-def build_router(max_body: int) -> APIRouter:
-    """Routes of all computations.
+def add_routes(app: FastAPI, max_body: int) -> None:
+    """Adds the routes of all computations.
+
+    They are plain Starlette routes, first in the list: a solve takes 20 µs, which would be lost
+    behind FastAPI's resolution of dependencies. ``app.openapi`` adds what the docs say of them.
 
     Args:
+        app: The application.
         max_body: Largest body in bytes.
     """
-    router = APIRouter(prefix="/v1", tags=["compute"])
     for operation in OPERATIONS:
-        _add(router, operation, max_body)
-    return router
+        handlers = _Handlers(operation, max_body)
+        path = f"/v1/robots/{{robot_id}}/{operation.name}"
+        app.add_route(path, handlers.post, ["POST"])
+        app.add_route(path, handlers.get, ["GET"])
+        app.add_route(f"/v1/{operation.name}", handlers.inline, ["POST"])
 
 
-def _add(router: APIRouter, operation: Operation, max_body: int) -> None:
-    inline_type = inline_request_type(operation)
-    offers = (JSON, TEXT, NPY)
+class _Handlers:
+    """The three forms of one computation."""
 
-    async def post(request: Request, stored: RobotDep, services: ServicesDep) -> Response:
-        read = (JSON, NPY) if operation.array_field else (JSON,)
-        kind = require_type(request, *read)
-        check_query(request, *(operation.query if kind == NPY else ()))
-        units, wanted = units_of(request), wanted_type(request, *offers)
-        parameters = body_from_query(request, units, stored.robot) if kind == NPY else b"{}"
-        body = await read_body(request, max_body)
+    def __init__(self, operation: Operation, max_body: int) -> None:
+        self.operation = operation
+        self.max_body = max_body
+        self.inline_type = inline_request_type(operation)
+
+    async def post(self, request: Request) -> Response:
+        """On a stored robot, from a JSON or npy body."""
+        operation, services = self.operation, await services_of(request)
+        stored = await services.robot(request.path_params["robot_id"])
+        kind = require_type(request, *((JSON, NPY) if operation.array_field else (JSON,)))
+        units, wanted, parameters = PLAIN, JSON, b"{}"
+        if request.scope["query_string"]:
+            check_query(request, *(operation.query if kind == NPY else ()))
+            units = units_of(request)
+            if kind == NPY:
+                parameters = body_from_query(request, units, stored.robot)
+        wanted = wanted_type(request, *OFFERS)
+        body = await read_body(request, self.max_body)
         decode = _npy_decoder if kind == NPY else _json_decoder
         return await _answer(
             services, operation, stored.robot, units, wanted, len(body),
             lambda: decode(operation, body, parameters),
         )  # fmt: skip
 
-    async def get(request: Request, stored: RobotDep, services: ServicesDep) -> Response:
+    async def get(self, request: Request) -> Response:
+        """On a stored robot, from a query."""
+        operation, services = self.operation, await services_of(request)
+        stored = await services.robot(request.path_params["robot_id"])
         check_query(request, *operation.query)
-        units, wanted = units_of(request), wanted_type(request, *offers)
+        units, wanted = units_of(request), wanted_type(request, *OFFERS)
         body = body_from_query(request, units, stored.robot)
         return await _answer(
             services, operation, stored.robot, units, wanted, len(body),
             lambda: decode_json(body, operation.request),
         )  # fmt: skip
 
-    async def inline(request: Request, services: ServicesDep) -> Response:
+    async def inline(self, request: Request) -> Response:
+        """On a robot in the body."""
+        operation, services = self.operation, await services_of(request)
         require_type(request, JSON)
         check_query(request)
-        units, wanted = units_of(request), wanted_type(request, *offers)
-        body = await read_body(request, max_body)
+        units, wanted = units_of(request), wanted_type(request, *OFFERS)
+        body = await read_body(request, self.max_body)
         if len(body) > INLINE_BYTES:
-            parsed = await services.computed(lambda: decode_json(body, inline_type))
+            parsed = await services.computed(lambda: decode_json(body, self.inline_type))
         else:
-            parsed = decode_json(body, inline_type)
+            parsed = decode_json(body, self.inline_type)
         robot = await services.inline_robot(parsed.robot)  # type: ignore[attr-defined]
         return await _answer(services, operation, robot, units, wanted, len(body), lambda: parsed)
-
-    docs, name = operation_docs(operation), operation.name
-    text = operation.description
-    path = f"/robots/{{robot_id}}/{name}"
-    router.post(path, description=text, **docs.post)(post)
-    router.get(path, description=text, **docs.get)(get)
-    router.post(f"/{name}", description=text, **docs.inline)(inline)
 
 
 async def _answer(

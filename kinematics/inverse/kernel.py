@@ -331,8 +331,8 @@ def solve(
             u = starts[0, k] + s * starts[1, k]
             q[k] = seed[k] if s == 0 else starts[2, k] + (u - math.floor(u)) * starts[3, k]
         used, code = descend(C, turns, lower, upper, wraps, rows, G, q, best, limits, W)
-        steps += used + 1
-        if code == CONVERGED or s >= last or steps >= budget:
+        steps += used
+        if code == CONVERGED or s >= last or steps + s - first >= budget:
             return steps, s, code
         s += 1
 
