@@ -33,6 +33,7 @@ _NUMBERS = {
     "max_restarts": ("Random starts after the seed.", False),
     "random_seed": ("Seed of the random starts.", False),
     "time_budget_ms": ("Milliseconds.", False),
+    "choose": ("closest, most_manipulable or farthest_from_limits.", False),
     "max_iterations": ("Steps of one start.", False),
 }
 
@@ -82,7 +83,7 @@ def inline_request_type(operation: Operation) -> type[msgspec.Struct]:
 
 def operation_docs(operation: Operation) -> dict[str, dict[str, Any]]:
     """What the docs say of a computation's routes, by path and method."""
-    name = operation.name.replace("-", "_")
+    name = operation.name.replace("-", "_").replace("/", "_")
     answers = _answers(operation)
     choices = [
         _parameter("angle", "rad (default) or deg: joint values, Euler angles.", ["rad", "deg"]),

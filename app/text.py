@@ -108,6 +108,10 @@ def _scalar(value: object) -> str:
         return "-"
     if isinstance(value, Mapping):
         return " ".join(f"{key} {_scalar(item)}" for key, item in value.items())
+    if isinstance(value, np.ndarray):
+        return " ".join(f"{float(item):.6f}".rjust(11) for item in value)
+    if isinstance(value, (list, tuple)):
+        return ", ".join(_scalar(item) for item in value) or "-"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, (float, np.floating)):

@@ -8,12 +8,13 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 readonly BASE=docker.io/library/python:3.11-slim-bookworm
-readonly LIMIT_MIB=220
+readonly LIMIT_MIB=400
 readonly CACHE=/var/tmp/denavit-image
 readonly IMAGE=localhost/denavit:image-test-$$
 readonly NAME=denavit-image-test-$$
 readonly HARDENED=(--read-only --tmpfs /tmp --cap-drop=all --security-opt no-new-privileges)
 work=$(mktemp -d /var/tmp/denavit-image-test.XXXXXX)
+trap 'rm -rf "$work"' EXIT
 
 say() { printf '\n== %s\n' "$*"; }
 fail() {
@@ -196,7 +197,7 @@ inside() { engine exec "$NAME" "$@"; }
 # stop_in_time: a stop must end the service by itself, with status 0, well before the kill.
 stop_in_time() {
   local begun=$SECONDS
-  engine stop --time 20 "$NAME" >/dev/null
+  engine stop -t 20 "$NAME" >/dev/null
   ((SECONDS - begun < 10)) && [[ $(engine inspect --format '{{.State.ExitCode}}' "$NAME") == 0 ]]
 }
 size_of() { engine image inspect --format '{{.Size}}' "$1"; }
@@ -291,6 +292,26 @@ assert status["NoNewPrivs"].strip() == "1"
 PY
 }
 
+# The service must run the image's kernels: in its own copy of the cache none is new.
+test_kernels() {
+  engine exec --interactive "$NAME" python - <<'PY'
+import os
+from pathlib import Path
+
+shipped = Path(os.environ["NUMBA_CACHE_DIR"])
+(private,) = Path("/tmp").glob("denavit-kernels-*")
+
+
+def kernels(folder):
+    files = folder.rglob("*.nbc")
+    return {(str(path.relative_to(folder)), int(path.stat().st_mtime)) for path in files}
+
+
+assert kernels(shipped), "the image has no kernels"
+assert kernels(private) == kernels(shipped), kernels(private) - kernels(shipped)
+PY
+}
+
 # Sizes in MiB by what lies in site-packages, the largest first.
 print_split() {
   engine exec --interactive "$NAME" python - <<'PY'
@@ -321,6 +342,7 @@ run_tests() {
   check "/health/ready" answers /health/ready
   check "health check of the image" healthy
   check "FK of puma560 is right, IK converges" test_kinematics
+  check "kernels come from the image" test_kernels
   check "every robot of the library is there and loads" test_library
   check "docs have their assets" answers /docs-assets/swagger-ui-bundle.js
   check "no pip, compiler, header, mesh or developer's package inside" test_contents

@@ -30,9 +30,9 @@ def needed(wanted: list[str], pins: list[str]) -> set[str]:
         requirements.write_text("\n".join(wanted), encoding="utf-8")
         report = Path(folder, "report")
         pip_install = [sys.executable, "-m", "pip", "install", "--quiet", "--only-binary", ":all:"]
-        dry_run = ["--dry-run", "--ignore-installed", "--report", report]
-        given = ["--constraint", constraints, "--requirement", requirements]
-        subprocess.run([*pip_install, *dry_run, *given], check=True, stdout=sys.stderr)
+        pip_install += ["--dry-run", "--ignore-installed", "--report", str(report)]
+        pip_install += ["--constraint", str(constraints), "--requirement", str(requirements)]
+        subprocess.run(pip_install, check=True, stdout=sys.stderr)
         found = json.loads(report.read_text(encoding="utf-8"))["install"]
     return {normalised(item["metadata"]["name"]) for item in found}
 

@@ -34,6 +34,8 @@ UNUSED = {
     " fftpack integrate interpolate io misc ndimage odr optimize signal stats",
     "lxml": "builder.* cssselect.* doctestcompare.* html includes isoschematron objectify.* sax.*",
     "fastapi_offline": "static/redoc*",
+    "numba": "**/tests",
+    "llvmlite": "**/tests",
 }
 
 

@@ -1,8 +1,9 @@
 """Makes the service compile, while the image is built, what it would compile at every start.
 
-Where the image runs, its root file system is read-only: bytecode could not be kept. Imports every
-module that the service's source names, so that the build fails if docker/strip.py removed one; then
-serves a few requests. Whatever else a first request would compile belongs into ``ask``.
+Where the image runs, its root file system is read-only: neither bytecode nor compiled kernels could
+be kept. Imports every module that the service's source names, so that the build fails if
+docker/strip.py removed one; then serves a few requests. Whatever else compiles something when it is
+first asked for belongs into ``ask``.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ CLIENT = build_opener(ProxyHandler({}))
 def main() -> None:
     """Imports, then serves."""
     for package in PACKAGES:
-        for folder in importlib.util.find_spec(package).submodule_search_locations:
+        for folder in importlib.import_module(package).__path__:
             for path in sorted(Path(folder).rglob("*.py")):
                 import_named(path)
     with socket.socket() as probe:
@@ -38,7 +39,9 @@ def main() -> None:
         chosen = {"DENAVIT_HOST": "127.0.0.1", "DENAVIT_PORT": port, "DENAVIT_DATA_DIR": data}
         service = subprocess.Popen(["denavit", "serve"], env=os.environ | chosen)
         try:
-            ask(f"http://127.0.0.1:{port}")
+            url = f"http://127.0.0.1:{port}"
+            wait_until_ready(url, service)
+            ask(url)
         finally:
             service.terminate()
             service.wait(timeout=30)
@@ -49,7 +52,7 @@ def import_named(path: Path) -> None:
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
             names = [node.module]
         else:
             continue
@@ -61,14 +64,19 @@ def import_named(path: Path) -> None:
                         getattr(module, alias.name, None)
 
 
-def ask(url: str) -> None:
-    """Waits until the service is ready, then asks it each kind of computation."""
-    for _ in range(300):
+def wait_until_ready(url: str, service: subprocess.Popen[bytes]) -> None:
+    """Waits, for minutes if need be: compiling kernels takes time."""
+    while service.poll() is None:
         try:
             CLIENT.open(f"{url}/health/ready", timeout=60).close()
-            break
+            return
         except URLError:
             time.sleep(0.1)
+    raise SystemExit(f"the service ended with status {service.returncode}")
+
+
+def ask(url: str) -> None:
+    """Asks for each kind of computation."""
     robot = f"{url}/v1/robots/puma560"
     q = [0.1, 0.2, -0.3, 0.4, 0.5, 0.6]
     (pose,) = post(f"{robot}/fk", {"q": q})["poses"].values()
@@ -77,7 +85,7 @@ def ask(url: str) -> None:
     post(f"{robot}/ik", {"target": {"matrix": pose["matrix"]}})
 
 
-def post(url: str, body: dict[str, Any]) -> dict[str, Any]:
+def post(url: str, body: dict[str, Any]) -> Any:
     """The answer to a request; any but a success raises."""
     data = json.dumps(body).encode()
     request = Request(url, data, {"Content-Type": "application/json"})

@@ -6,6 +6,7 @@ leaves a function as it is; callers then take their NumPy path (``COMPILED`` is 
 
 from __future__ import annotations
 
+import atexit
 import os
 import shutil
 import tempfile
@@ -23,6 +24,7 @@ def _make_cache_writable() -> None:
         private = Path(tempfile.mkdtemp(prefix="denavit-kernels-"))
         shutil.copytree(shipped, private, dirs_exist_ok=True)
         os.environ["NUMBA_CACHE_DIR"] = str(private)
+        atexit.register(shutil.rmtree, private, ignore_errors=True)
 
 
 _make_cache_writable()
@@ -34,16 +36,28 @@ else:
     COMPILED = True
 
 # Reassociation and "no NaN" stay off: results must not depend on the compiler's mood.
-_MATH = {"nsz", "contract", "arcp"}
+_OPTIONS: dict[str, Any] = {
+    "nogil": True,
+    "error_model": "numpy",
+    "fastmath": {"nsz", "contract"},
+}
 
 
 def jit(function: F) -> F:
     """Compiles a function of scalars and float arrays on its first call."""
+    return _compiled(function, {})
+
+
+def inner(function: F) -> F:
+    """As :func:`jit`, for functions that only compiled ones call: quicker to compile."""
+    return _compiled(function, {"no_cpython_wrapper": True, "no_cfunc_wrapper": True})
+
+
+def _compiled(function: F, options: dict[str, Any]) -> F:
     if not COMPILED:
         return function
-    options: Any = {"nogil": True, "error_model": "numpy", "fastmath": _MATH}
     try:
-        compiled: Any = njit(cache=True, **options)(function)
+        compiled: Any = njit(cache=True, **_OPTIONS, **options)(function)
     except RuntimeError:  # no place for a cache: compiled anew in every process
-        compiled = njit(**options)(function)
+        compiled = njit(**_OPTIONS, **options)(function)
     return compiled  # type: ignore[no-any-return]

@@ -7,6 +7,8 @@ import numpy as np
 from kinematics.compiled import COMPILED
 from kinematics.forward import fk
 from kinematics.inverse import IKOptions, solve_ik, solve_ik_batch
+from kinematics.inverse.all_solutions import all_solutions
+from kinematics.jacobian import jacobian
 from robots.shipped import shipped_robot
 
 
@@ -22,6 +24,13 @@ def warm_up() -> bool:
     pose = fk(robot, np.full(robot.dof, 0.5))[robot.tip_frame]
     solve_ik(robot, pose)
     solve_ik_batch(robot, pose[None], options=IKOptions(max_restarts=1))
+    for name in ("panda", "ur5", "scara", "pa10"):
+        robot = shipped_robot(name)
+        batch = np.full((2, robot.dof), 0.3)
+        jacobian(robot, batch)
+        pose = fk(robot, batch)[robot.tip_frame][0]
+        solve_ik(robot, pose)
+        all_solutions(robot, pose)
     return True
 
 

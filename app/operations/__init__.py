@@ -6,7 +6,8 @@ from app.operations.forward import FK
 from app.operations.inverse import IK
 from app.operations.jacobian import JACOBIAN
 from app.operations.singularity import SINGULARITY
+from app.operations.solutions import SOLUTIONS
 
-OPERATIONS: tuple[Operation, ...] = (FK, JACOBIAN, SINGULARITY, IK, DH_MATRICES)
+OPERATIONS: tuple[Operation, ...] = (FK, JACOBIAN, SINGULARITY, IK, SOLUTIONS, DH_MATRICES)
 
 __all__ = ["OPERATIONS", "Answer", "Operation"]

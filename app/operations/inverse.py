@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -20,6 +21,7 @@ from app.operations.base import (
 )
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.units import Units
+from dh_to_urdf.errors import quoted
 from kinematics.compiled import COMPILED
 from kinematics.errors import InvalidTarget
 from kinematics.inverse import (
@@ -30,6 +32,7 @@ from kinematics.inverse import (
     solve_ik,
     solve_ik_batch,
 )
+from kinematics.inverse.all_solutions import Choice, all_solutions, choose
 from kinematics.inverse.target import TargetSpec, target_pose, target_poses
 from kinematics.task import Task, task_from
 from robots.robot import FloatArray, Robot
@@ -39,7 +42,8 @@ MAX_LISTED = 500
 """Targets not reached that the header of an npy answer lists."""
 
 
-def _not_given() -> msgspec.Raw:
+def not_given() -> msgspec.Raw:
+    """The seed of a request that gives none."""
     return msgspec.Raw(NOT_GIVEN)
 
 
@@ -99,11 +103,18 @@ class IKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     ] = None
     frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
     task: TaskField = "pose"
-    seed: SingleConfiguration = msgspec.field(default_factory=_not_given)
+    seed: SingleConfiguration = msgspec.field(default_factory=not_given)
     tolerance: ToleranceField = msgspec.field(default_factory=ToleranceField)
     max_restarts: int = 200
     max_iterations: int = 100
     random_seed: int = 0
+    choose: Annotated[
+        str | None,
+        msgspec.Meta(
+            description="Which of all solutions within the limits: closest (to the seed),"
+            " most_manipulable or farthest_from_limits; default: what the solver finds first."
+        ),
+    ] = None
     time_budget_ms: Annotated[float, msgspec.Meta(description="For each target, milliseconds.")] = (
         1000.0
     )
@@ -171,7 +182,7 @@ def _read(robot: Robot, request: IKRequest, context: Context) -> _Problem:
 
 def _quick(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
     """A single target if half a millisecond is enough for it."""
-    if request.target is None or not COMPILED:
+    if request.target is None or request.choose is not None or not COMPILED:
         return None
     problem = _read(robot, request, context)
     options = problem.options.within(QUICK_SECONDS)
@@ -190,6 +201,8 @@ def _quick(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
 
 def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
     problem = _read(robot, request, context)
+    if request.choose is not None:
+        return _chosen(robot, request, context, problem)
     if not problem.many:
         result = solve_ik(
             robot,
@@ -228,6 +241,38 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
     }
     echo = _echo(robot, request, context, problem, batch.seed)
     return Answer({"units": context.units.named, **leaves, **echo}, q, headers)
+
+
+def _chosen(robot: Robot, request: IKRequest, context: Context, problem: _Problem) -> Answer:
+    """The solution that the request prefers among all; the solver's where there is none."""
+    choices = tuple(Choice)
+    if request.choose not in choices:
+        raise RequestProblem(
+            INVALID_REQUEST,
+            f"choose is {quoted(request.choose)}; give {', '.join(choices)}",
+            "/choose",
+        )
+    if problem.many:
+        raise RequestProblem(INVALID_REQUEST, "choose takes one target at a time", "/choose")
+    started = time.perf_counter()
+    arguments: Any = {"frame": problem.frame, "task": problem.task, "seed": problem.seed}
+    found = all_solutions(robot, problem.poses[0], options=problem.options, **arguments)
+    best = choose(robot, found, problem.frame, Choice(request.choose))
+    if best is None:
+        result = solve_ik(robot, problem.poses[0], options=problem.options, **arguments)
+    else:
+        elapsed = time.perf_counter() - started
+        result = IKResult(
+            IKStatus.CONVERGED,
+            best.q,
+            found.seed,
+            best.position_error,
+            best.orientation_error,
+            0,
+            0,
+            elapsed,
+        )
+    return _single(robot, request, context, problem, result)
 
 
 def _single(
@@ -274,7 +319,7 @@ def _targets(request: IKRequest, task: Task, context: Context) -> tuple[FloatArr
             INVALID_REQUEST, "give either target (one) or targets (many)", "/target"
         )
     if request.target is not None:
-        return _pose(request.target, task, context.units, "/target")[None], False
+        return read_target(request.target, task, context.units, "/target")[None], False
     targets: Any = request.targets
     if isinstance(targets, np.ndarray):
         _check_count(len(targets) if targets.ndim == 3 else 1, context)
@@ -289,7 +334,7 @@ def _targets(request: IKRequest, task: Task, context: Context) -> tuple[FloatArr
     listed = targets if isinstance(targets, list) else _split(targets)
     _check_count(len(listed), context)
     poses = [
-        _pose(target, task, context.units, f"/targets/{index}")
+        read_target(target, task, context.units, f"/targets/{index}")
         for index, target in enumerate(listed)
     ]
     return np.array(poses), True
@@ -328,7 +373,13 @@ def _split(batch: TargetBatch) -> list[Target]:
     return [Target(**{name: value[k] for name, value in columns.items()}) for k in range(count)]
 
 
-def _pose(target: Target, task: Task, units: Units, pointer: str) -> FloatArray:
+def read_target(target: Target, task: Task, units: Units, pointer: str) -> FloatArray:
+    """The pose of a target, 4x4, in m and rad.
+
+    Raises:
+        InvalidTarget: The target is no pose, or lacks what the task needs.
+    """
+
     def angles(values: list[float] | None) -> list[float] | None:
         return None if values is None else list(units.angles_in(np.array(values)))
 
@@ -374,6 +425,7 @@ IK = Operation(
         "time_budget_ms",
         "max_iterations",
         "tolerance",
+        "choose",
     ),
     quick=_quick,
     array_field="targets",

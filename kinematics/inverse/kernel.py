@@ -26,6 +26,8 @@ STALLS = 3
 SETTLED = 1.0 - 1e-9
 MAX_DAMPING = 1e6
 TURN = 2.0 * math.pi
+TOUCH = 1e-12
+"""A limit exceeded by no more than this is rounding."""
 
 CONVERGED, GIVEN_UP, UNREACHABLE, OUT_OF_STEPS = 1, 0, 2, 3
 UNREACHABLE_RESTARTS = 2
@@ -221,6 +223,62 @@ def nearest_turn(
     elif candidate < lower:
         candidate += TURN
     return candidate if lower <= candidate <= upper else value
+
+
+@jit
+def nearest(
+    found: Array,
+    errors: Array,
+    count: int,
+    P: Array,
+    N: Array,
+    seed: Array,
+    limits: Array,
+    q: Array,
+) -> int:
+    """Of solutions in closed form the one nearest to the seed, within the limits, into q.
+
+    Angles are turned by whole turns as near to the seed as the limits allow.
+
+    Args:
+        found: Solutions, shape (count or more, K).
+        errors: Their position and rotation errors, shape (count or more, 2).
+        count: How many there are.
+        P: Constants of the chain; see :func:`packed`.
+        N: Its whole numbers; see :func:`packed`.
+        seed: Shape (K,).
+        limits: Squared tolerances first.
+        q: Filled, shape (K,).
+
+    Returns:
+        Its index, or -1 where none is within the limits and the tolerance.
+    """
+    K = N[0]
+    best, index = math.inf, -1
+    for i in range(count):
+        if errors[i, 0] ** 2 > limits[0] or errors[i, 1] ** 2 > limits[1]:
+            continue
+        distance = 0.0
+        for k in range(K):
+            low, high = P[12 * (K + 1) + k], P[12 * (K + 1) + K + k]
+            value = found[i, k]
+            if N[8 + k]:
+                value += TURN * math.floor((seed[k] - value) / TURN + 0.5)
+                if value > high + TOUCH and value - TURN >= low - TOUCH:
+                    value -= TURN
+                elif value < low - TOUCH and value + TURN <= high + TOUCH:
+                    value += TURN
+            if value > high + TOUCH or value < low - TOUCH:
+                distance = math.inf
+                break
+            value = min(max(value, low), high)
+            found[i, k] = value
+            distance += (value - seed[k]) ** 2
+        if distance < best:
+            best, index = distance, i
+    if index >= 0:
+        q[:K] = found[index]
+    return index
 
 
 @jit

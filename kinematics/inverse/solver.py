@@ -16,6 +16,8 @@ import numpy as np
 from kinematics.chain import Chain, chain_of
 from kinematics.inverse import kernel
 from kinematics.inverse.bounds import JointBounds
+from kinematics.inverse.closed_form import closed_form_of
+from kinematics.inverse.closed_solver import ClosedSolver
 from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus
 from kinematics.inverse.starts import starts
 from kinematics.kernels import Array
@@ -29,6 +31,8 @@ STEP_SECONDS = 0.5e-6
 PART = 128
 """Targets that one thread works on between two looks at the clock."""
 
+DOUBTS = 20
+"""Starts of the numeric solver before a closed form without solution is taken at its word."""
 MAX_SEEDS = 8
 """Random seeds whose starts are kept."""
 
@@ -91,6 +95,22 @@ class Solver:
             self._known[random_seed] = made
         return made
 
+    @cached_property
+    def _closed(self) -> ClosedSolver | None:
+        """The closed form of the chain, where it has one that is complete for the task."""
+        form = closed_form_of(self.chain)
+        if form is None or form.kind == "srs" or self.task.name not in form.tasks:
+            return None
+        return ClosedSolver(form, self.chain, np.array(self.task.rows, dtype=np.int64))
+
+    def _embedded(self, values: FloatArray, start: FloatArray) -> FloatArray:
+        """The chain's values in a whole q."""
+        if self._whole:
+            return values
+        q = start.copy()
+        q[self.chain.columns] = values
+        return q
+
     def solve(self, target: FloatArray, seed: FloatArray | None, options: IKOptions) -> IKResult:
         """One target, shape (4, 4); see :func:`kinematics.inverse.solve_ik`."""
         started = time.perf_counter()
@@ -100,6 +120,17 @@ class Solver:
         K = len(origin)
         P, N = self.constants(options.random_seed)
         limits, answer, W = options.limits, np.empty(K + 5), kernel.workspace(K)
+        proven = False
+        if self._closed is not None and options.time_budget > 0:
+            errors = self._closed.nearest(target, origin, P, N, limits, answer)
+            if errors is not None:
+                q = self._embedded(answer[:K], start)
+                elapsed = time.perf_counter() - started
+                return IKResult(IKStatus.CONVERGED, q, start, *errors, 0, 0, elapsed)
+            proven = self._closed.proves(options)
+            if proven:
+                limits = limits.copy()
+                limits[3] = min(limits[3], DOUBTS)
         following = kernel.proceed(P, N, goal, origin, 0, SLICE, limits, answer, W)
         if following > 0:
             deadline = started + options.time_budget
@@ -107,12 +138,11 @@ class Solver:
                 following = kernel.proceed(P, N, goal, origin, following, SLICE, limits, answer, W)
         *_, position, rotation, steps, last, code = answer[K:].tolist()
         status = _OF_CODE[code]
+        if proven and status is IKStatus.NOT_CONVERGED:
+            status = IKStatus.UNREACHABLE
         if status is IKStatus.NOT_CONVERGED and options.time_budget <= 0:
             status = IKStatus.TIMEOUT
-        q = answer[:K]
-        if not self._whole:
-            q = start.copy()
-            q[self.chain.columns] = answer[:K]
+        q = self._embedded(answer[:K], start)
         elapsed = time.perf_counter() - started
         return IKResult(status, q, start, position, rotation, int(steps), int(last), elapsed)
 

@@ -555,10 +555,8 @@ def test_csv_units_are_checked(angle, length):
 ODD = (
     st.none()
     | st.booleans()
-    | st.integers()
-    | st.sampled_from(
-        [0, 1, -1, 2, 10**400, 10**4000, -(10**20), 1e308, 0.0, "q1", "R", "1,234", "0"]
-    )
+    | st.integers(-(10**20), 10**20)
+    | st.sampled_from([0, 1, -1, 2, 10**300, -(10**300), 1e308, 0.0, "q1", "R", "1,234", "0"])
     | st.floats()
     | st.text(max_size=70)
     | st.binary(max_size=3)

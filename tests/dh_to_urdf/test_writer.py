@@ -285,7 +285,8 @@ def test_rotations_survive_as_rpy_at_a_pitch_of_ninety_degrees(elementary, roll,
     row = DHRow("j", JointType.REVOLUTE, 0.0, 0.0, 0.0, 0.0, parent=0)
     joints = joints_of(table_to_urdf(DHTable("r", Convention.MODIFIED, (row,), tool=tool)))
     written = elementary.origin(joints["frame_1_to_tool"])
-    assert np.abs(written - tool).max() < 1e-15
+    upright = abs(math.cos(pitch)) < 1.1e-12  # only roll ± yaw is determined
+    assert np.abs(written - tool).max() < (1e-12 if upright else 1e-15)
 
 
 @pytest.mark.parametrize(

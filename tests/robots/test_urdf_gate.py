@@ -1,3 +1,4 @@
+import copy
 import math
 import re
 from xml.etree import ElementTree as ET
@@ -320,7 +321,7 @@ def mutants(draw, text):
         elif kind == "repeat":
             parent.append(child)
         else:
-            draw(st.sampled_from(parents)).append(ET.fromstring(ET.tostring(child)))
+            draw(st.sampled_from(parents)).append(copy.deepcopy(child))
     return ET.tostring(robot, encoding="utf-8")
 
 

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.inverse.closed_form._jit import jit
+from kinematics.compiled import inner
 from kinematics.inverse.closed_form.vectors import wrapped
 from robots.robot import FloatArray
 
@@ -27,16 +27,15 @@ BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
 
-@jit
+@inner
 def measure(
     placements: FloatArray,
     turns: BoolArray,
     target: FloatArray,
     q: FloatArray,
     work: FloatArray,
-    jacobian: bool,
 ) -> None:
-    """The error of the pose at q, and the Jacobian, both in base axes.
+    """The error of the pose at q, in base axes.
 
     Args:
         placements: C_0 … C_K, shape (K + 1, 12).
@@ -44,14 +43,13 @@ def measure(
         target: Pose in the base's axes, shape (4, 4).
         q: Shape (K,).
         work: Row 0 receives the position error in m and the rotation error in rad; rows 1 … K
-            the columns of the Jacobian.
-        jacobian: Whether it is wanted.
+            a point of each axis and its direction, row K + 1 the frame's origin.
     """
     count = len(q)
-    x = placements[0]
-    r00, r01, r02, p0 = x[0], x[1], x[2], x[3]
-    r10, r11, r12, p1 = x[4], x[5], x[6], x[7]
-    r20, r21, r22, p2 = x[8], x[9], x[10], x[11]
+    x, at = placements, 0
+    r00, r01, r02, p0 = x[at, 0], x[at, 1], x[at, 2], x[at, 3]
+    r10, r11, r12, p1 = x[at, 4], x[at, 5], x[at, 6], x[at, 7]
+    r20, r21, r22, p2 = x[at, 8], x[at, 9], x[at, 10], x[at, 11]
     for k in range(count):
         if turns[k]:
             c, s = math.cos(q[k]), math.sin(q[k])
@@ -62,25 +60,24 @@ def measure(
             p0 += q[k] * r02
             p1 += q[k] * r12
             p2 += q[k] * r22
-        if jacobian:
-            work[k + 1, 0], work[k + 1, 1], work[k + 1, 2] = p0, p1, p2
-            work[k + 1, 3], work[k + 1, 4], work[k + 1, 5] = r02, r12, r22
-        x = placements[k + 1]
-        p0 += r00 * x[3] + r01 * x[7] + r02 * x[11]
-        p1 += r10 * x[3] + r11 * x[7] + r12 * x[11]
-        p2 += r20 * x[3] + r21 * x[7] + r22 * x[11]
+        work[k + 1, 0], work[k + 1, 1], work[k + 1, 2] = p0, p1, p2
+        work[k + 1, 3], work[k + 1, 4], work[k + 1, 5] = r02, r12, r22
+        at = k + 1
+        p0 += r00 * x[at, 3] + r01 * x[at, 7] + r02 * x[at, 11]
+        p1 += r10 * x[at, 3] + r11 * x[at, 7] + r12 * x[at, 11]
+        p2 += r20 * x[at, 3] + r21 * x[at, 7] + r22 * x[at, 11]
         a, b, c = r00, r01, r02
-        r00 = a * x[0] + b * x[4] + c * x[8]
-        r01 = a * x[1] + b * x[5] + c * x[9]
-        r02 = a * x[2] + b * x[6] + c * x[10]
+        r00 = a * x[at, 0] + b * x[at, 4] + c * x[at, 8]
+        r01 = a * x[at, 1] + b * x[at, 5] + c * x[at, 9]
+        r02 = a * x[at, 2] + b * x[at, 6] + c * x[at, 10]
         a, b, c = r10, r11, r12
-        r10 = a * x[0] + b * x[4] + c * x[8]
-        r11 = a * x[1] + b * x[5] + c * x[9]
-        r12 = a * x[2] + b * x[6] + c * x[10]
+        r10 = a * x[at, 0] + b * x[at, 4] + c * x[at, 8]
+        r11 = a * x[at, 1] + b * x[at, 5] + c * x[at, 9]
+        r12 = a * x[at, 2] + b * x[at, 6] + c * x[at, 10]
         a, b, c = r20, r21, r22
-        r20 = a * x[0] + b * x[4] + c * x[8]
-        r21 = a * x[1] + b * x[5] + c * x[9]
-        r22 = a * x[2] + b * x[6] + c * x[10]
+        r20 = a * x[at, 0] + b * x[at, 4] + c * x[at, 8]
+        r21 = a * x[at, 1] + b * x[at, 5] + c * x[at, 9]
+        r22 = a * x[at, 2] + b * x[at, 6] + c * x[at, 10]
     t = target
     work[0, 0], work[0, 1], work[0, 2] = t[0, 3] - p0, t[1, 3] - p1, t[2, 3] - p2
     d00 = t[0, 0] * r00 + t[0, 1] * r01 + t[0, 2] * r02
@@ -100,34 +97,41 @@ def measure(
     work[0, 3], work[0, 4], work[0, 5] = factor * x0, factor * x1, factor * x2
     if cosine < 0.0 and sine <= 1e-9:
         work[0, 3] = math.pi
-    if jacobian:
-        for k in range(1, count + 1):
-            o0, o1, o2 = work[k, 0], work[k, 1], work[k, 2]
-            z0, z1, z2 = work[k, 3], work[k, 4], work[k, 5]
-            if turns[k - 1]:
-                o0, o1, o2 = p0 - o0, p1 - o1, p2 - o2
-                work[k, 0] = z1 * o2 - z2 * o1
-                work[k, 1] = z2 * o0 - z0 * o2
-                work[k, 2] = z0 * o1 - z1 * o0
-            else:
-                work[k, 0], work[k, 1], work[k, 2] = z0, z1, z2
-                work[k, 3], work[k, 4], work[k, 5] = 0.0, 0.0, 0.0
+    work[count + 1, 0], work[count + 1, 1], work[count + 1, 2] = p0, p1, p2
 
 
-@jit
-def _norms(error: FloatArray, rows: IntArray) -> tuple[float, float]:
+@inner
+def _columns(turns: BoolArray, work: FloatArray) -> None:
+    """The Jacobian, a column a row: rows 1 … K of work, from what :func:`measure` left there."""
+    count = len(turns)
+    p0, p1, p2 = work[count + 1, 0], work[count + 1, 1], work[count + 1, 2]
+    for k in range(1, count + 1):
+        o0, o1, o2 = work[k, 0], work[k, 1], work[k, 2]
+        z0, z1, z2 = work[k, 3], work[k, 4], work[k, 5]
+        if turns[k - 1]:
+            o0, o1, o2 = p0 - o0, p1 - o1, p2 - o2
+            work[k, 0] = z1 * o2 - z2 * o1
+            work[k, 1] = z2 * o0 - z0 * o2
+            work[k, 2] = z0 * o1 - z1 * o0
+        else:
+            work[k, 0], work[k, 1], work[k, 2] = z0, z1, z2
+            work[k, 3], work[k, 4], work[k, 5] = 0.0, 0.0, 0.0
+
+
+@inner
+def _norms(work: FloatArray, rows: IntArray) -> tuple[float, float]:
     position = orientation = 0.0
     for row in rows:
         if row < 3:
-            position += error[row] * error[row]
+            position += work[0, row] * work[0, row]
         else:
-            orientation += error[row] * error[row]
+            orientation += work[0, row] * work[0, row]
     return math.sqrt(position), math.sqrt(orientation)
 
 
-@jit
+@inner
 def _step(q: FloatArray, rows: IntArray, work: FloatArray) -> None:
-    """Adds a damped Gauss-Newton step to q; rows 0 … K of work as :func:`measure` leaves them."""
+    """Adds a damped Gauss-Newton step to q; rows 1 … K of work as :func:`_columns` leaves them."""
     count, m = len(q), len(rows)
     base = count + 1
     largest = 0.0
@@ -166,7 +170,7 @@ def _step(q: FloatArray, rows: IntArray, work: FloatArray) -> None:
             q[k] += work[k + 1, rows[i]] * y[i]
 
 
-@jit
+@inner
 def improve(
     placements: FloatArray,
     turns: BoolArray,
@@ -190,33 +194,34 @@ def improve(
     Returns:
         Whether q reaches the target within ``ACCEPTED``.
     """
-    count = len(q)
-    kept = work[WORK - 11 : WORK].reshape(-1)
-    measure(placements, turns, target, q, work, False)
-    errors[0], errors[1] = _norms(work[0], rows)
-    best = errors[0] + errors[1]
-    if best <= ENOUGH:
-        return True
-    for _ in range(STEPS):
-        for k in range(count):
-            kept[k] = q[k]
-        measure(placements, turns, target, q, work, True)
+    best = np.inf
+    for attempt in range(STEPS + 1):
+        measure(placements, turns, target, q, work)
+        position, orientation = _norms(work, rows)
+        error = position + orientation
+        if not error < best:
+            if attempt > 0:
+                for k in range(len(q)):
+                    q[k] = work[WORK - 2 + k // 6, k % 6]
+            break
+        settled = error > 0.5 * best
+        best, errors[0], errors[1] = error, position, orientation
+        if error <= ENOUGH or settled or attempt == STEPS:
+            break
+        for k in range(len(q)):
+            work[WORK - 2 + k // 6, k % 6] = q[k]
+        _columns(turns, work)
         _step(q, rows, work)
-        measure(placements, turns, target, q, work, False)
-        position, orientation = _norms(work[0], rows)
-        if not position + orientation < best:
-            for k in range(count):
-                q[k] = kept[k]
-            break
-        settled = position + orientation > 0.5 * best
-        best = position + orientation
-        errors[0], errors[1] = position, orientation
-        if best <= ENOUGH or settled:
-            break
-    return best <= ACCEPTED
+    return bool(best <= ACCEPTED)
 
 
-@jit
+@inner
+def none_yet() -> int:
+    """0, of a type that lets the compiler make one version of what counts on from it."""
+    return int(np.int64(0))
+
+
+@inner
 def keep(
     placements: FloatArray,
     turns: BoolArray,
@@ -249,12 +254,14 @@ def keep(
         if turns[k]:
             candidate[k] = wrapped(candidate[k])
     for i in range(n):
-        largest = 0.0
+        same = True
         for k in range(len(candidate)):
             difference = candidate[k] - q[i, k]
             if turns[k]:
                 difference = wrapped(difference)
-            largest = max(largest, abs(difference))
-        if largest <= SAME:
+            if abs(difference) > SAME:
+                same = False
+                break
+        if same:
             return n
     return n + 1

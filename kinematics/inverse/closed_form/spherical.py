@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from kinematics.inverse.closed_form._jit import jit
+from kinematics.compiled import inner
 from kinematics.inverse.closed_form.subproblems import align, dihedral
 from kinematics.inverse.closed_form.vectors import (
     Vector,
@@ -48,10 +48,26 @@ def triple(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
     return np.concatenate((a, b, c, [first, second, zero], v))
 
 
-@jit
+@inner
+def bend(constants: FloatArray, start: int, image_c: Vector) -> tuple[bool, float]:
+    """How far the middle joint is bent, the same in both solutions up to the sign.
+
+    Args:
+        constants: Holds what :func:`triple` gives.
+        start: Where it does.
+        image_c: D c.
+
+    Returns:
+        Whether there are solutions, and the angle about b from a to ``R(b, qb) c``, in [0, pi].
+    """
+    a = vector(constants, start)
+    return dihedral(constants[start + 9], constants[start + 10], angle_between(a, image_c))
+
+
+@inner
 def turns(
-    constants: FloatArray, start: int, image_c: Vector, image_v: Vector, side: float, given: float
-) -> tuple[bool, bool, float, float, float]:
+    constants: FloatArray, start: int, image_c: Vector, image_v: Vector, bent: float, given: float
+) -> tuple[bool, float, float, float]:
     """One of the two solutions.
 
     Args:
@@ -59,22 +75,20 @@ def turns(
         start: Where it does.
         image_c: D c.
         image_v: D v.
-        side: 1 for the solution with ``(a × c) · b > 0`` afterwards, -1 for the other.
+        bent: What :func:`bend` gives, or its negative; rad.
         given: qa to take where it is free, rad.
 
     Returns:
-        Whether there is one, whether qa is free (a and c end up parallel), and qa, qb, qc in rad.
+        Whether qa is free (a and c end up parallel), and qa, qb, qc in rad.
     """
     a = vector(constants, start)
     b = vector(constants, start + 3)
     c = vector(constants, start + 6)
-    found, x = dihedral(constants[start + 9], constants[start + 10], angle_between(a, image_c))
-    qb = side * x - constants[start + 11]
+    qb = bent - constants[start + 11]
     cb, sb = math.cos(qb), math.sin(qb)
     determined, qa = align(a, turn(b, cb, sb, c), image_c, 1.0)
     if not determined:
         qa = given
     v = vector(constants, start + 12)
     w = turn(b, cb, -sb, turn(a, math.cos(qa), -math.sin(qa), image_v))
-    qc = math.atan2(dot(c, cross(v, w)), dot(v, w))
-    return found, not determined, qa, qb, qc
+    return not determined, qa, qb, math.atan2(dot(c, cross(v, w)), dot(v, w))

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from kinematics.inverse.closed_form._jit import jit
+from kinematics.compiled import jit
 from kinematics.inverse.closed_form.vectors import (
     Vector,
     cross,

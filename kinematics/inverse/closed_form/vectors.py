@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import math
 
-from kinematics.inverse.closed_form._jit import jit
+from kinematics.compiled import inner
 from robots.robot import FloatArray
 
 Vector = tuple[float, float, float]
 
 
-@jit
+@inner
 def vector(values: FloatArray, start: int) -> Vector:
     """Three successive entries of an array."""
     return (values[start], values[start + 1], values[start + 2])
 
 
-@jit
+@inner
 def dot(a: Vector, b: Vector) -> float:
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@jit
+@inner
 def cross(a: Vector, b: Vector) -> Vector:
     """Vector product."""
     return (
@@ -32,31 +32,31 @@ def cross(a: Vector, b: Vector) -> Vector:
     )
 
 
-@jit
+@inner
 def add(a: Vector, b: Vector) -> Vector:
     """Sum."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
-@jit
+@inner
 def sub(a: Vector, b: Vector) -> Vector:
     """Difference."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
-@jit
+@inner
 def scale(k: float, a: Vector) -> Vector:
     """Multiple."""
     return (k * a[0], k * a[1], k * a[2])
 
 
-@jit
+@inner
 def norm(a: Vector) -> float:
     """Euclidean length."""
     return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
-@jit
+@inner
 def turn(h: Vector, c: float, s: float, v: Vector) -> Vector:
     """A vector turned about a unit vector by the angle of cosine c and sine s (Rodrigues)."""
     k = (1.0 - c) * dot(h, v)
@@ -68,13 +68,13 @@ def turn(h: Vector, c: float, s: float, v: Vector) -> Vector:
     )
 
 
-@jit
+@inner
 def turn_about(h: Vector, p: Vector, c: float, s: float, v: Vector) -> Vector:
     """A point turned about the line through p along the unit vector h."""
     return add(p, turn(h, c, s, sub(v, p)))
 
 
-@jit
+@inner
 def turned(values: FloatArray, v: Vector) -> Vector:
     """The rotation in the first nine entries of an array (row by row) times a vector."""
     return (
@@ -84,13 +84,13 @@ def turned(values: FloatArray, v: Vector) -> Vector:
     )
 
 
-@jit
+@inner
 def angle_between(a: Vector, b: Vector) -> float:
     """Angle of two vectors, 0 to pi, exact to rounding near 0 and pi too."""
     return math.atan2(norm(cross(a, b)), dot(a, b))
 
 
-@jit
+@inner
 def wrapped(angle: float) -> float:
     """The same angle in (-pi, pi]."""
     if -math.pi < angle <= math.pi:

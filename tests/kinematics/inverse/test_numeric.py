@@ -5,12 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dh_to_urdf import read_mapping
 from kinematics.errors import InvalidOption, InvalidTarget
 from kinematics.forward import fk
 from kinematics.inverse import IKOptions, IKStatus, Tolerance, solve_ik
 from kinematics.inverse.target import TargetSpec, target_pose
 from kinematics.task import POSE, TASKS
-from robots.robot import robot_from_urdf
+from robots.robot import robot_from_table, robot_from_urdf
 from robots.shipped import shipped_robot
 
 
@@ -96,13 +97,24 @@ def test_too_far_is_proven_unreachable_and_the_best_is_near():
     assert within(robot, result.q)
 
 
-def test_inside_the_hole_is_not_converged():
+def test_inside_the_hole_is_unreachable_where_a_closed_form_proves_it():
     robot, target = shipped_robot("planar_2r"), np.eye(4)
+    target[:3, 3] = (0.1, 0, 0)
+    result = solve_ik(robot, target, task=TASKS["xy"])
+    assert result.status is IKStatus.UNREACHABLE
+    assert result.position_error == pytest.approx(0.1, abs=1e-3)
+
+
+def test_inside_the_hole_is_not_converged_where_nothing_proves_it():
+    lengths = [0.0, 1.0, 0.2]
+    rows = [{"type": "R", "alpha": 0, "a": a, "d": 0} for a in lengths]
+    table = {"convention": "modified", "tool": {"xyz": [0.2, 0, 0]}, "joints": rows}
+    robot, target = robot_from_table(read_mapping(table)), np.eye(4)
     target[:3, 3] = (0.1, 0, 0)
     result = solve_ik(robot, target, task=TASKS["xy"])
     assert result.status is IKStatus.NOT_CONVERGED
     assert result.restarts == 200
-    assert result.position_error == pytest.approx(0.1, abs=1e-3)
+    assert result.position_error == pytest.approx(0.5, abs=1e-3)
 
 
 def test_no_time_is_a_timeout():

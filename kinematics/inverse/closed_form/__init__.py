@@ -1,0 +1,134 @@
+"""All inverse solutions of common arms in closed form: ``closed_form_of`` and ``solutions``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.chain import Chain
+from kinematics.inverse.closed_form import parallel_axes, planar, spherical_wrist, srs
+from kinematics.inverse.closed_form.classify import ClosedForm, Kind, classify
+from kinematics.inverse.closed_form.polish import IntArray
+from kinematics.task import POSE, Task
+from robots.robot import FloatArray
+
+__all__ = ["ClosedForm", "Kind", "Solutions", "closed_form_of", "solutions", "solver", "swivel_of"]
+
+_SOLVERS: dict[Kind, Callable[..., int]] = {
+    "spherical_wrist": spherical_wrist.solve,
+    "parallel_axes": parallel_axes.solve,
+    "planar_2r": planar.solve,
+    "planar_3r": planar.solve,
+    "scara": planar.solve,
+    "srs": srs.solve,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Solutions:
+    """All solutions of one target, checked on the chain.
+
+    Attributes:
+        q: One a row, in the chain's order, angles in (-pi, pi]; shape (n, K), rad and m.
+        codes: Which of the two values each posture has, see ``ClosedForm.postures``; (n, m).
+        free: True where a singular branch leaves the joint free, so that this is one of a
+            family: it took the given value (parallel axes: or the nearest within reach);
+            shape (n, K).
+        position_errors: Measured in the task's axes, m, shape (n,).
+        orientation_errors: Likewise, rad.
+    """
+
+    q: FloatArray
+    codes: IntArray
+    free: NDArray[np.bool_]
+    position_errors: FloatArray
+    orientation_errors: FloatArray
+
+    def postures(self, form: ClosedForm) -> list[tuple[str, ...]]:
+        """The names of the postures of each solution."""
+        return [
+            tuple(names[code] for names, code in zip(form.postures, row, strict=True))
+            for row in self.codes.tolist()
+        ]
+
+
+@lru_cache(maxsize=512)
+def closed_form_of(chain: Chain) -> ClosedForm | None:
+    """The closed form of a chain, from memory if it was asked for before; None: there is none."""
+    return classify(chain)
+
+
+def solver(form: ClosedForm) -> Callable[..., int]:
+    """The compiled function of a class, for callers that keep their own arrays.
+
+    Its arguments are ``(constants, placements, turns, rows, target, given, swivel, q, codes,
+    free, errors)``, see :func:`spherical_wrist.solve`; it returns the number of solutions.
+    """
+    return _SOLVERS[form.kind]
+
+
+def solutions(
+    form: ClosedForm,
+    chain: Chain,
+    target: FloatArray,
+    *,
+    task: Task = POSE,
+    given: FloatArray | None = None,
+    swivel: float = 0.0,
+) -> Solutions:
+    """All solutions of one target, regardless of joint limits.
+
+    Args:
+        form: What :func:`closed_form_of` says of the chain.
+        chain: The chain.
+        target: Pose of the frame in base axes, shape (4, 4); rows outside the task do not count.
+        task: One of ``form.tasks``.
+        given: Values for joints that a singular branch leaves free, in the chain's order, shape
+            (K,); default 0.
+        swivel: For ``srs``: the swivel angle psi, rad; see :mod:`srs`.
+
+    Returns:
+        The solutions; none where the target is out of reach. A family of solutions that a
+        singular branch leaves is represented by the one with the given value.
+
+    Raises:
+        ValueError: The closed form does not solve the task.
+    """
+    if task.name not in form.tasks:
+        raise ValueError(f"{form.kind} solves {', '.join(form.tasks)}, not {task.name}")
+    count, most = chain.length, form.most + 1
+    q = np.empty((most, count))
+    codes = np.zeros((most, len(form.postures)), dtype=np.int64)
+    free = np.zeros(most, dtype=np.int64)
+    errors = np.empty((most, 2))
+    n = solver(form)(
+        form.constants,
+        chain.placements,
+        chain.turns,
+        np.array(task.rows, dtype=np.int64),
+        np.ascontiguousarray(target, dtype=np.float64),
+        np.zeros(count) if given is None else np.ascontiguousarray(given, dtype=np.float64),
+        float(swivel),
+        q,
+        codes,
+        free,
+        errors,
+    )
+    bits = (free[:n, None] >> np.arange(count)) & 1
+    return Solutions(q[:n], codes[:n], bits.astype(bool), errors[:n, 0], errors[:n, 1])
+
+
+def swivel_of(form: ClosedForm, q: FloatArray) -> float:
+    """The swivel angle psi of a configuration of an ``srs`` arm, rad, in (-pi, pi].
+
+    Args:
+        form: Of kind ``srs``.
+        q: In the chain's order, shape (7,), rad.
+    """
+    if form.kind != "srs":
+        raise ValueError(f"{form.kind} has no swivel angle")
+    return float(srs.swivel_of(form.constants, np.ascontiguousarray(q, dtype=np.float64)))

@@ -1,0 +1,290 @@
+"""Which closed form a chain has, from the geometry of its axes alone.
+
+Postures, each a choice of two, decided at q by where the parts of the arm are. z_k is the
+direction of axis k; axis 1's direction towards the base's +z is "upwards".
+
+Spherical wrist. *front*: the wrist centre is on the forward side of axis 1; forward is where axis
+2 is offset from axis 1, and where it is not, upwards × z_2. *up*: seen in front, axis 3 is above
+the line from axis 2 to the wrist centre (behind, the mirror image: the label changes at
+singularities only). *flip*: (z_4 × z_6) · z_5 > 0, which for D-H tables such as the PUMA's is
+sin q5 > 0. Where the first three axes are arranged otherwise: *front* by the same side of axis 1
+(axes 1 and 2 parallel: by the bend of joint 2), *up* by the bend of joint 3; a sliding joint 3
+is *out* or *in*.
+
+Parallel axes 2, 3, 4. *left*: the point where axes 5 and 6 meet is on the -(z_1 × z_2) side of
+axis 1. *up*: joint 3 bends the arm positively about z_2, in D-H tables of this family q3 > 0.
+*in*: (z_4' × z_6) · z_5 > 0 with z_4' = z_2, which is sin q5 > 0 where z_4 = z_2.
+
+Plane arms and SCARA. *up*: seen with the base's z towards the eye, the elbow is on the left of
+the line from axis 1 to the end of the second link; where all axes point up, q2 < 0.
+
+Shoulder, elbow, wrist. *positive*: (z_1 × z_3) · z_2 > 0; joint 4 bends the arm positively about
+z_4; (z_5 × z_7) · z_6 > 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from kinematics.chain import Chain
+from kinematics.inverse.closed_form import parallel_axes, planar, spherical_wrist, srs
+from kinematics.inverse.closed_form.geometry import ANGLE, LENGTH, AxisLines, axis_lines
+from kinematics.inverse.closed_form.spherical import triple
+from robots.robot import FloatArray
+
+Kind = Literal["spherical_wrist", "parallel_axes", "planar_2r", "planar_3r", "scara", "srs"]
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedForm:
+    """What a solver needs to know of a chain.
+
+    Attributes:
+        kind: The class of arm.
+        constants: Numbers for the compiled solver of this class, shape (n,).
+        description: For people: what was recognised.
+        tasks: Names of the tasks it solves.
+        postures: The binary choices, each with the names of its values 0 and 1.
+        most: Largest number of solutions (for one swivel angle).
+    """
+
+    kind: Kind
+    constants: FloatArray
+    description: str
+    tasks: tuple[str, ...]
+    postures: tuple[tuple[str, str], ...]
+    most: int
+
+
+def classify(chain: Chain) -> ClosedForm | None:
+    """The closed form of a chain, or None where none is known.
+
+    Args:
+        chain: Base to frame; joints of any zero position and direction.
+    """
+    if not 2 <= chain.length <= 7:
+        return None
+    lines = axis_lines(chain)
+    turning = int(np.count_nonzero(lines.turns))
+    if all(lines.parallel(0, k) for k in range(1, chain.length)):
+        return _flat(lines, turning)
+    if chain.length == 6:
+        return _spherical_wrist(lines) or _parallel_axes(lines)
+    if chain.length == 7 and turning == 7:
+        return _srs(lines)
+    return None
+
+
+def _flat(lines: AxisLines, turning: int) -> ClosedForm | None:
+    """Planar 2R and 3R, SCARA: all axes parallel."""
+    slides = len(lines.turns) - turning
+    if (turning, slides) not in ((2, 0), (3, 0), (3, 1)):
+        return None
+    upright = bool(np.linalg.norm(lines.directions[0][:2]) <= ANGLE)
+    if not upright and slides == 0:
+        return None
+    u = lines.directions[0]
+    leading = u[2] if abs(u[2]) > ANGLE else u[int(np.argmax(np.abs(u)))]
+    u = u if leading > 0 else -u
+    order = [int(k) for k in (*np.flatnonzero(lines.turns), *np.flatnonzero(~lines.turns))]
+    tip = lines.pose[:3, 3]
+    points = [p - (p @ u) * u for p in (*lines.points[order[:turning]], tip)]
+    links = [float(np.linalg.norm(b - a)) for a, b in pairwise(points)]
+    if min(links[:2]) <= LENGTH * lines.size:
+        return None
+    signs = np.ones(4)
+    joints = np.full(4, -1.0)
+    slots = [0, 1, 2, 3] if turning == 3 else [0, 1]
+    for slot, k in zip(slots, order, strict=False):
+        joints[slot], signs[slot] = k, np.sign(lines.directions[k] @ u)
+    constants = np.concatenate(
+        (
+            [lines.size],
+            u,
+            *points[:3],
+            points[-1],
+            [tip @ u],
+            signs,
+            joints,
+            lines.pose[:3, :3].T.reshape(9),
+        )
+    )
+    elbow = (("up", "down"),)
+    if slides:
+        tasks = ("pose", "xyz_phi") if upright else ("pose",)
+        text = "SCARA: three turns and a slide about and along parallel axes"
+        return ClosedForm("scara", constants, text, tasks, elbow, planar.MOST)
+    if turning == 3:
+        text = "planar 3R: three parallel axes"
+        return ClosedForm("planar_3r", constants, text, ("xy_phi",), elbow, planar.MOST)
+    text = "planar 2R: two parallel axes"
+    return ClosedForm("planar_2r", constants, text, ("xy",), elbow, planar.MOST)
+
+
+def _spherical_wrist(lines: AxisLines) -> ClosedForm | None:
+    """Six joints, the last three through one point."""
+    if not (lines.turns[[0, 1, 3, 4, 5]].all()):
+        return None
+    wrist = lines.centre(3)
+    if wrist is None:
+        return None
+    found = _first_three(lines, wrist)
+    if found is None:
+        return None
+    variant, p1, p2, p3, text = found
+    h, size = lines.directions, lines.size
+    up = -h[0] if h[0][2] < -ANGLE else h[0]
+    offset = p2 - p1
+    shifted = variant != spherical_wrist.COLUMN and np.linalg.norm(offset) > LENGTH * size
+    forward = offset if shifted else np.cross(up, h[1])
+    elbow_axis = h[1] if variant == spherical_wrist.ELBOW else h[2]
+    sign = (
+        np.sign(elbow_axis @ np.cross(forward, up))
+        if abs(elbow_axis @ np.cross(forward, up))
+        > ANGLE * max(1.0, float(np.linalg.norm(forward)))
+        else 1.0
+    )
+    if variant == spherical_wrist.TELESCOPE:
+        sign = -float(h[2] @ (wrist - p1))
+    wrist_axes = triple(h[3], h[4], h[5])
+    constants = np.concatenate(
+        (
+            [variant, size],
+            wrist,
+            lines.point_in_tip(wrist),
+            lines.in_tip(h[5]),
+            lines.in_tip(wrist_axes[12:15]),
+            *h[:3],
+            p1,
+            p2,
+            p3,
+            forward,
+            [sign],
+            elbow_axis,
+            wrist_axes,
+        )
+    )
+    elbow = ("out", "in") if variant == spherical_wrist.TELESCOPE else ("up", "down")
+    return ClosedForm(
+        "spherical_wrist",
+        constants,
+        f"spherical wrist; {text}",
+        ("pose",),
+        (("front", "back"), elbow, ("noflip", "flip")),
+        spherical_wrist.MOST,
+    )
+
+
+def _first_three(
+    lines: AxisLines, wrist: FloatArray
+) -> tuple[int, FloatArray, FloatArray, FloatArray, str] | None:
+    """How the first three joints place the wrist centre; None where they cannot in general."""
+    small = LENGTH * lines.size
+    if not lines.turns[2]:
+        p = lines.meeting_point(0, 1)
+        if p is None or lines.parallel(1, 2):
+            return None
+        return (
+            spherical_wrist.TELESCOPE,
+            p,
+            p,
+            lines.foot(2, p),
+            "axes 1 and 2 meet, joint 3 slides",
+        )
+    if lines.lever(2, wrist) <= small:
+        return None
+    p1, p2 = lines.feet(0, 1)
+    if lines.parallel(1, 2) and not lines.parallel(0, 1):
+        p3 = lines.foot(2, p2)
+        if np.linalg.norm(p3 - p2) <= small:
+            return None
+        return spherical_wrist.ELBOW, p1, p2, p3, "axes 2 and 3 parallel"
+    if lines.parallel(0, 1):
+        if lines.parallel(1, 2) or np.linalg.norm(p2 - p1) <= small:
+            return None
+        return spherical_wrist.COLUMN, p1, p2, lines.foot(2, p2), "axes 1 and 2 parallel"
+    p = lines.meeting_point(0, 1)
+    if p is not None:
+        if lines.lever(2, p) <= small:
+            return None
+        return spherical_wrist.SHOULDER, p, p, lines.foot(2, p), "axes 1 and 2 meet"
+    return spherical_wrist.GENERAL, p1, p2, lines.foot(2, p2), "axes 1, 2 and 3 in general position"
+
+
+def _parallel_axes(lines: AxisLines) -> ClosedForm | None:
+    """Six turning joints, axes 2, 3 and 4 parallel."""
+    if not lines.turns.all():
+        return None
+    if not (lines.parallel(1, 2) and lines.parallel(1, 3)):
+        return None
+    if lines.parallel(0, 1) or lines.parallel(3, 4) or lines.parallel(4, 5):
+        return None
+    h, size = lines.directions, lines.size
+    small = LENGTH * size
+    p5, p6 = lines.feet(4, 5)
+    meets = float(np.linalg.norm(p6 - p5)) <= small
+    p1, p2 = lines.feet(0, 1)
+    p3, p4 = lines.foot(2, p2), lines.foot(3, p2)
+    if np.linalg.norm(p3 - p2) <= small or np.linalg.norm(p4 - p3) <= small:
+        return None
+    wrist_axes = triple(h[1], h[4], h[5])
+    constants = np.concatenate(
+        (
+            [float(meets), size],
+            p6,
+            lines.point_in_tip(p6),
+            lines.in_tip(h[5]),
+            lines.in_tip(wrist_axes[12:15]),
+            h[0],
+            p1,
+            p2,
+            p3,
+            p4,
+            p5,
+            [np.sign(h[2] @ h[1]), np.sign(h[3] @ h[1])],
+            np.cross(h[0], h[1]),
+            wrist_axes,
+        )
+    )
+    text = "axes 2, 3 and 4 parallel, axes 5 and 6 " + ("meeting" if meets else "apart")
+    return ClosedForm(
+        "parallel_axes",
+        constants,
+        text,
+        ("pose",),
+        (("left", "right"), ("up", "down"), ("in", "out")),
+        8 if meets else parallel_axes.MOST,
+    )
+
+
+def _srs(lines: AxisLines) -> ClosedForm | None:
+    """Seven turning joints: spherical shoulder, elbow, spherical wrist."""
+    shoulder, wrist = lines.centre(0), lines.centre(4)
+    small = LENGTH * lines.size
+    if shoulder is None or wrist is None:
+        return None
+    if lines.lever(3, shoulder) <= small or lines.lever(3, wrist) <= small:
+        return None
+    h = lines.directions
+    first, last = triple(h[0], h[1], h[2]), triple(h[4], h[5], h[6])
+    constants = np.concatenate(
+        (
+            [lines.size],
+            shoulder,
+            lines.foot(3, shoulder),
+            wrist,
+            lines.point_in_tip(wrist),
+            lines.in_tip(h[6]),
+            lines.in_tip(last[12:15]),
+            h[3],
+            first,
+            last,
+        )
+    )
+    sign = ("positive", "negative")
+    text = "spherical shoulder, elbow, spherical wrist"
+    return ClosedForm("srs", constants, text, ("pose",), (sign, sign, sign), srs.MOST)

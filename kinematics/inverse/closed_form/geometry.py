@@ -1,0 +1,109 @@
+"""The axis lines of a chain at q = 0, and how they lie to each other.
+
+Everything in base axes. Files round their angles and lengths, so relations hold within
+``ANGLE`` and ``LENGTH`` (relative to the arm); what that leaves, the polish of the solutions on
+the chain itself takes away.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.chain import Chain
+from robots.robot import FloatArray
+
+ANGLE = 1e-8
+LENGTH = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class AxisLines:
+    """The axes of a chain at q = 0.
+
+    Attributes:
+        directions: Unit vectors along the axes, shape (K, 3).
+        points: A point of each axis, m, shape (K, 3).
+        turns: True for an angle, shape (K,).
+        pose: Pose of the frame, shape (4, 4).
+        size: Length that distances are compared with, m.
+    """
+
+    directions: FloatArray
+    points: FloatArray
+    turns: NDArray[np.bool_]
+    pose: FloatArray
+    size: float
+
+    def parallel(self, i: int, j: int) -> bool:
+        """Whether two axes have the same or opposite directions."""
+        return bool(np.linalg.norm(np.cross(self.directions[i], self.directions[j])) <= ANGLE)
+
+    def feet(self, i: int, j: int) -> tuple[FloatArray, FloatArray]:
+        """Ends of the common normal of two axes; of parallel ones at the point of axis i."""
+        u, v = self.directions[i], self.directions[j]
+        between = self.points[j] - self.points[i]
+        if self.parallel(i, j):
+            return self.points[i], self.points[j] - (between @ v) * v
+        normal = np.cross(u, v)
+        square = normal @ normal
+        along_u = np.cross(between, v) @ normal / square
+        along_v = np.cross(between, u) @ normal / square
+        return self.points[i] + along_u * u, self.points[j] + along_v * v
+
+    def apart(self, i: int, j: int) -> float:
+        """Distance of two axes, m."""
+        a, b = self.feet(i, j)
+        return float(np.linalg.norm(b - a))
+
+    def meeting_point(self, i: int, j: int) -> FloatArray | None:
+        """Where two axes intersect, if they do in one point."""
+        if self.parallel(i, j) or self.apart(i, j) > LENGTH * self.size:
+            return None
+        a, b = self.feet(i, j)
+        return np.asarray((a + b) / 2)
+
+    def centre(self, i: int) -> FloatArray | None:
+        """The one point in which axes i, i + 1 and i + 2 meet, if they do."""
+        a, b = self.meeting_point(i, i + 1), self.meeting_point(i + 1, i + 2)
+        if a is None or b is None or np.linalg.norm(b - a) > LENGTH * self.size:
+            return None
+        return np.asarray((a + b) / 2)
+
+    def foot(self, i: int, point: FloatArray) -> FloatArray:
+        """The point of axis i nearest to a point."""
+        u = self.directions[i]
+        return np.asarray(self.points[i] + ((point - self.points[i]) @ u) * u)
+
+    def lever(self, i: int, point: FloatArray) -> float:
+        """Distance of a point from axis i, m."""
+        return float(np.linalg.norm(point - self.foot(i, point)))
+
+    def in_tip(self, direction: FloatArray) -> FloatArray:
+        """A direction in the axes of the frame."""
+        return np.asarray(self.pose[:3, :3].T @ direction)
+
+    def point_in_tip(self, point: FloatArray) -> FloatArray:
+        """A point in the frame."""
+        return self.in_tip(point - self.pose[:3, 3])
+
+
+def axis_lines(chain: Chain) -> AxisLines:
+    """The axes of a chain at q = 0."""
+    directions, points = [], []
+    R, p = np.eye(3), np.zeros(3)
+    for row in chain.placements:
+        step = row.reshape(3, 4)
+        p = p + R @ step[:, 3]
+        R = R @ step[:, :3]
+        directions.append(R[:, 2])
+        points.append(p)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = R, p
+    unit = np.array(directions[:-1])
+    unit /= np.linalg.norm(unit, axis=1, keepdims=True)
+    extent = float(np.linalg.norm(chain.placements[1:-1, [3, 7, 11]], axis=1).sum())
+    tool = float(np.linalg.norm(chain.placements[-1, [3, 7, 11]]))
+    return AxisLines(unit, np.array(points[:-1]), chain.turns, pose, extent + tool or 1.0)

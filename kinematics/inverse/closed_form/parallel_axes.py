@@ -1,0 +1,244 @@
+"""Six joints, axes 2, 3 and 4 parallel (Universal Robots and alike), compiled.
+
+The component along the parallel axes and the angle between them and axis 6 do not depend on
+joints 2, 3 and 4: two equations for joints 1 and 5 (Elias and Wen, *IK-Geo*, arXiv 2211.05737,
+section on three parallel axes; Hawkins, *Analytic Inverse Kinematics for the Universal Robots
+UR-5/UR-10 Arms*, 2013). Where axes 5 and 6 meet, joint 1 follows from the first alone; else both
+together are a quartic. Then the sum of joints 2, 3, 4 with joints 5 and 6 are three turns about
+known directions, and joints 2 and 3 a plane arm.
+
+Directions and points are those at q = 0 in base axes; a product of exponentials moves them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from kinematics.compiled import inner, jit
+from kinematics.inverse.closed_form.polish import WORK, BoolArray, IntArray, keep, none_yet
+from kinematics.inverse.closed_form.quartic import roots, times
+from kinematics.inverse.closed_form.spherical import bend
+from kinematics.inverse.closed_form.spherical import turns as three_turns
+from kinematics.inverse.closed_form.subproblems import FREE, align, component, distance
+from kinematics.inverse.closed_form.vectors import (
+    Vector,
+    add,
+    cross,
+    dot,
+    norm,
+    sub,
+    turn,
+    turn_about,
+    turned,
+    vector,
+)
+from robots.robot import FloatArray
+
+MEETS = 0
+"""1 where axes 5 and 6 meet."""
+SIZE = 1
+POINT = 2
+"""The point of axis 6 nearest to axis 5, at q = 0."""
+POINT_IN_TIP, AXIS6_IN_TIP, SIDE6_IN_TIP = 5, 8, 11
+H1, P1 = 14, 17
+P2, P3, P4, P5 = 20, 23, 26, 29
+"""Points of axes 2, 3, 4 in one plane across them, and of axis 5 nearest to axis 6."""
+SIGN3, SIGN4 = 32, 33
+"""1 where the axis points as axis 2 does, -1 where it points the other way."""
+FORWARD = 34
+TRIPLE = 37
+"""Axes 2, 5, 6 as in :mod:`spherical`."""
+LENGTH = 52
+
+MOST = 16
+NEARLY_STRAIGHT = 1e-9
+
+
+@jit
+def solve(
+    constants: FloatArray,
+    placements: FloatArray,
+    turns: BoolArray,
+    rows: IntArray,
+    target: FloatArray,
+    given: FloatArray,
+    swivel: float,  # noqa: ARG001 - the same arguments for every class
+    q: FloatArray,
+    codes: IntArray,
+    free: IntArray,
+    errors: FloatArray,
+) -> int:
+    """All solutions of one target; arguments as in :func:`spherical_wrist.solve`."""
+    work = np.empty((WORK, 6))
+    rotation = work[WORK - 16 : WORK - 14].reshape(-1)
+    first = work[WORK - 13, 0:4]
+    for i in range(3):
+        for j in range(3):
+            rotation[3 * i + j] = target[i, j]
+    position = (target[0, 3], target[1, 3], target[2, 3])
+    h1, p1 = vector(constants, H1), vector(constants, P1)
+    h, h5 = vector(constants, TRIPLE), vector(constants, TRIPLE + 3)
+    p5, p6 = vector(constants, P5), vector(constants, POINT)
+    x = sub(add(position, turned(rotation, vector(constants, POINT_IN_TIP))), p1)
+    image_c = turned(rotation, vector(constants, AXIS6_IN_TIP))
+    image_v = turned(rotation, vector(constants, SIDE6_IN_TIP))
+    size = constants[SIZE]
+    meets = constants[MEETS] == 1.0
+    if meets:
+        back = (-h1[0], -h1[1], -h1[2])
+        n1, first[0], first[1] = component(h, back, x, dot(h, sub(p6, p1)), size)
+    else:
+        n1 = _first_joint(constants, x, image_c, first, work)
+    bits = 0
+    if n1 == FREE:
+        n1, first[0], bits = 1, given[0], 1
+    n = none_yet()
+    for i in range(n1):
+        c1, s1 = math.cos(first[i]), math.sin(first[i])
+        y = turn(h1, c1, -s1, x)
+        left = 0 if dot(vector(constants, FORWARD), y) < 0.0 else 1
+        goal = add(p1, y)
+        wrist_c, wrist_v = turn(h1, c1, -s1, image_c), turn(h1, c1, -s1, image_v)
+        exists, bent = bend(constants, TRIPLE, wrist_c)
+        if not exists:
+            continue
+        for side in range(2):
+            loose, total, q5, q6 = three_turns(
+                constants, TRIPLE, wrist_c, wrist_v, bent if side else -bent, 0.0
+            )
+            c5, s5 = math.cos(q5), math.sin(q5)
+            point = turn_about(h5, p5, c5, s5, p6)
+            if not meets and abs(dot(h, sub(goal, point))) > 1e-4 * size:
+                continue
+            before = n
+            if not loose:
+                n = _plane(
+                    constants, placements, turns, rows, target, given, goal, point, total,
+                    first[i], q5, q6, (left, 1 - side, bits), q, codes, free, errors, n, work,
+                )  # fmt: skip
+            straight = abs(dot(h5, cross(h, turn(h5, c5, s5, vector(constants, TRIPLE + 6)))))
+            if loose or (n == before and straight < NEARLY_STRAIGHT):
+                total, q6 = _straight(constants, wrist_v, q5, given[5], goal, point)
+                n = _plane(
+                    constants, placements, turns, rows, target, given, goal, point, total,
+                    first[i], q5, q6, (left, 1 - side, bits + 32), q, codes, free, errors, n, work,
+                )  # fmt: skip
+    return n
+
+
+@inner
+def _first_joint(
+    constants: FloatArray, x: Vector, image_c: Vector, first: FloatArray, work: FloatArray
+) -> int:
+    """Joint 1 where axes 5 and 6 do not meet: joint 5 eliminated, a quartic."""
+    h1, p1 = vector(constants, H1), vector(constants, P1)
+    h, h5 = vector(constants, TRIPLE), vector(constants, TRIPLE + 3)
+    h6, p5 = vector(constants, TRIPLE + 6), vector(constants, P5)
+    b = sub(vector(constants, POINT), p5)
+    k1, k2, r, total = work[0, 0:3], work[1, 0:3], work[2, 0:3], work[3, 0:5]
+    # g · R1ᵀ v = g·h1 h1·v + c (…) - s g·(h1 × v), for the point and for axis 6.
+    along = dot(h, h1) * dot(h1, x)
+    k1[0] = along - dot(h, sub(p5, p1)) - dot(h, h5) * dot(h5, b)
+    k1[1], k1[2] = dot(h, x) - dot(h, h1) * dot(h1, x), -dot(h, cross(h1, x))
+    along = dot(h, h1) * dot(h1, image_c)
+    k2[0] = along - dot(h, h5) * dot(h5, h6)
+    k2[1], k2[2] = dot(h, image_c) - along, -dot(h, cross(h1, image_c))
+    # What joint 5 can make of them: rows (cos, sin) of the two equations.
+    a11, a12 = dot(h, b) - dot(h, h5) * dot(h5, b), dot(h, cross(h5, b))
+    a21, a22 = dot(h, h6) - dot(h, h5) * dot(h5, h6), dot(h, cross(h5, h6))
+    determinant = a11 * a22 - a12 * a21
+    for i in range(5):
+        total[i] = 0.0
+    for i in range(3):
+        r[i] = (a22 * k1[i] - a12 * k2[i]) / determinant
+    times(r, r, 1.0, total)
+    for i in range(3):
+        r[i] = (a11 * k2[i] - a21 * k1[i]) / determinant
+    times(r, r, 1.0, total)
+    total[0] -= 1.0
+    return roots(total, first)
+
+
+@inner
+def _plane(
+    constants: FloatArray,
+    placements: FloatArray,
+    turns: BoolArray,
+    rows: IntArray,
+    target: FloatArray,
+    given: FloatArray,
+    goal: Vector,
+    point: Vector,
+    total: float,
+    q1: float,
+    q5: float,
+    q6: float,
+    branch: tuple[int, int, int],
+    q: FloatArray,
+    codes: IntArray,
+    free: IntArray,
+    errors: FloatArray,
+    n: int,
+    work: FloatArray,
+) -> int:
+    """Joints 2, 3, 4 of one choice of the others: up to two solutions, added to q."""
+    size, sign3, sign4 = constants[SIZE], constants[SIGN3], constants[SIGN4]
+    h = vector(constants, TRIPLE)
+    p2, p3, p4 = vector(constants, P2), vector(constants, P3), vector(constants, P4)
+    end = sub(add(goal, turn(h, math.cos(total), math.sin(total), sub(p4, point))), p2)
+    across = norm(cross(h, end))
+    found, a, b = distance(h, sub(p4, p3), sub(p2, p3), across, size)
+    for i in range(found):
+        elbow = a if i == 0 else b
+        reached = sub(turn_about(h, p3, math.cos(elbow), math.sin(elbow), p4), p2)
+        determined, q2 = align(h, reached, end, size)
+        if not determined:
+            q2 = given[1]
+        q[n, 0], q[n, 1], q[n, 2] = q1, q2, sign3 * elbow
+        q[n, 3], q[n, 4], q[n, 5] = sign4 * (total - q2 - elbow), q5, q6
+        fold = dot(h, cross(sub(p3, p2), sub(reached, sub(p3, p2))))
+        codes[n, 0], codes[n, 1], codes[n, 2] = branch[0], 0 if fold >= 0.0 else 1, branch[1]
+        free[n] = branch[2] if determined else branch[2] | 2
+        n = keep(placements, turns, target, rows, q, n, errors, work)
+    return n
+
+
+@inner
+def _straight(
+    constants: FloatArray,
+    wrist_v: Vector,
+    q5: float,
+    given: float,
+    goal: Vector,
+    point: Vector,
+) -> tuple[float, float]:
+    """Axis 6 parallel to axes 2, 3, 4: joint 6 as given or, out of reach there, the nearest.
+
+    Returns:
+        The sum of joints 2, 3, 4 (counted about axis 2), and joint 6, rad.
+    """
+    h, h5 = vector(constants, TRIPLE), vector(constants, TRIPLE + 3)
+    h6, v = vector(constants, TRIPLE + 6), vector(constants, TRIPLE + 12)
+    p2, p3, p4 = vector(constants, P2), vector(constants, P3), vector(constants, P4)
+    c5, s5 = math.cos(q5), math.sin(q5)
+    turned_v = turn(h5, c5, s5, turn(h6, math.cos(given), math.sin(given), v))
+    _, total = align(h, turned_v, wrist_v, 1.0)
+    # The end of the plane arm lies on a circle: |base + R(h, total) lever| between two radii.
+    base, lever = sub(goal, p2), sub(p4, point)
+    base, lever = cross(base, h), cross(lever, h)
+    upper, fore = norm(cross(h, sub(p3, p2))), norm(cross(h, sub(p4, p3)))
+    product = norm(base) * norm(lever)
+    if product > 0.0:
+        _, opposite = align(h, lever, base, 1e-300)
+        square = dot(base, base) + dot(lever, lever)
+        # |…|² = square + 2 product cos(total - opposite)
+        most = max(-1.0, min(1.0, ((upper + fore) ** 2 - square) / (2.0 * product)))
+        least = max(-1.0, min(1.0, ((upper - fore) ** 2 - square) / (2.0 * product)))
+        away = total - opposite
+        away -= 2.0 * math.pi * math.floor((away + math.pi) / (2.0 * math.pi))
+        bounded = min(max(abs(away), math.acos(most)), math.acos(least))
+        total = opposite + (bounded if away >= 0.0 else -bounded)
+    w = turn(h5, c5, -s5, turn(h, math.cos(total), -math.sin(total), wrist_v))
+    return total, math.atan2(dot(h6, cross(v, w)), dot(v, w))

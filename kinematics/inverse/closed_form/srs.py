@@ -1,0 +1,195 @@
+"""Seven joints, axes 1, 2, 3 through one point and axes 5, 6, 7 through another, compiled.
+
+Shoulder, elbow, wrist as in a human arm. The distance from shoulder to wrist fixes joint 4; what
+remains is one turn about the line between them, the swivel angle psi, which the caller chooses
+(Kreutz-Delgado, Long and Seraji, *Kinematic Analysis of 7-DOF Manipulators*, IJRR 11(5), 1992;
+Shimizu et al., IEEE T-RO 24(5), 2008). For each psi two elbows, two shoulders, two wrists.
+
+psi turns about n, from the shoulder S to the wrist W, from the half-plane of S, W and the
+direction of axis 1 (where that is along n: of the x axis of the base, or of y) to the half-plane
+of S, W and the elbow E, the foot of S on axis 4. Where E is on the line SW, the direction of
+axis 4 crossed with n stands for it, so that psi still counts the arm's turn about the line.
+
+Directions and points are those at q = 0 in base axes; a product of exponentials moves them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from kinematics.compiled import inner, jit
+from kinematics.inverse.closed_form.polish import WORK, BoolArray, IntArray, keep, none_yet
+from kinematics.inverse.closed_form.spherical import bend
+from kinematics.inverse.closed_form.spherical import turns as three_turns
+from kinematics.inverse.closed_form.subproblems import distance
+from kinematics.inverse.closed_form.vectors import (
+    Vector,
+    add,
+    cross,
+    dot,
+    norm,
+    scale,
+    sub,
+    turn,
+    turn_about,
+    turned,
+    vector,
+)
+from robots.robot import FloatArray
+
+SIZE = 0
+SHOULDER, ELBOW, WRIST = 1, 4, 7
+WRIST_IN_TIP, AXIS7_IN_TIP, SIDE7_IN_TIP = 10, 13, 16
+H4 = 19
+FIRST = 22
+"""Axes 1, 2, 3 as in :mod:`spherical`."""
+LAST = 37
+"""Axes 5, 6, 7."""
+LENGTH = 52
+
+MOST = 8
+STRETCHED = 1e-7
+"""Distance of the elbow from the line, as a share of the arm, below which axis 4 stands for it."""
+UPRIGHT = 1e-6
+"""Sine of the angle between n and axis 1 below which the base's x axis gives the plane."""
+
+
+@jit
+def solve(
+    constants: FloatArray,
+    placements: FloatArray,
+    turns: BoolArray,
+    rows: IntArray,
+    target: FloatArray,
+    given: FloatArray,
+    swivel: float,
+    q: FloatArray,
+    codes: IntArray,
+    free: IntArray,
+    errors: FloatArray,
+) -> int:
+    """All solutions of one target and swivel angle; arguments as in the other classes.
+
+    Args:
+        constants: See the offsets above.
+        placements: C_0 … C_K, shape (8, 12).
+        turns: True for an angle, shape (7,).
+        rows: The rows of the error that count.
+        target: Pose of the frame in base axes, shape (4, 4).
+        given: Values of joints that a singular branch leaves free, shape (7,).
+        swivel: psi, rad.
+        q: Receives the solutions, shape (8, 7).
+        codes: Receives 0 or 1 for shoulder, elbow and wrist, shape (8, 3).
+        free: Receives a bit for each joint that took its given value, shape (8,).
+        errors: Receives position and rotation errors, m and rad, shape (8, 2).
+
+    Returns:
+        Number of solutions.
+    """
+    work = np.empty((WORK, 6))
+    rotation = work[WORK - 16 : WORK - 14].reshape(-1)
+    for i in range(3):
+        for j in range(3):
+            rotation[3 * i + j] = target[i, j]
+    position = (target[0, 3], target[1, 3], target[2, 3])
+    size = constants[SIZE]
+    s, e, w0 = vector(constants, SHOULDER), vector(constants, ELBOW), vector(constants, WRIST)
+    h4 = vector(constants, H4)
+    line = sub(add(position, turned(rotation, vector(constants, WRIST_IN_TIP))), s)
+    length = norm(line)
+    if length <= 1e-9 * size:
+        return 0
+    image_c = turned(rotation, vector(constants, AXIS7_IN_TIP))
+    image_v = turned(rotation, vector(constants, SIDE7_IN_TIP))
+    axis = scale(1.0 / length, line)
+    upright = _reference(vector(constants, FIRST), axis)
+    ahead = turn(axis, math.cos(swivel), math.sin(swivel), upright)
+    third = cross(axis, ahead)
+    c3, v3 = vector(constants, FIRST + 6), vector(constants, FIRST + 12)
+    found, a, b = distance(h4, sub(w0, e), sub(s, e), length, size)
+    n = none_yet()
+    for i in range(found):
+        q4 = a if i == 0 else b
+        c4, s4 = math.cos(q4), math.sin(q4)
+        along, outward = _arm_plane(constants, c4, s4)
+        side = cross(along, outward)
+        # R1 R2 R3 turns (along, outward, side) to (axis, ahead, third).
+        shoulder_c = _mapped(along, outward, side, axis, ahead, third, c3)
+        shoulder_v = _mapped(along, outward, side, axis, ahead, third, v3)
+        wrist_c = turn(h4, c4, -s4, _mapped(axis, ahead, third, along, outward, side, image_c))
+        wrist_v = turn(h4, c4, -s4, _mapped(axis, ahead, third, along, outward, side, image_v))
+        fold = dot(h4, cross(sub(s, e), sub(turn_about(h4, e, c4, s4, w0), e)))
+        exists1, bent1 = bend(constants, FIRST, shoulder_c)
+        exists5, bent5 = bend(constants, LAST, wrist_c)
+        if not (exists1 and exists5):
+            continue
+        for j in range(2):
+            loose1, q1, q2, q3 = three_turns(
+                constants, FIRST, shoulder_c, shoulder_v, -bent1 if j else bent1, given[0]
+            )
+            for k in range(2):
+                loose5, q5, q6, q7 = three_turns(
+                    constants, LAST, wrist_c, wrist_v, -bent5 if k else bent5, given[4]
+                )
+                q[n, 0], q[n, 1], q[n, 2], q[n, 3] = q1, q2, q3, q4
+                q[n, 4], q[n, 5], q[n, 6] = q5, q6, q7
+                codes[n, 0], codes[n, 1], codes[n, 2] = j, 0 if fold <= 0.0 else 1, k
+                free[n] = (1 if loose1 else 0) + (16 if loose5 else 0)
+                n = keep(placements, turns, target, rows, q, n, errors, work)
+    return n
+
+
+@jit
+def swivel_of(constants: FloatArray, q: FloatArray) -> float:
+    """The swivel angle psi of a configuration, rad, in (-pi, pi].
+
+    Args:
+        constants: See the offsets above.
+        q: Shape (7,), rad.
+    """
+    along, outward = _arm_plane(constants, math.cos(q[3]), math.sin(q[3]))
+    for i in range(2, -1, -1):
+        h = vector(constants, FIRST + 3 * i)
+        along = turn(h, math.cos(q[i]), math.sin(q[i]), along)
+        outward = turn(h, math.cos(q[i]), math.sin(q[i]), outward)
+    upright = _reference(vector(constants, FIRST), along)
+    return math.atan2(dot(along, cross(upright, outward)), dot(upright, outward))
+
+
+@inner
+def _reference(h1: Vector, n: Vector) -> Vector:
+    """Unit vector across n in the reference half-plane."""
+    r = sub(h1, scale(dot(h1, n), n))
+    if norm(r) <= UPRIGHT:
+        x = (1.0, 0.0, 0.0) if abs(n[0]) < 0.9 else (0.0, 1.0, 0.0)
+        r = sub(x, scale(dot(x, n), n))
+    return _across(r, n)
+
+
+@inner
+def _arm_plane(constants: FloatArray, c4: float, s4: float) -> tuple[Vector, Vector]:
+    """At q1 = q2 = q3 = 0: the unit vectors from S to W, and across it towards the elbow."""
+    s, e, w0 = vector(constants, SHOULDER), vector(constants, ELBOW), vector(constants, WRIST)
+    h4 = vector(constants, H4)
+    line = sub(turn_about(h4, e, c4, s4, w0), s)
+    along = scale(1.0 / norm(line), line)
+    outward = sub(sub(e, s), scale(dot(sub(e, s), along), along))
+    if norm(outward) <= STRETCHED * constants[SIZE]:
+        outward = cross(h4, along)
+    return along, _across(outward, along)
+
+
+@inner
+def _across(v: Vector, n: Vector) -> Vector:
+    """A vector almost across the unit vector n as a unit vector across it, to rounding."""
+    v = scale(1.0 / norm(v), v)
+    v = sub(v, scale(dot(v, n), n))
+    return scale(1.0 / norm(v), v)
+
+
+@inner
+def _mapped(a: Vector, b: Vector, c: Vector, x: Vector, y: Vector, z: Vector, v: Vector) -> Vector:
+    """What the rotation that turns the triad a, b, c to x, y, z makes of v."""
+    return add(add(scale(dot(a, v), x), scale(dot(b, v), y)), scale(dot(c, v), z))
