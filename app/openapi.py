@@ -85,9 +85,10 @@ def operation_docs(operation: Operation) -> dict[str, dict[str, Any]]:
     """What the docs say of a computation's routes, by path and method."""
     name = operation.name.replace("-", "_").replace("/", "_")
     answers = _answers(operation)
+    forms = ["text", "npy", "ndjson"] if operation.stream else ["text", "npy"]
     choices = [
         _parameter("angle", "rad (default) or deg: joint values, Euler angles.", ["rad", "deg"]),
-        _parameter("format", "json (default), text or npy.", ["json", "text", "npy"]),
+        _parameter("format", f"json (default) or {', '.join(forms)}.", ["json", *forms]),
     ]
     body: dict[str, Any] = {
         JSON: {

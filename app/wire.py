@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
 import msgspec
@@ -29,6 +29,7 @@ T = TypeVar("T")
 JSON = "application/json"
 NPY = "application/x-npy"
 TEXT = "text/plain"
+NDJSON = "application/x-ndjson"
 PIECE = 100_000
 """Bytes of JSON that are decoded at once."""
 LARGE = 20_000
@@ -42,7 +43,7 @@ _TYPE_NAMES = (
     ("array", "a list"),
     ("bool", "true or false"),
 )
-_FORMATS = {"json": JSON, "text": TEXT, "npy": NPY}
+_FORMATS = {"json": JSON, "text": TEXT, "npy": NPY, "ndjson": NDJSON}
 
 
 def media_type(request: Request) -> str:
@@ -283,6 +284,11 @@ def _plain(value: object) -> object:
     if isinstance(value, np.generic):
         return value.item()
     raise TypeError(f"cannot write a {type(value).__name__}")
+
+
+def json_lines(rows: Iterable[Mapping[str, Any]]) -> bytes:
+    """One JSON object a line."""
+    return b"".join(_dumps(row) + b"\n" for row in rows)
 
 
 def npy_bytes(array: FloatArray) -> bytes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias
 
@@ -80,6 +80,7 @@ class Operation:
         example_robot: Id of a shipped robot.
         query: Names of the parameters of the GET form.
         quick: What :meth:`run_quickly` does, where it is not a matter of size alone.
+        stream: The answer in parts, each a list of rows, where it can be sent while it grows.
         array_field: Field that a body of type npy stands for, if there is one.
     """
 
@@ -93,6 +94,7 @@ class Operation:
     example_robot: str
     query: tuple[str, ...]
     array_field: str | None = None
+    stream: Callable[[Robot, Any, Context], Iterator[list[dict[str, Any]]]] | None = None
     quick: Callable[[Robot, Any, Context], Answer | None] | None = None
 
     def run_quickly(self, robot: Robot, request: Any, context: Context) -> Answer | None:

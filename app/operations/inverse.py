@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -25,6 +26,7 @@ from dh_to_urdf.errors import quoted
 from kinematics.compiled import COMPILED
 from kinematics.errors import InvalidTarget
 from kinematics.inverse import (
+    IKBatch,
     IKOptions,
     IKResult,
     IKStatus,
@@ -38,6 +40,8 @@ from kinematics.task import Task, task_from
 from robots.robot import FloatArray, Robot
 
 NOT_GIVEN = b"null"
+STREAMED = 512
+"""Targets whose results are sent together where they are streamed."""
 MAX_LISTED = 500
 """Targets not reached that the header of an npy answer lists."""
 
@@ -213,16 +217,8 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
             options=problem.options,
         )
         return _single(robot, request, context, problem, result)
-    batch = solve_ik_batch(
-        robot,
-        problem.poses,
-        frame=problem.frame,
-        task=problem.task,
-        seed=problem.seed,
-        options=problem.options,
-        threads=context.settings.compute_threads,
-        seconds=context.settings.max_request_seconds,
-    )
+    seconds = context.settings.max_request_seconds
+    batch = _solve_batch(robot, problem, problem.poses, context, seconds)
     q = context.units.joints_out(robot, batch.q)
     statuses = batch.statuses
     missed = [k for k, status in enumerate(statuses) if status is not IKStatus.CONVERGED]
@@ -241,6 +237,48 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
     }
     echo = _echo(robot, request, context, problem, batch.seed)
     return Answer({"units": context.units.named, **leaves, **echo}, q, headers)
+
+
+def _solve_batch(
+    robot: Robot, problem: _Problem, poses: FloatArray, context: Context, seconds: float
+) -> IKBatch:
+    return solve_ik_batch(
+        robot,
+        poses,
+        frame=problem.frame,
+        task=problem.task,
+        seed=problem.seed,
+        options=problem.options,
+        threads=context.settings.compute_threads,
+        seconds=seconds,
+    )
+
+
+def _stream(robot: Robot, request: IKRequest, context: Context) -> Iterator[list[dict[str, Any]]]:
+    """Results of many targets, some hundreds at a time, as they are solved."""
+    problem = _read(robot, request, context)
+    if not problem.many:
+        raise RequestProblem(
+            INVALID_REQUEST, "ndjson is for targets, not for one target", "/target"
+        )
+    deadline = time.perf_counter() + context.settings.max_request_seconds
+    for first in range(0, len(problem.poses), STREAMED):
+        left = max(0.0, deadline - time.perf_counter())
+        poses = problem.poses[first : first + STREAMED]
+        batch = _solve_batch(robot, problem, poses, context, left)
+        q = context.units.joints_out(robot, batch.q)
+        yield [
+            {
+                "index": first + k,
+                "status": status.value,
+                "q": q[k],
+                "position_error": batch.position_error[k],
+                "orientation_error": batch.orientation_error[k],
+                "iterations": batch.iterations[k],
+                "restarts": batch.restarts[k],
+            }
+            for k, status in enumerate(batch.statuses)
+        ]
 
 
 def _chosen(robot: Robot, request: IKRequest, context: Context, problem: _Problem) -> Answer:
@@ -404,7 +442,8 @@ IK = Operation(
     description="A q within the limits that brings a frame to a target. An answer that is not"
     " found is a 200 with an honest `status`, the best q and its measured errors. Only the joints"
     " between base and frame move; the others stay at the seed. As npy: targets (n, 4, 4) in, q"
-    " out; the headers X-Converged and X-Not-Converged say how many and which.",
+    " out; the headers X-Converged and X-Not-Converged say how many and which. As ndjson: one line"
+    " a target, sent while the others are being solved.",
     request=IKRequest,
     response=IKResponse,
     run=_run,
@@ -428,5 +467,6 @@ IK = Operation(
         "choose",
     ),
     quick=_quick,
+    stream=_stream,
     array_field="targets",
 )

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from typing import Any
 
 import msgspec
 import numpy as np
 from fastapi import FastAPI, Request, Response
+from fastapi.responses import StreamingResponse
 
 from app.dependencies import Services, services_of
 from app.openapi import inline_request_type
@@ -17,10 +19,12 @@ from app.query import body_from_query, check_query, units_of
 from app.units import Units
 from app.wire import (
     JSON,
+    NDJSON,
     NPY,
     TEXT,
     decode_json,
     decode_npy,
+    json_lines,
     read_body,
     require_type,
     respond,
@@ -28,7 +32,6 @@ from app.wire import (
 )
 from robots.robot import Robot
 
-OFFERS = (JSON, TEXT, NPY)
 PLAIN = Units()
 INLINE_BYTES = 4_000
 """Bodies above this are read in a thread, so that they do not delay other requests."""
@@ -59,6 +62,7 @@ class _Handlers:
         self.operation = operation
         self.max_body = max_body
         self.inline_type = inline_request_type(operation)
+        self.offers = (JSON, TEXT, NPY, NDJSON) if operation.stream else (JSON, TEXT, NPY)
 
     async def post(self, request: Request) -> Response:
         """On a stored robot, from a JSON or npy body."""
@@ -71,7 +75,7 @@ class _Handlers:
             units = units_of(request)
             if kind == NPY:
                 parameters = body_from_query(request, units, stored.robot)
-        wanted = wanted_type(request, *OFFERS)
+        wanted = wanted_type(request, *self.offers)
         body = await read_body(request, self.max_body)
         decode = _npy_decoder if kind == NPY else _json_decoder
         return await _answer(
@@ -84,7 +88,7 @@ class _Handlers:
         operation, services = self.operation, await services_of(request)
         stored = await services.robot(request.path_params["robot_id"])
         check_query(request, *operation.query)
-        units, wanted = units_of(request), wanted_type(request, *OFFERS)
+        units, wanted = units_of(request), wanted_type(request, *self.offers)
         body = body_from_query(request, units, stored.robot)
         return await _answer(
             services, operation, stored.robot, units, wanted, len(body),
@@ -96,7 +100,7 @@ class _Handlers:
         operation, services = self.operation, await services_of(request)
         require_type(request, JSON)
         check_query(request)
-        units, wanted = units_of(request), wanted_type(request, *OFFERS)
+        units, wanted = units_of(request), wanted_type(request, *self.offers)
         body = await read_body(request, self.max_body)
         if len(body) > INLINE_BYTES:
             parsed = await services.computed(lambda: decode_json(body, self.inline_type))
@@ -123,6 +127,8 @@ async def _answer(
     def compute(request: msgspec.Struct) -> Response:
         return written(operation.run(robot, request, context))
 
+    if wanted == NDJSON:
+        return await _streamed(services, operation, robot, context, read)
     if size > INLINE_BYTES:
         return await services.computed(lambda: compute(read()))
     request = read()
@@ -130,6 +136,29 @@ async def _answer(
     if answer is not None:
         return written(answer)
     return await services.computed(lambda: compute(request))
+
+
+async def _streamed(
+    services: Services, operation: Operation, robot: Robot, context: Context, read: Any
+) -> Response:
+    """Lines as they are computed; the work stops where the client goes away."""
+    assert operation.stream is not None
+    request = await services.computed(read)
+    parts = operation.stream(robot, request, context)
+
+    def following() -> bytes:
+        return json_lines(next(parts, ()))
+
+    # The first part before the status line: what is wrong with the request shows there.
+    part = await services.computed(following)
+
+    async def body() -> AsyncIterator[bytes]:
+        line = part
+        while line:
+            yield line
+            line = await services.computed(following)
+
+    return StreamingResponse(body(), media_type=NDJSON)
 
 
 def _json_decoder(operation: Operation, body: bytes, parameters: bytes) -> msgspec.Struct:  # noqa: ARG001
