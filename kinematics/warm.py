@@ -24,7 +24,7 @@ def warm_up() -> bool:
     pose = fk(robot, np.full(robot.dof, 0.5))[robot.tip_frame]
     solve_ik(robot, pose)
     solve_ik_batch(robot, pose[None], options=IKOptions(max_restarts=1))
-    for name in ("panda", "ur5", "scara", "pa10"):
+    for name in ("panda", "puma560", "ur5", "scara", "pa10"):
         robot = shipped_robot(name)
         batch = np.full((2, robot.dof), 0.3)
         jacobian(robot, batch)

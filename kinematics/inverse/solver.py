@@ -99,9 +99,9 @@ class Solver:
     def _closed(self) -> ClosedSolver | None:
         """The closed form of the chain, where it has one that is complete for the task."""
         form = closed_form_of(self.chain)
-        if form is None or form.kind == "srs" or self.task.name not in form.tasks:
+        if form is None or not ClosedSolver.covers(form) or self.task.name not in form.tasks:
             return None
-        return ClosedSolver(form, self.chain, np.array(self.task.rows, dtype=np.int64))
+        return ClosedSolver(form)
 
     def _embedded(self, values: FloatArray, start: FloatArray) -> FloatArray:
         """The chain's values in a whole q."""
@@ -114,23 +114,24 @@ class Solver:
     def solve(self, target: FloatArray, seed: FloatArray | None, options: IKOptions) -> IKResult:
         """One target, shape (4, 4); see :func:`kinematics.inverse.solve_ik`."""
         started = time.perf_counter()
-        goal = np.ascontiguousarray(target[:3], dtype=np.float64).reshape(12)
+        target = np.ascontiguousarray(target, dtype=np.float64)
         start = self.middle if seed is None else self.bounds.inside(seed)
         origin = start if self._whole else start[self.chain.columns]
         K = len(origin)
         P, N = self.constants(options.random_seed)
-        limits, answer, W = options.limits, np.empty(K + 5), kernel.workspace(K)
+        limits, answer = options.limits, np.empty(K + 5)
         proven = False
         if self._closed is not None and options.time_budget > 0:
-            errors = self._closed.nearest(target, origin, P, N, limits, answer)
-            if errors is not None:
+            if self._closed.nearest(P, N, target, origin, limits, answer):
                 q = self._embedded(answer[:K], start)
+                position, rotation = answer[K : K + 2].tolist()
                 elapsed = time.perf_counter() - started
-                return IKResult(IKStatus.CONVERGED, q, start, *errors, 0, 0, elapsed)
+                return IKResult(IKStatus.CONVERGED, q, start, position, rotation, 0, 0, elapsed)
             proven = self._closed.proves(options)
             if proven:
                 limits = limits.copy()
                 limits[3] = min(limits[3], DOUBTS)
+        goal, W = target[:3].reshape(12), kernel.workspace(K)
         following = kernel.proceed(P, N, goal, origin, 0, SLICE, limits, answer, W)
         if following > 0:
             deadline = started + options.time_budget
