@@ -121,8 +121,22 @@ def rotation_from_euler(sequence: str, angles: FloatArray, pointer: str = "/eule
     Raises:
         UnknownSequence: Not a sequence.
     """
+    if sequence == "xyz":
+        return np.asarray(pin.rpy.rpyToMatrix(*angles))
     parse_sequence(sequence, pointer)
     return np.asarray(Rotation.from_euler(sequence, angles).as_matrix())
+
+
+def rotation_from_quaternion(quaternion_xyzw: FloatArray) -> FloatArray:
+    """Rotation matrix (3, 3) of a quaternion x, y, z, w, which is brought to norm 1.
+
+    Raises:
+        ValueError: Its norm is farther than 1e-3 from 1.
+    """
+    norm = float(np.linalg.norm(quaternion_xyzw))
+    if not abs(norm - 1.0) <= 1e-3:
+        raise ValueError("is no unit quaternion (x, y, z, w); divide it by its norm")
+    return np.asarray(pin.Quaternion(quaternion_xyzw / norm).matrix())
 
 
 def euler_rates_matrix(sequence: str, angles: FloatArray) -> FloatArray:

@@ -8,6 +8,6 @@ from app.operations.jacobian import JACOBIAN
 from app.operations.singularity import SINGULARITY
 from app.operations.solutions import SOLUTIONS
 
-OPERATIONS: tuple[Operation, ...] = (FK, JACOBIAN, SINGULARITY, IK, SOLUTIONS, DH_MATRICES)
+OPERATIONS: tuple[Operation, ...] = (IK, FK, JACOBIAN, SINGULARITY, SOLUTIONS, DH_MATRICES)
 
 __all__ = ["OPERATIONS", "Answer", "Operation"]

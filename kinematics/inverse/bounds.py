@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.inverse.kernel import inside_all
 from robots.robot import FloatArray, Robot
 
 TURN = 2 * np.pi
@@ -40,13 +41,10 @@ class JointBounds:
         return np.clip((low + high) / 2, self.lower, self.upper)
 
     def inside(self, q: FloatArray) -> FloatArray:
-        """Q within the limits: by whole turns where that works, else at the nearest limit."""
-        bounded = self.wraps & np.isfinite(self.lower)
-        low, high = np.where(bounded, self.lower, 0.0), np.where(bounded, self.upper, 0.0)
-        up = np.ceil((low - q) / TURN) * TURN
-        down = np.ceil((q - high) / TURN) * TURN
-        shifted = np.where(q < low, q + up, np.where(q > high, q - down, q))
-        return np.clip(np.where(bounded, shifted, q), self.lower, self.upper)
+        """Brings q within the limits: by whole turns where that works, else at the nearest limit."""
+        inside = np.empty(len(q))
+        inside_all(np.asarray(q, dtype=np.float64), self.lower, self.upper, self.wraps, inside)
+        return inside
 
     def nearest(self, q: FloatArray, reference: FloatArray) -> FloatArray:
         """Turns wrapping joints by whole turns towards a reference, within the limits."""

@@ -207,6 +207,13 @@ def inside(
 
 
 @jit
+def inside_all(q: Array, lower: Array, upper: Array, wraps: Array, result: Array) -> None:
+    """:func:`inside` for each joint."""
+    for k in range(len(q)):
+        result[k] = inside(q[k], lower[k], upper[k], wraps[k])
+
+
+@jit
 def nearest_turn(
     value: float,
     reference: float,

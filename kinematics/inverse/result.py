@@ -73,7 +73,7 @@ class IKOptions:
 
     def within(self, seconds: float) -> IKOptions:
         """The same with a time budget of at most ``seconds``."""
-        return replace(self, time_budget=min(self.time_budget, seconds))
+        return self if seconds >= self.time_budget else replace(self, time_budget=seconds)
 
     def __post_init__(self) -> None:
         checks = (

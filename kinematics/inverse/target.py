@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dh_to_urdf.poses import from_xyz_quaternion, rigid_transform, rigid_transforms
+from dh_to_urdf.poses import rigid_transform, rigid_transforms
 from kinematics.errors import InvalidTarget
-from kinematics.orientation import rotation_from_euler
+from kinematics.orientation import rotation_from_euler, rotation_from_quaternion
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray
 
@@ -95,7 +95,7 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
     if spec.quaternion_xyzw is not None:
         quaternion = _vector(spec.quaternion_xyzw, 4, "quaternion_xyzw", pointer)
         try:
-            T[:3, :3] = from_xyz_quaternion(np.zeros(3), quaternion)[:3, :3]
+            T[:3, :3] = rotation_from_quaternion(quaternion)
         except ValueError as error:
             raise InvalidTarget(
                 f"target.quaternion_xyzw {error}", f"{pointer}/quaternion_xyzw"
