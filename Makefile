@@ -7,13 +7,14 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: help install run test lint lock bench image-test clean
+.PHONY: help install run test lint lock bench bench-peers image-test clean
 
 help:
 	@echo "make run         set up .venv and serve on http://localhost:8000"
 	@echo "make test        set up .venv and run the tests"
 	@echo "make lint        ruff, strict types, import contract"
 	@echo "make bench       paired benchmarks"
+	@echo "make bench-peers inverse kinematics beside other libraries, in .venv-peers"
 	@echo "make image-test  build the Docker image and test it (as root, on Debian)"
 	@echo "make lock        resolve the dependencies anew"
 	@echo "make clean       remove .venv"
@@ -39,10 +40,16 @@ lint: $(STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	@! grep -nE 'https?://|file:|index-url|find-links' requirements.lock
+	@! grep -nE 'https?://|file:|index-url|find-links' requirements.lock bench/requirements-peers.lock
 
 bench: $(STAMP)
 	$(BIN)/python -m bench
+
+bench-peers: bench/requirements-peers.lock
+	$(PYTHON) -m venv .venv-peers
+	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r bench/requirements-peers.lock
+	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	.venv-peers/bin/python -m bench.peers
 
 image-test:
 	./docker/image-test.sh
@@ -52,4 +59,4 @@ lock: $(STAMP)
 	$(BIN)/uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --upgrade -o requirements.lock
 
 clean:
-	rm -rf $(VENV)
+	rm -rf $(VENV) .venv-peers

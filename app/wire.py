@@ -57,7 +57,7 @@ def wanted_type(request: Request, *offers: str) -> str:
     Raises:
         RequestProblem: 406, neither names an offer.
     """
-    named = request.query_params.get("format")
+    named = request.query_params.get("format") if request.scope["query_string"] else None
     if named is not None:
         wanted = _FORMATS.get(named)
         if wanted not in offers:
@@ -231,7 +231,7 @@ def json_parts(payload: Mapping[str, Any]) -> list[bytes]:
 
 
 def _append_json(payload: object, parts: list[bytes]) -> None:
-    if isinstance(payload, dict) and any(_has_large(value) for value in payload.values()):
+    if isinstance(payload, dict) and _has_large(payload):
         for position, (key, value) in enumerate(payload.items()):
             parts.append((b"," if position else b"{") + orjson.dumps(key) + b":")
             _append_json(value, parts)
@@ -247,10 +247,15 @@ def _append_json(payload: object, parts: list[bytes]) -> None:
         parts.append(_dumps(payload))
 
 
-def _has_large(value: object) -> bool:
-    if isinstance(value, dict):
-        return any(_has_large(item) for item in value.values())
-    return isinstance(value, np.ndarray) and value.size > LARGE
+def _has_large(payload: dict[str, Any]) -> bool:
+    for value in payload.values():
+        kind = type(value)
+        if kind is np.ndarray:
+            if value.size > LARGE:
+                return True
+        elif kind is dict and _has_large(value):
+            return True
+    return False
 
 
 class PartsResponse(Response):

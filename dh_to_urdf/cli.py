@@ -48,7 +48,10 @@ def main(
     if output is None:
         click.echo(urdf)
     else:
-        Path(output).write_text(urdf + "\n", encoding="utf-8")
+        try:
+            Path(output).write_text(urdf + "\n", encoding="utf-8")
+        except OSError as error:
+            raise click.ClickException(f"{output}: {error.strerror}") from None
 
 
 def _read(

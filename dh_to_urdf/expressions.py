@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from dh_to_urdf.errors import quoted
@@ -25,7 +25,7 @@ _TOKEN = re.compile(
 _VARIABLE = re.compile(r"(?P<letter>q|theta|th|θ|d|r)_?(?P<index>\d*)")
 _SIGNS = str.maketrans({"−": "-", "–": "-", "×": "*", "·": "*", "⋅": "*", "\u00a0": " "})
 _DECIMAL_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d+)(?![\d.,])")
-_THOUSANDS = re.compile(r"[1-9]\d{0,2},\d{3}")
+_THOUSANDS = re.compile(r"(?<![\d.,])[1-9]\d{0,2},\d{3}(?![\d.,])")
 _RADIANS_AFTER_PI = re.compile(r"^([^a-z]*(?:pi|π)[^a-z]*?)\s*rad\s*$", re.IGNORECASE)
 _ANGLE_UNITS = {"deg": math.pi / 180, "rad": 1.0}
 _LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
@@ -282,7 +282,8 @@ def _checked(cell: Cell, raw: object) -> Cell:
         raise CellError("is infinite; give a finite number")
     if abs(cell.value) > MAX_MAGNITUDE:
         raise CellError(f"is {quoted(raw)}, beyond ±{MAX_MAGNITUDE:g}; check its unit")
-    return cell
+    # -0.0 would not survive being written as nothing at all.
+    return replace(cell, value=cell.value + 0.0)
 
 
 def _parse_text(raw: str, quantity: Quantity, unit: float) -> Cell:
@@ -294,7 +295,7 @@ def _parse_text(raw: str, quantity: Quantity, unit: float) -> Cell:
     if raw.strip().lstrip("+-").lower() in {"nan", "inf", "infinity", ".nan", ".inf"}:
         raise CellError(f"is {shown}; give a finite number")
     text = raw.translate(_SIGNS)
-    if _THOUSANDS.fullmatch(text.strip().lstrip("+-")):
+    if _THOUSANDS.search(text):
         raise CellError(f"is {shown}, which reads as two numbers; write a decimal point")
     text = _RADIANS_AFTER_PI.sub(r"\1", text)
     try:

@@ -80,7 +80,7 @@ def _from_matrix(raw: object, pointer: str, length: float, warnings: list[str]) 
     if not (isinstance(raw, list) and len(raw) == 4 and all(isinstance(r, list) for r in raw)):
         raise ValueError("matrix is not four rows of four numbers")
     rows = [_vector(row, "matrix", 4, Quantity.NUMBER, 1.0) for row in raw]
-    matrix = np.array(rows)
+    matrix = np.array(rows) + 0.0
     if length != 1.0:
         matrix[:3, 3] /= round(1.0 / length)
     try:

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 Matrix: TypeAlias = NDArray[np.float64]
 
-GIMBAL = 1e-12
+GIMBAL = 3e-16
 """cos(pitch) below which only roll ± yaw is determined; yaw is then 0."""
 ROUNDING = 1e-5
 """Largest entry of RᵀR - I that is taken for rounding and mended."""

@@ -16,9 +16,10 @@ from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError
+from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent
 
 from dh_to_urdf.errors import DHError, DHSyntaxError, Problem, escaped, quoted
-from dh_to_urdf.expressions import Cell, CellError, Quantity, parse_cell
+from dh_to_urdf.expressions import MAX_MAGNITUDE, Cell, CellError, Quantity, parse_cell
 from dh_to_urdf.placements import read_inertial, read_placement
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType, Limits
@@ -138,9 +139,11 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
             text = text.decode("utf-8-sig")
         except UnicodeDecodeError:
             raise DHSyntaxError.single("", "the text is not YAML: it is not UTF-8") from None
-    _refuse_costly_yaml(text)
     try:
+        _refuse_costly_yaml(text)
         data = YAML(typ="safe", pure=True).load(text)
+    except DHError:
+        raise
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
@@ -152,16 +155,22 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
 
 
 def _refuse_costly_yaml(text: str) -> None:
-    """The parser takes 50 µs a byte of nesting: what no table needs is refused beforehand."""
+    """Refuses what takes the parser exponential time and no table needs: aliases, deep nesting.
+
+    The events are read one by one, so that a deep text is given up where it becomes too deep.
+    """
     if len(text) > MAX_YAML_BYTES:
         raise DHError.single("", f"the YAML text is longer than {MAX_YAML_BYTES} characters")
-    depth = deepest = 0
-    for bracket in re.findall(r"[\[\]{}]", text):
-        depth += 1 if bracket in "[{" else -1
-        deepest = max(deepest, depth)
-    dashes = max((len(run) for run in re.findall(r"(?:[-?:] +)+", text)), default=0)
-    if deepest > MAX_YAML_DEPTH or dashes > 4 * MAX_YAML_DEPTH:
-        raise DHSyntaxError.single("", "the YAML text is nested too deeply")
+    depth = 0
+    for event in YAML(typ="safe", pure=True).parse(text):
+        if isinstance(event, AliasEvent):
+            raise DHSyntaxError.single("", "the YAML text has an alias (*name); write it out")
+        if isinstance(event, CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, CollectionEndEvent):
+            depth -= 1
+        if depth > MAX_YAML_DEPTH:
+            raise DHSyntaxError.single("", "the YAML text is nested too deeply")
 
 
 def read_csv(
@@ -463,6 +472,16 @@ class _RowReader:
                         f" {variable.sign}; keep one of the two",
                     )
                 sign = variable.sign
+        if abs(offset) > MAX_MAGNITUDE:
+            self.report.add(
+                f"{pointer}/offset", f"{label}: offset and {own} add up beyond ±{MAX_MAGNITUDE:g}"
+            )
+        if type_ is JointType.FIXED and offset != 0.0:
+            self.report.add(
+                f"{pointer}/offset",
+                f"{label}: a fixed joint has no variable to offset; add it to theta or to the"
+                " length along z",
+            )
         gamma = cell("gamma", Quantity.ANGLE, optional=True).value if khalil else 0.0
         b = cell("b", Quantity.LENGTH, optional=True).value if khalil else 0.0
         visual = item.get("visual", True)
@@ -475,7 +494,7 @@ class _RowReader:
             a=a.value,
             d=0.0 if own == z_column else d.value,
             theta=0.0 if own == "theta" else theta.value,
-            parent=self._parent(k, item, pointer, label),
+            parent=self._parent(k, item, type_, pointer, label),
             offset=offset,
             sign=sign,
             limits=self._limits(item.get("limits"), type_, pointer, label),
@@ -530,14 +549,16 @@ class _RowReader:
             return 1
         return sign
 
-    def _parent(self, k: int, item: Mapping[Any, Any], pointer: str, label: str) -> int:
+    def _parent(
+        self, k: int, item: Mapping[Any, Any], type_: JointType, pointer: str, label: str
+    ) -> int:
         if self.convention is Convention.KHALIL and "mu" in item:
             mu = _integer(item["mu"])
             if mu not in (0, 1):
                 self.report.add(
                     f"{pointer}/mu", f"{label}: mu is {quoted(item['mu'])}; give 1 (moved) or 0"
                 )
-            elif mu == 0 and item.get("sigma") not in (2, "2") and item.get("type") is None:
+            elif mu == 0 and type_ is not JointType.FIXED:
                 self.report.add(
                     f"{pointer}/mu",
                     f"{label}: mu = 0 is a passive joint, which belongs to a closed loop; closed"
@@ -613,7 +634,7 @@ def _integer(raw: object) -> int | None:
         return None
     if isinstance(raw, float) and not raw.is_integer():
         return None
-    return int(raw)
+    return int(raw) if abs(raw) < 10**6 else None
 
 
 def _check_names(rows: list[DHRow], report: _Report) -> None:

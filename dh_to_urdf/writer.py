@@ -81,6 +81,9 @@ class _Writer:
         C = link_matrix(row, Convention.STANDARD, np.float64(row.offset))
         parent, frame = frame_name(row.parent), frame_name(k)
         if row.type is JointType.FIXED:
+            holder = self.robot.find(f"link[@name='{parent}']")
+            if row.visual and self.visuals and holder is not None:
+                self._draw_standard(holder, row)
             link = self._link(frame)
             self._joint(row, parent, frame, C)
             self._inertial(link, row, np.eye(4))
@@ -171,7 +174,8 @@ class _Writer:
         length = float(np.linalg.norm(offset))
         if link is None or length == 0.0:
             return
-        pitch, yaw = math.acos(offset[2] / length), math.atan2(offset[1], offset[0])
+        across = math.hypot(offset[0], offset[1])
+        pitch, yaw = math.atan2(across, offset[2]), math.atan2(offset[1], offset[0])
         self._draw_rod(link, "a", from_xyz_rpy((0, 0, 0), (0, pitch, yaw)), length)
 
     def _draw_joint(self, link: ET.Element, row: DHRow, T: Matrix) -> None:

@@ -177,7 +177,7 @@ def robot_from_table(table: DHTable) -> Robot:
         tip=TOOL_LINK,
         table=table,
         urdf=urdf,
-        identity=f"dh|{table.convention}",
+        identity=f"dh|{table.convention}|{','.join(row.type for row in table.rows)}",
         warnings=table.warnings,
     )
 

@@ -126,7 +126,10 @@ def read_urdf(text: str | bytes) -> URDFDescription:
 
 
 def _parse(text: str | bytes) -> etree._Element:
-    raw = text.encode() if isinstance(text, str) else text
+    try:
+        raw = text.encode() if isinstance(text, str) else text
+    except UnicodeEncodeError:
+        raise InvalidURDF("the text holds characters that are no Unicode text") from None
     if len(raw) > MAX_BYTES:
         raise RobotTooLarge(f"the URDF has {len(raw)} bytes; at most {MAX_BYTES} are read")
     parser = etree.XMLParser(
@@ -201,9 +204,11 @@ class _Reader:
         return name
 
     def _materials(self) -> None:
+        seen: set[str] = set()
         for material in self.source.findall("material"):
-            color = material.find("color")
-            if material.get("name") and color is not None:
+            color, name = material.find("color"), material.get("name", "")
+            if name and color is not None and name not in seen:
+                seen.add(name)
                 twin = etree.SubElement(self.robot, "material", name=material.get("name", ""))
                 rgba = _floats(color, "rgba", 4, "material", "1 1 1 1")
                 etree.SubElement(twin, "color", rgba=_text(rgba))

@@ -41,7 +41,7 @@ class JointBounds:
         return np.clip((low + high) / 2, self.lower, self.upper)
 
     def inside(self, q: FloatArray) -> FloatArray:
-        """Brings q within the limits: by whole turns where that works, else at the nearest limit."""
+        """Brings q within the limits: by whole turns where that works, else to the nearest."""
         inside = np.empty(len(q))
         inside_all(np.asarray(q, dtype=np.float64), self.lower, self.upper, self.wraps, inside)
         return inside

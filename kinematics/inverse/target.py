@@ -68,7 +68,7 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
         except ValueError as error:
             where = pointer if "matrix" in pointer else f"{pointer}/matrix"
             raise InvalidTarget(f"target.matrix {error}", where) from None
-        _bounded(matrix, "matrix", pointer)
+        _vector(matrix[:3, 3].tolist(), 3, "matrix", pointer)
         return matrix
     if len(given) > 1:
         raise InvalidTarget(f"target has {' and '.join(given)}; give one orientation", pointer)
@@ -141,12 +141,9 @@ def _vector(values: Sequence[float], size: int, name: str, pointer: str) -> Floa
         raise InvalidTarget(
             f"target.{name} has {len(values)} values; give {size}", f"{pointer}/{name}"
         )
-    return _bounded(np.array(values, dtype=np.float64), name, pointer)
-
-
-def _bounded(values: FloatArray, name: str, pointer: str) -> FloatArray:
-    if not np.abs(values).max() <= MAX_VALUE:
-        raise InvalidTarget(
-            f"target.{name} has a value that is not finite or beyond ±1e6", f"{pointer}/{name}"
-        )
-    return values
+    for value in values:
+        if not -MAX_VALUE <= value <= MAX_VALUE:
+            raise InvalidTarget(
+                f"target.{name} has a value that is not finite or beyond ±1e6", f"{pointer}/{name}"
+            )
+    return np.array(values, dtype=np.float64)
