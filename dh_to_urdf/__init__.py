@@ -1,8 +1,9 @@
 """D-H tables <-> URDF, usable alone: ``table_to_urdf(read_yaml(text))``."""
 
 from dh_to_urdf.errors import DHError, Problem
+from dh_to_urdf.mapping import read_mapping
 from dh_to_urdf.matrices import DHMatrices, dh_matrices, link_matrix
-from dh_to_urdf.readers import read_csv, read_json, read_mapping, read_yaml
+from dh_to_urdf.readers import read_csv, read_json, read_yaml
 from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType, Limits
 from dh_to_urdf.writer import table_to_urdf
 

@@ -17,7 +17,7 @@ from app.query import check_query, units_of
 from app.units import Units
 from app.wire import JSON, TEXT, read_body, respond, wanted_type
 from dh_to_urdf.documents import table_to_mapping
-from dh_to_urdf.readers import CONVENTION_ALIASES
+from dh_to_urdf.mapping import CONVENTION_ALIASES
 from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.robot import Robot
 from robots.store import StoredRobot

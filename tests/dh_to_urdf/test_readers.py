@@ -21,7 +21,7 @@ from dh_to_urdf import (
     read_yaml,
     table_to_urdf,
 )
-from dh_to_urdf.readers import CONVENTION_ALIASES
+from dh_to_urdf.mapping import CONVENTION_ALIASES
 
 ARM = {
     "name": "arm",
