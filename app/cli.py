@@ -43,6 +43,7 @@ def serve(
     settings = Settings()
     # Once, before the workers start: they share the directory and the compiled code.
     RobotStore(settings.data_dir)
+    click.echo("Loading the solvers (a minute after an update, else a moment) …", err=True)
     warm_up()
     shown = "localhost" if settings.host in ("127.0.0.1", "0.0.0.0", "::") else settings.host
     click.echo(
