@@ -38,7 +38,7 @@ def running_server(
     )
     address = f"http://127.0.0.1:{port}"
     try:
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 180
         while True:
             try:
                 if httpx.get(f"{address}/health/ready").status_code == 200:

@@ -74,7 +74,7 @@ def test_make_run_serves_and_prints_a_command_that_works(tmp_path, free_port):
         command = ""
         while not command.strip().startswith("curl"):
             command = process.stderr.readline()
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 180
         while subprocess.run(["bash", "-c", command], capture_output=True, check=False).returncode:
             assert time.monotonic() < deadline
             time.sleep(0.1)
