@@ -33,6 +33,7 @@ class Report:
     """Collects problems, so that one answer names several cells."""
 
     problems: list[Problem] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
 
     def add(self, pointer: str, message: str) -> None:
         """Notes one problem."""

@@ -71,7 +71,7 @@ def read_mapping(
         if not isinstance(data.get(key, ""), str):
             report.add(f"/{key}", f"{key} is {quoted(data[key])}; give a text")
     units = _units(data.get("units"), report)
-    warnings: list[str] = []
+    warnings = report.warnings
     base = read_placement(
         data.get("base"), "/base", units.angle, units.length, report.add, warnings
     )

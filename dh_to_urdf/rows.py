@@ -162,11 +162,10 @@ class RowReader:
                 f"{pointer}/offset", f"{label}: offset and {own} add up beyond ±{MAX_MAGNITUDE:g}"
             )
         if type_ is JointType.FIXED and offset != 0.0:
-            self.report.add(
-                f"{pointer}/offset",
-                f"{label}: a fixed joint has no variable to offset; add it to theta or to the"
-                " length along z",
+            self.report.warnings.append(
+                f"{label}: its offset is ignored, since a fixed joint has no variable"
             )
+            offset = 0.0
         gamma = cell("gamma", Quantity.ANGLE, optional=True).value if khalil else 0.0
         b = cell("b", Quantity.LENGTH, optional=True).value if khalil else 0.0
         visual = item.get("visual", True)
