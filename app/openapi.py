@@ -223,7 +223,7 @@ def table_schemas() -> dict[str, Any]:
         "type": "object",
         "description": "One joint. standard and modified: alpha, a, d, theta. khalil: alpha, d,"
         " theta, r, and ant, sigma, mu, gamma, b. The variable's own column may be left out.",
-        "required": ["alpha", "d"],
+        "required": ["alpha"],
         "properties": {
             "name": {"type": "string"},
             "type": {
@@ -245,7 +245,6 @@ def table_schemas() -> dict[str, Any]:
         },
         "additionalProperties": False,
     }
-    row["required"] = ["alpha"]
     table = {
         "type": "object",
         "description": "A Denavit-Hartenberg table.",

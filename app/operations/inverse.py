@@ -190,14 +190,7 @@ def _quick(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
         return None
     problem = _read(robot, request, context)
     options = problem.options.within(QUICK_SECONDS)
-    result = solve_ik(
-        robot,
-        problem.poses[0],
-        frame=problem.frame,
-        task=problem.task,
-        seed=problem.seed,
-        options=options,
-    )
+    result = _solve_one(robot, problem, options)
     if result.status is IKStatus.TIMEOUT and options != problem.options:
         return None
     return _single(robot, request, context, problem, result)
@@ -208,14 +201,7 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
     if request.choose is not None:
         return _chosen(robot, request, context, problem)
     if not problem.many:
-        result = solve_ik(
-            robot,
-            problem.poses[0],
-            frame=problem.frame,
-            task=problem.task,
-            seed=problem.seed,
-            options=problem.options,
-        )
+        result = _solve_one(robot, problem, problem.options)
         return _single(robot, request, context, problem, result)
     seconds = context.settings.max_request_seconds
     batch = _solve_batch(robot, problem, problem.poses, context, seconds)
@@ -237,6 +223,17 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
     }
     echo = _echo(robot, request, context, problem, batch.seed)
     return Answer({"units": context.units.named, **leaves, **echo}, q, headers)
+
+
+def _solve_one(robot: Robot, problem: _Problem, options: IKOptions) -> IKResult:
+    return solve_ik(
+        robot,
+        problem.poses[0],
+        frame=problem.frame,
+        task=problem.task,
+        seed=problem.seed,
+        options=options,
+    )
 
 
 def _solve_batch(
@@ -293,11 +290,17 @@ def _chosen(robot: Robot, request: IKRequest, context: Context, problem: _Proble
     if problem.many:
         raise RequestProblem(INVALID_REQUEST, "choose takes one target at a time", "/choose")
     started = time.perf_counter()
-    arguments: Any = {"frame": problem.frame, "task": problem.task, "seed": problem.seed}
-    found = all_solutions(robot, problem.poses[0], options=problem.options, **arguments)
+    found = all_solutions(
+        robot,
+        problem.poses[0],
+        frame=problem.frame,
+        task=problem.task,
+        seed=problem.seed,
+        options=problem.options,
+    )
     best = choose(robot, found, problem.frame, Choice(request.choose))
     if best is None:
-        result = solve_ik(robot, problem.poses[0], options=problem.options, **arguments)
+        result = _solve_one(robot, problem, problem.options)
     else:
         elapsed = time.perf_counter() - started
         result = IKResult(

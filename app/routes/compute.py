@@ -69,7 +69,7 @@ class _Handlers:
         operation, services = self.operation, await services_of(request)
         stored = await services.robot(request.path_params["robot_id"])
         kind = require_type(request, *((JSON, NPY) if operation.array_field else (JSON,)))
-        units, wanted, parameters = PLAIN, JSON, b"{}"
+        units, parameters = PLAIN, b"{}"
         if request.scope["query_string"]:
             check_query(request, *(operation.query if kind == NPY else ()))
             units = units_of(request)
