@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from kinematics.errors import UnknownTask
 from robots.errors import hint
+from robots.robot import FloatArray
 
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 
@@ -46,6 +49,13 @@ class Task:
     def rotations(self) -> tuple[int, ...]:
         """Rows of angular velocity, 0 to 2."""
         return tuple(row - 3 for row in self.rows if row >= 3)
+
+    @property
+    def mask(self) -> FloatArray:
+        """1 for the rows that count, else 0; shape (6,)."""
+        mask = np.zeros(6)
+        mask[list(self.rows)] = 1.0
+        return mask
 
     @property
     def row_names(self) -> tuple[str, ...]:
