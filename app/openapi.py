@@ -29,6 +29,7 @@ _NUMBERS = {
     "rpy": ("Target roll,pitch,yaw.", False),
     "quaternion_xyzw": ("Target quaternion x,y,z,w.", False),
     "phi": ("Target angle about z.", False),
+    "direction": ("Target direction of the frame's z axis, x,y,z.", False),
     "matrix": ("Target matrix, 16 numbers row by row.", False),
     "max_restarts": ("Random starts after the seed.", False),
     "random_seed": ("Seed of the random starts.", False),

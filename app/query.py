@@ -19,7 +19,7 @@ COMMON = ("angle", "format")
 MAX_QUERY_VALUES = 1024
 MAX_VALUE = 1e15
 _JOINTS = ("q", "seed")
-_TARGET = ("position", "rpy", "quaternion_xyzw", "euler", "phi", "matrix")
+_TARGET = ("position", "rpy", "quaternion_xyzw", "euler", "phi", "direction", "matrix")
 
 
 def check_query(request: Request, *allowed: str, common: tuple[str, ...] = COMMON) -> None:
@@ -191,6 +191,7 @@ _READERS: dict[str, Callable[[str, str, Units], Any]] = {
     "quaternion_xyzw": _plain,
     "matrix": _matrix,
     "phi": number,
+    "direction": _plain,
     "tolerance": _scalar,
     "time_budget_ms": _scalar,
     "max_iterations": _integer,

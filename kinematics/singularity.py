@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinematics.jacobian import jacobian
+from kinematics.jacobian import task_jacobian
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
@@ -66,7 +66,7 @@ def singularity_report(
         UnknownFrame: The robot has no such frame.
         WrongConfiguration: q has a wrong shape or is not finite.
     """
-    return report_on(jacobian(robot, q, frame)[list(task.rows)], robot, task, tolerance)
+    return report_on(task_jacobian(robot, q, task, frame), robot, task, tolerance)
 
 
 def report_on(

@@ -40,8 +40,9 @@ SingleConfiguration = Annotated[
 TaskField = Annotated[
     str | list[int],
     msgspec.Meta(
-        description="pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, or a mask"
-        " of six 0 or 1 for vx, vy, vz, wx, wy, wz.",
+        description="pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction"
+        " (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx,"
+        " wy, wz.",
     ),
 ]
 Numbers: TypeAlias = list[Any]

@@ -61,7 +61,8 @@ class EulerField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
 class Target(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """A pose: a matrix, or a position with one orientation; what the task ignores may be left out.
 
-    For the task xy the position may be [x, y]; phi is an angle about z.
+    For the task xy the position may be [x, y]; phi is an angle about z;
+    direction is that of the frame's z axis, for tasks that leave the turn about it open.
     """
 
     matrix: list[list[float]] | None = None
@@ -70,6 +71,7 @@ class Target(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     rpy: list[float] | None = None
     euler: EulerField | None = None
     phi: float | None = None
+    direction: list[float] | None = None
 
 
 class EulerBatch(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -88,6 +90,7 @@ class TargetBatch(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     rpy: list[list[float]] | None = None
     euler: EulerBatch | None = None
     phi: list[float] | None = None
+    direction: list[list[float]] | None = None
 
 
 class ToleranceField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -382,8 +385,8 @@ def _targets(request: IKRequest, task: Task, context: Context) -> tuple[FloatArr
 
 
 def _only_matrix(batch: TargetBatch) -> bool:
-    others = (batch.position, batch.quaternion_xyzw, batch.rpy, batch.euler, batch.phi)
-    return all(other is None for other in others)
+    others = ("position", "quaternion_xyzw", "rpy", "euler", "phi", "direction")
+    return all(getattr(batch, name) is None for name in others)
 
 
 def _check_count(count: int, context: Context) -> None:
@@ -398,7 +401,7 @@ def _split(batch: TargetBatch) -> list[Target]:
     """A batch field by field -> target by target."""
     columns: dict[str, list[Any]] = {
         name: value
-        for name in ("matrix", "position", "quaternion_xyzw", "rpy", "phi")
+        for name in ("matrix", "position", "quaternion_xyzw", "rpy", "phi", "direction")
         if (value := getattr(batch, name)) is not None
     }
     if batch.euler is not None:
@@ -435,6 +438,7 @@ def read_target(target: Target, task: Task, units: Units, pointer: str) -> Float
         rpy=angles(target.rpy),
         euler=euler,
         phi=phi[0] if phi else None,
+        direction=target.direction,
     )
     return target_pose(spec, task, pointer)
 
@@ -458,6 +462,7 @@ IK = Operation(
         "quaternion_xyzw",
         "euler",
         "phi",
+        "direction",
         "matrix",
         "frame",
         "task",

@@ -21,7 +21,7 @@ from app.operations.base import (
 )
 from kinematics.configuration import joint_names
 from kinematics.errors import InvalidOption
-from kinematics.jacobian import jacobian
+from kinematics.jacobian import task_jacobian
 from kinematics.singularity import RANK_TOLERANCE, SingularityReport, report_on
 from kinematics.task import task_from
 from robots.robot import Robot
@@ -80,7 +80,7 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
     frame = robot.tip_frame if request.frame is None else request.frame
     q = read_configuration(request.q, robot, context)
     check_size(q, 6 * robot.dof + robot.dof**2)
-    J = jacobian(robot, q, frame)[..., list(task.rows), :]
+    J = task_jacobian(robot, q, task, frame)
     batch = [report_on(one, robot, task, request.tolerance) for one in (J if q.ndim == 2 else [J])]
     first = batch[0]
     leaves = _stacked(batch) if q.ndim == 2 else {name: getattr(first, name) for name in _LEAVES}

@@ -26,7 +26,7 @@ STALLS = 3
 SETTLED = 1.0 - 1e-9
 MAX_DAMPING = 1e6
 TURN = 2.0 * math.pi
-HEAD = 9
+HEAD = 10
 """Place of the first row of bounds in the constants."""
 TOUCH = 1e-12
 """A limit exceeded by no more than this is rounding."""
@@ -79,6 +79,21 @@ def twist_error(
 
 
 @jit
+def axis_error(T: Array, G: Array, e: Array) -> None:
+    """Position error, and the rotation vector across both that turns z_T to z_G, into e (6)."""
+    e[0], e[1], e[2] = G[3] - T[3], G[7] - T[7], G[11] - T[11]
+    x, y, z = T[2], T[6], T[10]
+    u, v, w = G[2], G[6], G[10]
+    a, b, c = y * w - z * v, z * u - x * w, x * v - y * u
+    s, along = math.sqrt(a * a + b * b + c * c), x * u + y * v + z * w
+    if along < 0.0 and s < 1e-9:  # half a turn, about any axis across: the frame's x
+        e[3], e[4], e[5] = math.pi * T[0], math.pi * T[4], math.pi * T[8]
+        return
+    f = 1.0 if s < 1e-9 else math.atan2(s, along) / s
+    e[3], e[4], e[5] = f * a, f * b, f * c
+
+
+@jit
 def residual(
     C: Array, turns: Array, mask: Array, G: Array, q: Array, W: Array
 ) -> tuple[float, float]:
@@ -86,7 +101,10 @@ def residual(
     K = len(q)
     T, e = W[K], W[K + 1, 0:6]
     forward(C, turns, q, W[0:K, 0:3], W[0:K, 3:6], T)
-    twist_error(T, G, e)
+    if mask[6] != 0.0:
+        axis_error(T, G, e)
+    else:
+        twist_error(T, G, e)
     for i in range(6):
         e[i] *= mask[i]
     position = e[0] * e[0] + e[1] * e[1] + e[2] * e[2]
@@ -111,6 +129,13 @@ def columns(turns: Array, mask: Array, K: int, W: Array) -> None:
         else:
             J[k, 0], J[k, 1], J[k, 2] = m0 * zx, m1 * zy, m2 * zz
             J[k, 3] = J[k, 4] = J[k, 5] = 0.0
+    if mask[6] != 0.0:
+        ax, ay, az = T[2], T[6], T[10]
+        for k in range(K):
+            about = J[k, 3] * ax + J[k, 4] * ay + J[k, 5] * az
+            J[k, 3] -= about * ax
+            J[k, 4] -= about * ay
+            J[k, 5] -= about * az
 
 
 @jit
@@ -471,7 +496,7 @@ def packed(
         bounds: Lower and upper limits, shape (2, K).
         starts: Offset, ratio, low and span, shape (4, K).
         reach: See :attr:`kinematics.chain.Chain.reach`.
-        mask: 1 for the rows of the task, else 0; shape (6,).
+        mask: See :attr:`kinematics.task.Task.mask`; shape (7,).
         kind: Class of its closed form, for whom it may concern.
         form: Constants of its closed form.
 
@@ -487,7 +512,7 @@ def packed(
 
 @jit
 def unpacked(P: Array) -> tuple[int, float, Array, Array, Array]:
-    """K, reach, mask (6), bounds (8, K), and C (K + 1, 12) of what :func:`packed` made."""
+    """K, reach, mask (7), bounds (8, K), and C (K + 1, 12) of what :func:`packed` made."""
     K = int(P[0])
     bounds = P[HEAD : HEAD + 8 * K].reshape((8, K))
     C = P[HEAD + 8 * K : HEAD + 20 * K + 12].reshape((K + 1, 12))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from kinematics.compiled import jit
@@ -15,6 +17,7 @@ from kinematics.inverse.kernel import (
     UNREACHABLE,
     nearest,
     proceed,
+    residual,
     unpacked,
     workspace,
 )
@@ -64,11 +67,16 @@ def _closed(P: Array, target: Array, seed: Array, limits: Array, answer: Array) 
             return False
         candidate = found[index]
         if improve(C, turns, target, mask, candidate, errors[index], work):
-            position, rotation = errors[index, 0], errors[index, 1]
-            if position * position <= limits[0] and rotation * rotation <= limits[1]:
-                for k in range(K):
-                    answer[k] = min(max(candidate[k], bounds[0, k]), bounds[1, k])
-                answer[K], answer[K + 1] = position, rotation
+            position, rotation = errors[index, 0] ** 2, errors[index, 1] ** 2
+            moved = False
+            for k in range(K):
+                answer[k] = min(max(candidate[k], bounds[0, k]), bounds[1, k])
+                moved = moved or answer[k] != candidate[k]
+            if moved:
+                W = work[: 2 * K + 8].reshape((K + 4, 12))
+                position, rotation = residual(C, turns, mask, target.reshape(16), answer[:K], W)
+            if position <= limits[0] and rotation <= limits[1]:
+                answer[K], answer[K + 1] = math.sqrt(position), math.sqrt(rotation)
                 return True
         errors[index, 0] = np.inf
 

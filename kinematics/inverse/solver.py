@@ -176,7 +176,9 @@ class Solver:
         return IKBatch(codes, q, start, position, rotation, ends[:, 0], ends[:, 1], elapsed)
 
 
-_SOLVERS: WeakKeyDictionary[Robot, dict[tuple[str, tuple[int, ...]], Solver]] = WeakKeyDictionary()
+_SOLVERS: WeakKeyDictionary[Robot, dict[tuple[str, tuple[int, ...], bool], Solver]] = (
+    WeakKeyDictionary()
+)
 
 
 def solver_of(robot: Robot, frame: str, task: Task) -> Solver:
@@ -188,7 +190,7 @@ def solver_of(robot: Robot, frame: str, task: Task) -> Solver:
     solvers = _SOLVERS.get(robot)
     if solvers is None:
         solvers = _SOLVERS[robot] = {}
-    key = (frame, task.rows)
+    key = (frame, task.rows, task.own_axes)
     found = solvers.get(key)
     if found is None:
         found = solvers[key] = Solver(robot, chain_of(robot, frame), task)
