@@ -22,7 +22,7 @@ import numpy as np
 from fastapi import FastAPI, Request, Response
 
 from app.main import create_app
-from bench.pairs import Row, paired
+from bench.pairs import Row, paired, seconds
 from kinematics.forward import fk
 from kinematics.inverse import solve_ik_batch
 from robots.robot import FloatArray, Robot
@@ -95,7 +95,7 @@ def run() -> list[Row]:
     if shutil.which("wrk") is None:
         print("wrk is not installed (apt install wrk): no figures over HTTP")
         return []
-    return [row for workers in (1, 2) for row in rows_of(workers)]
+    return [row for workers in (1, 2) for row in rows_of(workers)] + cold_starts()
 
 
 def rows_of(workers: int) -> list[Row]:
@@ -142,6 +142,31 @@ def batches() -> list[Row]:
 
         what = f"{name}: {TARGETS} targets, a solve: over HTTP as npy | in process, 2 threads"
         rows.append(paired(what, over_http, in_process, per=TARGETS, rounds=9))
+    return rows
+
+
+def cold_starts() -> list[Row]:
+    """The first request that a server gets, against the later ones; a server each."""
+    found: dict[str, list[tuple[float, float]]] = {"fk": [], "ik": []}
+    for _ in range(ROUNDS):
+        for key, times in found.items():
+            path, body = REQUESTS[key]
+            url, data = f"http://127.0.0.1:{PORT}{path}", json.dumps(body).encode()
+            request = urllib.request.Request(url, data, {"Content-Type": "application/json"})
+
+            def call(request: urllib.request.Request = request) -> None:
+                urllib.request.urlopen(request).close()
+
+            with serving(1):
+                times.append(
+                    (seconds(call, 1), statistics.median(seconds(call, 1) for _ in range(50)))
+                )
+    rows = []
+    for key, times in found.items():
+        first, later = (statistics.median(column) * 1e3 for column in zip(*times, strict=True))
+        ratio = statistics.median(a / b for a, b in times)
+        what = f"{key}: the first request of a server | its later ones"
+        rows.append(Row(what, f"{first:.2f} ms", f"{later:.2f} ms", ratio))
     return rows
 
 

@@ -82,6 +82,7 @@ class Operation:
         query: Names of the parameters of the GET form.
         quick: What :meth:`run_quickly` does, where it is not a matter of size alone.
         stream: The answer in parts, each a list of rows, where it can be sent while it grows.
+        rehearsed: Whether to send the example once as the service starts.
         array_field: Field that a body of type npy stands for, if there is one.
     """
 
@@ -97,6 +98,7 @@ class Operation:
     array_field: str | None = None
     stream: Callable[[Robot, Any, Context], Iterator[list[dict[str, Any]]]] | None = None
     quick: Callable[[Robot, Any, Context], Answer | None] | None = None
+    rehearsed: bool = True
 
     def run_quickly(self, robot: Robot, request: Any, context: Context) -> Answer | None:
         """The answer if it takes so little time that a thread would only cost; else None."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Annotated, Any
 
 import msgspec
@@ -164,6 +165,7 @@ class _Problem:
     frame: str
     task: Task
     options: IKOptions
+    quick_options: IKOptions
     seed: FloatArray | None
     poses: FloatArray
     many: bool
@@ -173,18 +175,38 @@ def _read(robot: Robot, request: IKRequest, context: Context) -> _Problem:
     task = task_from(request.task)
     frame = robot.tip_frame if request.frame is None else request.frame
     robot.frame_id(frame)
-    options = IKOptions(
-        tolerance=Tolerance(request.tolerance.position, request.tolerance.orientation),
-        max_restarts=request.max_restarts,
-        max_iterations=request.max_iterations,
-        random_seed=request.random_seed,
-        time_budget=request.time_budget_ms / 1e3,
-    ).within(context.settings.max_request_seconds)
+    options, quick_options = _options(
+        request.tolerance.position,
+        request.tolerance.orientation,
+        request.max_restarts,
+        request.max_iterations,
+        request.random_seed,
+        request.time_budget_ms,
+        context.settings.max_request_seconds,
+    )
     seed = None
     if bytes(request.seed) != NOT_GIVEN:
         seed = read_single(request.seed, robot, context, "/seed")
     poses, many = _targets(request, task, context)
-    return _Problem(frame, task, options, seed, poses, many)
+    return _Problem(frame, task, options, quick_options, seed, poses, many)
+
+
+@lru_cache(maxsize=1024)
+def _options(
+    position: float,
+    orientation: float,
+    max_restarts: int,
+    max_iterations: int,
+    random_seed: int,
+    time_budget_ms: float,
+    seconds: float,
+) -> tuple[IKOptions, IKOptions]:
+    """What a request chose, and the same for a first look; most requests choose the same."""
+    tolerance = Tolerance(position, orientation)
+    budget = time_budget_ms / 1e3
+    options = IKOptions(tolerance, max_restarts, max_iterations, random_seed, budget)
+    options = options.within(seconds)
+    return options, options.within(QUICK_SECONDS)
 
 
 def _quick(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
@@ -192,9 +214,8 @@ def _quick(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
     if request.target is None or request.choose is not None or not COMPILED:
         return None
     problem = _read(robot, request, context)
-    options = problem.options.within(QUICK_SECONDS)
-    result = _solve_one(robot, problem, options)
-    if result.status is IKStatus.TIMEOUT and options != problem.options:
+    result = _solve_one(robot, problem, problem.quick_options)
+    if result.status is IKStatus.TIMEOUT and problem.quick_options is not problem.options:
         return None
     return _single(robot, request, context, problem, result)
 
