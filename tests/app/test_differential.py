@@ -145,7 +145,8 @@ def test_acceleration_of_a_turning_link(client):
 @pytest.mark.parametrize(
     ("operation", "extra", "pointer"),
     [
-        ("twist", {}, "/qd"), ("twist", {"qd": [1]}, "/qd"), ("twist", {"qd": [[0] * 6] * 2}, "/qd"),
+        ("twist", {}, "/qd"), ("twist", {"qd": [1]}, "/qd"),
+        ("twist", {"qd": [[0] * 6] * 2}, "/qd"),
         ("twist", {"qd": {"j1": 1}}, "/qd"), ("twist", {"qd": ["a"] * 6}, "/qd/0"),
         ("joint-velocities", {"twist": [1, 2]}, "/twist"),
         ("joint-velocities", {"twist": [1e9] * 6}, "/twist/0"),
