@@ -12,6 +12,7 @@ angles. It is a property of the arm, the same at every q, so that measures can b
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,7 +89,11 @@ def characteristic_length(robot: Robot, frame: str | None = None) -> float:
     Raises:
         UnknownFrame: The robot has no such frame.
     """
-    chain = chain_of(robot, frame or robot.tip_frame)
+    return _mean_lever(chain_of(robot, frame or robot.tip_frame))
+
+
+@lru_cache(maxsize=512)
+def _mean_lever(chain: Chain) -> float:
     squares = _mean_squares(chain)
     mean = float(np.mean(squares)) if squares else 0.0
     size = float(np.abs(chain.placements[:, [3, 7, 11]]).max(initial=0.0))

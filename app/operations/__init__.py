@@ -6,6 +6,7 @@ from app.operations.dh import DH_MATRICES
 from app.operations.forward import FK
 from app.operations.inverse import IK
 from app.operations.jacobian import JACOBIAN
+from app.operations.nearest_singularity import NEAREST_SINGULARITY
 from app.operations.singularity import SINGULARITY
 from app.operations.solutions import SOLUTIONS
 from app.operations.statics import JOINT_TORQUES, WRENCH
@@ -25,6 +26,7 @@ OPERATIONS: tuple[Operation, ...] = (
     JACOBIAN_DERIVATIVE,
     HESSIAN,
     MANIPULABILITY_GRADIENT,
+    NEAREST_SINGULARITY,
 )
 
 __all__ = ["OPERATIONS", "Answer", "Operation"]

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from kinematics.chain import Chain, chain_of
 from kinematics.configuration import configuration
-from kinematics.inverse.closed_form.geometry import LENGTH, AxisLines, axis_lines
+from kinematics.inverse.closed_form.geometry import LENGTH
 from kinematics.jacobian import jacobian
 from kinematics.named_singularities import parts
-from kinematics.named_singularities.posture import Factor, Posture, dot, norm, posture
+from kinematics.named_singularities.posture import Factor, cross, dot, norm, posture
+from kinematics.named_singularities.relations import Relations, relations_of
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
@@ -75,15 +76,16 @@ def factorization(
     chain = chain_of(robot, frame)
     q = configuration(robot, q)
     batch = np.atleast_2d(q)
-    found = _product(chain, batch, task) if chain.length else None
-    if found is None:
+    axes = relations_of(chain)
+    found = _product(chain, axes, batch, task) if axes is not None else None
+    if axes is None or found is None:
         return _none(
             f"no factors of {'det J' if chain.length == len(task.rows) else 'the manipulability'}"
             f" are known for the {chain.length} joints of this chain in task {task.name}"
         )
     structure, constant, factors = found
     bounds = [np.abs(constant), *(factor.largest for factor in factors)]
-    if min(bound.max() for bound in bounds) <= LENGTH * min(1.0, axis_lines(chain).size):
+    if min(bound.max() for bound in bounds) <= LENGTH * min(1.0, axes.size):
         return _none(f"{structure}, but such that task {task.name} is singular at every q")
     product = constant * np.prod([factor.value for factor in factors], axis=0)
     J = jacobian(robot, batch, frame)[:, list(task.rows)][:, :, chain.columns]
@@ -121,60 +123,43 @@ def _single(factor: Factor) -> Factor:
 
 
 def _product(
-    chain: Chain, q: FloatArray, task: Task
+    chain: Chain, axes: Relations, q: FloatArray, task: Task
 ) -> tuple[str, FloatArray, list[Factor]] | None:
-    lines, count = axis_lines(chain), chain.length
-    flat = all(lines.parallel(0, k) for k in range(1, count))
-    key = (task.name, count)
-    if flat and count > 1:
-        return _flat(chain, lines, q, task)
+    count, key = chain.length, (task.name, chain.length)
+    if count > 1 and axes.parallel[0].all():
+        return _flat(chain, axes, q, task)
     if key == ("pose", 6):
-        return _spherical_wrist(chain, lines, q) or _parallel_axes(chain, lines, q)
+        return _spherical_wrist(chain, axes, q) or _parallel_axes(chain, axes, q)
     if key == ("pose", 7):
-        return _srs(chain, lines, q)
+        return _srs(chain, axes, q)
     if key == ("position", 3):
         at = posture(chain, q)
-        constant, factors = parts.arm(at, lines, at.p, _meeting(lines, at))
-        return "three joints that place a point", constant, factors
-    if key == ("orientation", 3) and lines.turns.all():
-        constant, factors = parts.wrist(posture(chain, q), 0, 1, 2)
-        return "three turning joints", constant, factors
+        return "three joints that place a point", *parts.arm(at, axes, at.p)
+    if key == ("orientation", 3) and axes.turns.all():
+        return "three turning joints", *parts.wrist(posture(chain, q), 0, 1, 2)
     return None
 
 
-def _meeting(lines: AxisLines, at: Posture) -> FloatArray | None:
-    """Where axes 1 and 2 meet: a point that joint 1 carries, on axis 1, at rest."""
-    if not lines.turns[:2].all():
-        return None
-    point = lines.meeting_point(0, 1)
-    return None if point is None else np.broadcast_to(point, at.p.shape)
-
-
 def _spherical_wrist(
-    chain: Chain, lines: AxisLines, q: FloatArray
+    chain: Chain, axes: Relations, q: FloatArray
 ) -> tuple[str, FloatArray, list[Factor]] | None:
-    if not lines.turns[3:].all():
-        return None
-    centre = lines.centre(3)
-    if centre is None:
+    if not axes.turns[3:].all() or axes.wrist is None:
         return None
     at = posture(chain, q)
-    first, arm = parts.arm(at, lines, at.point(lines.point_in_tip(centre)), _meeting(lines, at))
+    first, arm = parts.arm(at, axes, at.point(axes.wrist))
     last, wrist = parts.wrist(at, 3, 4, 5)
     return "spherical wrist: axes 4, 5 and 6 meet", first * last, [*arm, *wrist]
 
 
 def _parallel_axes(
-    chain: Chain, lines: AxisLines, q: FloatArray
+    chain: Chain, axes: Relations, q: FloatArray
 ) -> tuple[str, FloatArray, list[Factor]] | None:
-    if not lines.turns[1:].all() or not (lines.parallel(1, 2) and lines.parallel(1, 3)):
+    if not axes.turns[1:].all() or not axes.parallel[1, 2:4].all():
         return None
     at = posture(chain, q)
-    meets = lines.meeting_point(4, 5)
-    here = lines.feet(4, 5)[1] if meets is None else meets
-    point = at.point(lines.point_in_tip(here))
-    z1, z2 = at.z(0), at.z(1)
-    n = np.cross(z1, z2)
+    meets = axes.last_two is not None
+    point = at.point(axes.on_last if axes.last_two is None else axes.last_two)
+    n = cross(at.z(0), at.z(1))
     n /= np.maximum(norm(n), 1e-300)[:, None]
     reach = (
         np.abs(dot(at.O[:, 1] - at.O[:, 0], n))
@@ -183,32 +168,28 @@ def _parallel_axes(
         + at.lever(3, point)
     )
     first, elbow = parts.three_parallel(at, 1, 2, 3)
-    last, others = parts.around_parallel(at, lines.turns, point, meets is not None, reach)
+    last, others = parts.around_parallel(at, axes.turns, point, meets, reach)
     order = {"shoulder": 0, "elbow": 1}
     factors = sorted([*elbow, *others], key=lambda factor: order.get(factor.name, 2))
     return "axes 2, 3 and 4 parallel", first * last, factors
 
 
 def _srs(
-    chain: Chain, lines: AxisLines, q: FloatArray
+    chain: Chain, axes: Relations, q: FloatArray
 ) -> tuple[str, FloatArray, list[Factor]] | None:
-    if not lines.turns.all():
-        return None
-    shoulder, centre = lines.centre(0), lines.centre(4)
-    if shoulder is None or centre is None:
+    if not axes.turns.all() or axes.shoulder is None or axes.wrist is None:
         return None
     at = posture(chain, q)
-    here = np.broadcast_to(shoulder, at.p.shape)
-    constant, factors = parts.srs(at, here, at.point(lines.point_in_tip(centre)))
+    constant, factors = parts.srs(at, axes.shoulder, at.point(axes.wrist))
     return "spherical shoulder, elbow, spherical wrist", constant, factors
 
 
 def _flat(
-    chain: Chain, lines: AxisLines, q: FloatArray, task: Task
+    chain: Chain, axes: Relations, q: FloatArray, task: Task
 ) -> tuple[str, FloatArray, list[Factor]] | None:
     """All axes parallel: the plane arm of the turning joints, and perhaps one slide along them."""
-    turning = [int(k) for k in np.flatnonzero(lines.turns)]
-    slides = [int(k) for k in np.flatnonzero(~lines.turns)]
+    turning = [int(k) for k in np.flatnonzero(axes.turns)]
+    slides = [int(k) for k in np.flatnonzero(~axes.turns)]
     kind = (len(turning), len(slides), task.name)
     at = posture(chain, q)
     u = at.z(turning[0]) if turning else None

@@ -12,7 +12,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.inverse.closed_form.geometry import AxisLines
 from kinematics.named_singularities.posture import (
     Factor,
     Posture,
@@ -22,6 +21,7 @@ from kinematics.named_singularities.posture import (
     norm,
     triple,
 )
+from kinematics.named_singularities.relations import Relations
 from robots.robot import FloatArray
 
 Product: TypeAlias = tuple[FloatArray, list[Factor]]
@@ -52,18 +52,17 @@ def _stretched(i: int, j: int) -> str:
     return f"the arm is stretched or folded: its end is in the plane of axes {i + 1} and {j + 1}"
 
 
-def arm(at: Posture, lines: AxisLines, point: FloatArray, meeting: FloatArray | None) -> Product:
+def arm(at: Posture, axes: Relations, point: FloatArray) -> Product:
     """``det [c_1 c_2 c_3]`` of the first three joints at a point.
 
     Args:
         at: The posture.
-        lines: The axes at q = 0: what is parallel stays so where the joints are neighbours.
+        axes: How they lie to each other.
         point: P, shape (n, 3).
-        meeting: Where axes 1 and 2 meet, shape (n, 3), if they do.
     """
-    t1, t2, t3 = (bool(turns) for turns in lines.turns[:3])
+    t1, t2, t3 = (bool(turns) for turns in axes.turns[:3])
     z1, z2, z3 = at.z(0), at.z(1), at.z(2)
-    if t2 and t3 and lines.parallel(1, 2):
+    if t2 and t3 and axes.parallel[1, 2]:
         constant, factors = bend(at, 1, 2, point)
         constant = constant * np.sign(dot(z2, z3))
         if not t1:
@@ -76,7 +75,7 @@ def arm(at: Posture, lines: AxisLines, point: FloatArray, meeting: FloatArray | 
         where = "the wrist centre is in the plane through axis 1 along axis 2 (above the shoulder)"
         value = dot(at.from_axis(0, point), n)
         return -constant * sine, [Factor("shoulder", value, reach, "m", (0, 1), where), *factors]
-    if t1 and t2 and lines.parallel(0, 1):
+    if t1 and t2 and axes.parallel[0, 1]:
         constant, factors = bend(at, 0, 1, point)
         constant = constant * np.sign(dot(z1, z2))
         if not t3:
@@ -88,7 +87,8 @@ def arm(at: Posture, lines: AxisLines, point: FloatArray, meeting: FloatArray | 
         where = "the wrist centre is in the plane through axis 3 along axis 1"
         forearm = Factor("forearm", value, at.lever(2, point), "m", (2,), where)
         return constant * sine, [*factors, forearm]
-    if t1 and t2 and meeting is not None:
+    if t1 and t2 and axes.meeting is not None:
+        meeting = axes.meeting
         a = point - meeting
         n = cross(z1, z2)
         sine = norm(n)
@@ -114,10 +114,10 @@ def arm(at: Posture, lines: AxisLines, point: FloatArray, meeting: FloatArray | 
             Factor("shoulder", dot(a, n), reach, "m", (0, 1), where),
             Factor("elbow", bent, at.lever(2, point), "m", (2,), stretched),
         ]
-    columns = [at.column(k, point, bool(lines.turns[k])) for k in range(3)]
+    columns = [at.column(k, point, bool(axes.turns[k])) for k in range(3)]
     value = triple(*columns)
     largest = np.prod([norm(column) for column in columns], axis=0)
-    power = int(np.count_nonzero(lines.turns[:3]))
+    power = int(np.count_nonzero(axes.turns[:3]))
     unit = "1" if power == 0 else "m" if power == 1 else f"m^{power}"
     where = "the velocities that joints 1, 2 and 3 give the wrist centre lie in one plane"
     return np.ones_like(value), [Factor("arm", value, largest, unit, (0, 1, 2), where)]
