@@ -54,15 +54,21 @@ def units_of(request: Request) -> Units:
     return Units(angle == "deg")
 
 
-def body_from_query(request: Request, units: Units, robot: Robot) -> bytes:
+def body_from_query(request: Request, units: Units, robot: Robot, known: tuple[str, ...]) -> bytes:
     """The JSON body that a GET request's parameters stand for.
+
+    Args:
+        request: The request.
+        units: Its units.
+        robot: The robot.
+        known: Parameters of the computation; one without ``q`` takes a target.
 
     Raises:
         RequestProblem: A number cannot be read.
     """
     body: dict[str, Any] = {}
     target: dict[str, Any] = {}
-    inverse = "q" not in request.query_params
+    inverse = "q" not in known
     for name, text in request.query_params.items():
         if name in COMMON:
             continue

@@ -34,6 +34,7 @@ NEAR_ROOT = 1e-2
 POLISHING_STEPS = 60
 PROJECTION_STEPS = 60
 STARTS = 4
+LARGEST_VALUE = 1e5
 SLIDE_EXTENT = 10.0
 """Extents (of the chain's constants, m) within which a slide without limits is searched."""
 
@@ -116,7 +117,7 @@ def nearest_singularity(
 
     Raises:
         UnknownFrame: The robot has no such frame.
-        WrongConfiguration: q has a wrong shape or is not finite.
+        WrongConfiguration: q has a wrong shape, is not finite or beyond ±1e5.
         InvalidOption: tolerance out of range.
     """
     check_options(0.0, tolerance)
@@ -125,6 +126,13 @@ def nearest_singularity(
     q = configuration(robot, q)
     if q.ndim != 1:
         raise WrongConfiguration("q is a batch; give one q", "/q")
+    if not np.abs(q).max() <= LARGEST_VALUE:
+        joint = robot.joints[int(np.argmax(np.abs(q)))].name
+        raise WrongConfiguration(
+            f"q of joint {joint} is beyond ±1e5, where no singularities are sought; give its value"
+            " within a turn",
+            "/q",
+        )
     if chain.length == 0:
         return NearestSingularity(True, (), q, 0.0, 0.0)
     search = _Search(robot, chain, frame, list(task.rows), q, tolerance)
@@ -241,8 +249,13 @@ def _polished(search: _Search, column: int, start: float) -> tuple[float, float]
     x, direction = search.q.copy(), np.zeros(search.robot.dof)
     x[column], direction[column] = start, 1.0
     best: tuple[float, float] | None = None
-    for _ in range(POLISHING_STEPS):
+    before = np.inf
+    for count in range(POLISHING_STEPS):
         U, V, sigma, zero = search.decomposed(x)
+        # At a double root the steps still quarter it; elsewhere it does not vanish.
+        if count > 4 and sigma > 0.7 * before:
+            break
+        before = sigma
         if zero and (best is None or sigma < best[1]):
             best = float(x[column]), sigma
         elif best is not None:

@@ -1,5 +1,7 @@
 """Differential kinematics and statics over HTTP."""
 
+import io
+
 import numpy as np
 import pytest
 
@@ -171,3 +173,25 @@ def test_refusals_point_at_the_field(client, operation, extra, pointer):
     problem = answer.json()
     assert problem["errors"][0]["pointer"] == pointer
     assert problem["errors"][0]["message"]
+
+
+def test_batches_as_npy_with_the_rest_in_the_query(client):
+    q = np.random.default_rng(2).uniform(-1, 1, (3, 6))
+    stream = io.BytesIO()
+    np.save(stream, q)
+    headers = {"Content-Type": "application/x-npy"}
+
+    def send(operation, **query):
+        answer = client.post(f"{PUMA}/{operation}", content=stream.getvalue(), params=query,
+                             headers=headers)  # fmt: skip
+        assert answer.status_code == 200, answer.text
+        return answer.json()
+
+    extra = {"twist": "0.1,0,0,0,0,90deg", "damping": "0.01", "tolerance": "1e-9"}
+    found = send("joint-velocities", **extra)
+    body = {"q": q.tolist(), "twist": [0.1, 0, 0, 0, 0, np.pi / 2]}
+    body |= {"damping": 0.01, "tolerance": 1e-9}
+    expected = post(client, f"{PUMA}/joint-velocities", body)
+    np.testing.assert_allclose(found["qd"], expected["qd"], atol=1e-14)
+    assert send("singularity", tolerance="1e-3")["tolerance"] == 1e-3
+    assert np.shape(send("hessian")["hessian"]) == (3, 6, 6, 6)
