@@ -88,7 +88,13 @@ def analytic_jacobian(
     return J
 
 
-def task_jacobian(robot: Robot, q: FloatArray, task: Task, frame: str | None = None) -> FloatArray:
+def task_jacobian(
+    robot: Robot,
+    q: FloatArray,
+    task: Task,
+    frame: str | None = None,
+    reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
+) -> FloatArray:
     """The rows of the geometric Jacobian that a task counts.
 
     Args:
@@ -96,6 +102,8 @@ def task_jacobian(robot: Robot, q: FloatArray, task: Task, frame: str | None = N
         q: Shape (dof,) or (n, dof), rad and m.
         task: The task space.
         frame: Frame name; default the tip.
+        reference_frame: Where and in which axes the twist is taken; rows of rotation about the
+            frame's own axes stay those.
 
     Returns:
         Shape (rows, dof) or (n, rows, dof).
@@ -105,8 +113,8 @@ def task_jacobian(robot: Robot, q: FloatArray, task: Task, frame: str | None = N
         WrongConfiguration: q has a wrong shape or is not finite.
     """
     frame = frame or robot.tip_frame
-    J = jacobian(robot, q, frame)
-    if not task.own_axes:
+    J = jacobian(robot, q, frame, reference_frame)
+    if not task.own_axes or reference_frame is ReferenceFrame.LOCAL:
         return np.asarray(J[..., list(task.rows), :])
     return task.of(J, fk(robot, q, [frame])[frame][..., :3, :3])
 
