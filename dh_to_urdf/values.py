@@ -36,6 +36,9 @@ class Values:
             self._used.add(name)
         return found
 
+    def __contains__(self, name: str) -> bool:
+        return name in self._sums
+
     def with_value(self, name: str, value: Sum) -> Values:
         """The values and one more."""
         return Values({**self._sums, name: value}, self._used)
@@ -80,13 +83,17 @@ def split_values(text: str) -> dict[str, str]:
     return pairs
 
 
-def read_values(raw: object) -> Values:
+def read_values(raw: object, known: Values | None = None) -> Values:
     """Reads the mapping from names to numbers or short texts; later ones may use earlier ones.
+
+    Args:
+        raw: The mapping.
+        known: Values to go on from.
 
     Raises:
         DHError: With a pointer below ``/values``.
     """
-    values = Values()
+    values = known or Values()
     if isinstance(raw, Values):
         return raw
     if raw is None:
