@@ -317,7 +317,11 @@ class _Reader:
 
     def _name(self, item: dict[str, Any], key: str, cell: RawCell) -> None:
         """A name, or a text in the first column that can be one."""
-        text = plain_cell(cell.text[:MAX_RAW_CELL]) if key == "index" else cell.text.strip()
+        text = (
+            plain_cell(cell.text[:MAX_RAW_CELL])
+            if key == "index"
+            else cell.text.strip().replace("\\_", "_")
+        )
         if key == "name" or (NAME.fullmatch(text) and not text.isdecimal()):
             item["name"] = text
 
