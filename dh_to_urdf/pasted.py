@@ -274,7 +274,7 @@ class _Reader:
     def _row(self, k: int, row: RawRow, type_: JointType) -> dict[str, Any]:
         turns = type_.turns
         own = "theta" if turns else self.z_column if type_ is JointType.PRISMATIC else None
-        own_quantity = Quantity.ANGLE if turns else Quantity.LENGTH
+        own_quantity = Quantity.LENGTH if type_ is JointType.PRISMATIC else Quantity.ANGLE
         item: dict[str, Any] = {"type": type_.value}
         limits: dict[str, Any] = {}
         for key, cell in row.cells.items():

@@ -10,12 +10,12 @@ import numpy as np
 from fastapi import APIRouter, Path, Request, Response
 
 from app.dependencies import RobotDep, ServicesDep
-from app.documents import id_from_name, robot_from_body
+from app.documents import PAR_TYPES, PASTED_TYPES, id_from_name, robot_from_body
 from app.openapi import PROBLEMS, REF
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.query import check_query, units_of
 from app.units import Units
-from app.wire import JSON, TEXT, read_body, respond, wanted_type
+from app.wire import JSON, TEXT, media_type, read_body, respond, wanted_type
 from dh_to_urdf.documents import table_to_mapping
 from dh_to_urdf.mapping import CONVENTION_ALIASES
 from dh_to_urdf.table_texts import TABLE_TEXTS
@@ -257,7 +257,7 @@ def build_router(max_body: int) -> APIRouter:
 
         def put() -> tuple[StoredRobot, bool]:
             robot = robot_from_body(request, body, default_name=robot_id)
-            _check_name(robot, robot_id)
+            _check_name(request, robot, robot_id)
             try:
                 return services.store.put(
                     robot_id, robot, create_only=not replace, if_match=_if_match(request)
@@ -324,15 +324,16 @@ def _created(request: Request, stored: StoredRobot, wanted: str) -> Response:
     return respond(robot_view(stored, Units()), wanted, status=201, headers=headers)
 
 
-def _check_name(robot: Robot, robot_id: str) -> None:
+def _check_name(request: Request, robot: Robot, robot_id: str) -> None:
     """A table's own name must be the path's id; a URDF keeps the name that it has."""
     if robot.table is None:
         return
     if id_from_name(robot.name) != robot_id:
+        text = media_type(request) in (*PAR_TYPES, *PASTED_TYPES)
+        remedy = f"give name={robot_id} in the query" if text else "leave name out"
         raise RequestProblem(
             INVALID_REQUEST,
-            f"name is {robot.name!r} but the path says {robot_id!r}; make them equal or leave name"
-            " out",
+            f"name is {robot.name!r} but the path says {robot_id!r}; make them equal or {remedy}",
             "/name",
         )
 
