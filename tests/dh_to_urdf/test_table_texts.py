@@ -58,13 +58,9 @@ def test_the_library_survives_every_form(name, form):
     convention = table.convention
     if form == "matlab" and convention is Convention.KHALIL:
         convention = Convention.MODIFIED
-    try:
-        text = TABLE_TEXTS[form].write(table)
-    except DHError as error:
-        assert form == "matlab"
-        assert "Robotics Toolbox" in str(error)
-        return
-    again = read_pasted(text, convention)
+    if form == "matlab" and any(row.type is JointType.FIXED for row in table.rows):
+        pytest.skip("the Robotics Toolbox has no fixed links")
+    again = read_pasted(TABLE_TEXTS[form].write(table), convention)
     q = np.random.default_rng(2).uniform(-3, 3, (10, table.dof))
     assert np.abs(dh_matrices(again, q).T - dh_matrices(table, q).T).max() < 1e-15
 
@@ -93,19 +89,18 @@ def test_a_handout_looks_like_one():
     assert r"2 & P & $-\frac{\pi}{2}$ & $0.5$ & $-d_{2} + 0.1$ & $\frac{\pi}{2}$ \\" in latex
     assert r"$\theta_{1} - \frac{3\pi}{4}$" in latex
     assert r"$\alpha_{i-1}$ [rad]" in latex
-    assert (
-        TABLE_TEXTS["matlab"]
-        .write(table)
-        .startswith(
-            "L(1) = Link('revolute', 'd', 0.4, 'a', 0, 'alpha', 0, 'offset', -3*pi/4, 'modified');\n"
-            "L(2) = Link('prismatic', 'theta', pi/2, 'a', 0.5, 'alpha', -pi/2, 'offset', 0.1, 'flip',"
-            " 'modified');\n"
-        )
+    first, second, *_ = TABLE_TEXTS["matlab"].write(table).splitlines()
+    assert first == (
+        "L(1) = Link('revolute', 'd', 0.4, 'a', 0, 'alpha', 0, 'offset', -3*pi/4, 'modified');"
+    )
+    assert second == (
+        "L(2) = Link('prismatic', 'theta', pi/2, 'a', 0.5, 'alpha', -pi/2, 'offset', 0.1, 'flip',"
+        " 'modified');"
     )
 
 
 def test_a_tree_is_no_robot_of_the_toolbox():
     row = {"sigma": 0, "alpha": 0, "d": 0, "r": 0}
     table = read_mapping({"convention": "khalil", "joints": [row, row, row | {"ant": 1}]})
-    with pytest.raises(DHError, match="joint 3 .* branches"):
+    with pytest.raises(DHError, match=r"joint 3 .* branches"):
         TABLE_TEXTS["matlab"].write(table)
