@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
 from dh_to_urdf.grids import MAX_COLUMNS, is_latex
@@ -24,27 +23,12 @@ from dh_to_urdf.source_tokens import (
     tokens_of,
 )
 from dh_to_urdf.table import Convention
+from dh_to_urdf.toolbox_links import LINKS, ORDER, PARAMETERS, Link, fill_from_vector, read_link
 
 MAX_LEFT, MAX_RIGHT = 12, 40
 """Tokens of an assignment that are looked at."""
-_LINKS = {
-    "Link": (None, None), "DHLink": (None, None),
-    "Revolute": ("R", False), "Prismatic": ("P", False),
-    "RevoluteDH": ("R", False), "PrismaticDH": ("P", False),
-    "RevoluteMDH": ("R", True), "PrismaticMDH": ("P", True),
-}  # fmt: skip
-"""Type and whether modified, of each class; None where the arguments say it."""
 _ROBOTS = ("SerialLink", "DHRobot", "SerialLink.SerialLink")
-_ORDER = ("theta", "d", "a", "alpha", "sigma", "offset")
-_PARAMETERS = ("theta", "d", "a", "alpha", "offset")
-_DYNAMIC = {"m", "r", "I", "Jm", "G", "B", "Tc", "jm", "g", "tc", "mesh", "i", "b"}
-_FLAGS = {
-    "modified": ("modified", True), "mdh": ("modified", True), "standard": ("modified", False),
-    "std": ("modified", False), "revolute": ("type", "R"), "prismatic": ("type", "P"),
-    "flip": ("flip", True),
-}  # fmt: skip
 _NUMBERED = re.compile(r"([^\W\d]\w*)[({\[](\d{1,4})[)}\]]")
-_TRUE, _FALSE = {"true", "1"}, {"false", "0"}
 _MATRIX = re.compile(r"(?:^|[=(\s])\[\s*[-+\d.\[(]|\.array\s*\(|^[ \t]*\[", re.MULTILINE)
 _CALL = re.compile(
     r"\b(?:Link|DHLink|Revolute|Prismatic|RevoluteDH|PrismaticDH|RevoluteMDH|PrismaticMDH"
@@ -66,17 +50,6 @@ def is_program(text: str) -> bool:
         if line.lstrip()[:1] not in "%#[" and (words := line.split())
     )
     return _MATRIX.search(text) is not None and piped < 2 and not headed
-
-
-@dataclass
-class _Link:
-    """One call of a link class, or one row of a matrix that a robot is made of."""
-
-    line: int
-    cells: dict[str, RawCell]
-    type: str | None
-    modified: bool | None
-    target: str
 
 
 def table_from_program(
@@ -102,7 +75,7 @@ class _Program:
         self.tokens = tokens
         self.convention = convention
         self.columns = columns
-        self.links: list[_Link] = []
+        self.links: list[Link] = []
         self.matrices: dict[str, tuple[int, list[list[list[Token]]]]] = {}
         self.order: list[str] = []
         self.robot_matrix: str | None = None
@@ -124,9 +97,11 @@ class _Program:
         following = self.tokens[index + 1] if index + 1 < len(self.tokens) else None
         opens = following is not None and following.text == "(" and following.kind == "symbol"
         name = token.text.rpartition(".")[2] if token.kind == "word" else ""
-        if opens and name in _LINKS:
+        if opens and name in LINKS:
             end = closing(self.tokens, index + 1)
-            self._link(name, token.line, self.tokens[index + 2 : end], self._target(index))
+            inside, target = self.tokens[index + 2 : end], self._target(index)
+            link = read_link(name, token.line, inside, target, self.table.warnings)
+            self.links.append(link)
             return end + 1
         if opens and name in _ROBOTS:
             self._robot(self.tokens[index + 2 : closing(self.tokens, index + 1)])
@@ -134,7 +109,7 @@ class _Program:
         if token.kind == "symbol" and token.text == "[":
             end = closing(self.tokens, index)
             inside = self.tokens[index + 1 : end]
-            if not any(t.kind == "word" and t.text in (*_LINKS, *_ROBOTS) for t in inside):
+            if not any(t.kind == "word" and t.text in (*LINKS, *_ROBOTS) for t in inside):
                 key = self._target(index) or f"[{index}"
                 self.matrices[key] = (token.line, matrix_rows(inside))
                 return end + 1
@@ -164,7 +139,7 @@ class _Program:
         """``L1 = 0.3``: a number with a name; or ``L(1).offset = pi/2``, which is refused."""
         left = self._left_side(equals)
         attribute = left.rpartition(".")[2] if "." in left else ""
-        if attribute in (*_PARAMETERS, "qlim", "sigma", "flip", "mdh"):
+        if attribute in (*PARAMETERS, "qlim", "sigma", "flip", "mdh"):
             raise DHError.single(
                 "",
                 f"line {self.tokens[equals].line}: {quoted(left)} is set after the link was made;"
@@ -179,136 +154,6 @@ class _Program:
                 break
             end += 1
         self.table.assigned[left] = text_of(self.tokens[equals + 1 : end])
-
-    def _link(self, name: str, line: int, inside: list[Token], target: str) -> None:
-        type_, modified = _LINKS[name]
-        link = _Link(line, {}, type_, modified, target)
-        listed = arguments(inside)
-        position = 0
-        while position < len(listed):
-            argument = listed[position]
-            position += 1
-            first = argument[0]
-            if first.text == "[" and position == 1:
-                self._vector(link, argument)
-                continue
-            if first.kind == "word" and len(argument) > 2 and argument[1].text == "=":
-                self._parameter(link, first.text, argument[2:])
-                continue
-            if first.kind == "string" and len(argument) == 1:
-                flag = _FLAGS.get(first.text.lower())
-                if flag is not None:
-                    self._flag(link, flag)
-                    continue
-                if position < len(listed):
-                    self._parameter(link, first.text, listed[position])
-                    position += 1
-                    continue
-            raise DHError.single(
-                "",
-                f"line {first.line}: {name} has an argument {quoted(text_of(argument))} that is not"
-                " read; write 'd', 0.3, 'a', 0, 'alpha', pi/2 or d=0.3, a=0, alpha=pi/2",
-            )
-        self._settle(link, name)
-
-    def _vector(self, link: _Link, argument: list[Token]) -> None:
-        rows = matrix_rows(argument[1 : closing(argument, 0)])
-        if len(rows) != 1 or not 4 <= len(rows[0]) <= 6:
-            raise DHError.single(
-                "", f"line {link.line}: a vector of a link has 4 to 6 numbers: {', '.join(_ORDER)}"
-            )
-        self._from_vector(link, rows[0])
-
-    def _from_vector(self, link: _Link, row: list[list[Token]]) -> None:
-        for key, element in zip(_ORDER, row, strict=False):
-            self._parameter(link, key, element)
-        link.type = link.type or "R"
-        own = "theta" if link.type == "R" else "d"
-        cell = link.cells.get(own)
-        if cell is not None and re.fullmatch(r"0*\.?0*|NaN", cell.text):
-            del link.cells[own]
-
-    def _flag(self, link: _Link, flag: tuple[str, object]) -> None:
-        what, value = flag
-        if what == "modified":
-            link.modified = bool(value)
-        elif what == "type":
-            link.type = str(value)
-        else:
-            link.cells["sign"] = RawCell("-1", "flip", link.line)
-
-    def _parameter(self, link: _Link, key: str, value: list[Token]) -> None:
-        text = text_of(value)
-        lowered = key.lower() if key not in _DYNAMIC else key
-        if lowered in _PARAMETERS:
-            if lowered in link.cells:
-                raise DHError.single(
-                    "", f"line {link.line}: {key} of the link stands twice; keep one"
-                )
-            link.cells[lowered] = RawCell(text, key, value[0].line if value else link.line)
-        elif lowered == "sigma":
-            link.type = {"0": "R", "1": "P"}.get(text, text)
-        elif lowered == "qlim":
-            self._limits(link, value)
-        elif lowered in ("mdh", "modified", "flip") and text.lower() in _TRUE | _FALSE:
-            if lowered == "flip":
-                sign = "-1" if text.lower() in _TRUE else "1"
-                link.cells["sign"] = RawCell(sign, "flip", link.line)
-            else:
-                link.modified = text.lower() in _TRUE
-        elif lowered == "name":
-            link.cells["name"] = RawCell(text, "name", link.line)
-        elif lowered == "convention" and text.lower() in ("standard", "modified"):
-            link.modified = text.lower() == "modified"
-        elif lowered in ("jointtype", "type") and text.lower()[:1] in ("r", "p"):
-            link.type = text[0].upper()
-        elif key in _DYNAMIC:
-            warning = "masses, inertias and motors of the links are left out"
-            if warning not in self.table.warnings:
-                self.table.warnings.append(warning)
-        else:
-            raise DHError.single(
-                "",
-                f"line {link.line}: the link has an unknown parameter {quoted(key)}; known are"
-                " theta, d, a, alpha, offset, qlim, sigma, flip, modified",
-            )
-
-    def _limits(self, link: _Link, value: list[Token]) -> None:
-        """``[-1 1]``, ``[-60 60]*pi/180``, ``deg2rad([-60 60])``, ``np.array([-1, 1])``."""
-        text = text_of(value)
-        start = next((i for i, t in enumerate(value) if t.kind == "symbol" and t.text == "["), None)
-        if start is not None:
-            end = closing(value, start)
-            rows = matrix_rows(value[start + 1 : end])
-            elements = [text_of(element) for row in rows for element in row]
-            before, after = text_of(value[:start]), text_of(value[end + 1 :])
-            if before.startswith("array"):
-                before, after = "", after.removeprefix(")")
-            if len(elements) == 2:
-                for key, element in zip(("lower", "upper"), elements, strict=True):
-                    whole = f"{before}({element}){after}" if before or after else element
-                    link.cells[key] = RawCell(whole, "qlim", value[0].line)
-                return
-        if text not in ("None", "[]"):
-            raise DHError.single(
-                "", f"line {link.line}: qlim is {quoted(text)}; write [lower upper]"
-            )
-
-    def _settle(self, link: _Link, name: str) -> None:
-        """The type as the Toolbox finds it: a given theta makes a prismatic joint."""
-        cells = link.cells
-        if link.type is None and "theta" in cells and "d" in cells and name == "Link":
-            raise DHError.single(
-                "",
-                f"line {link.line}: the link has theta and d; give the one that is constant, or"
-                " 'revolute' or 'prismatic'",
-            )
-        link.type = link.type or ("P" if "theta" in cells and "d" not in cells else "R")
-        if link.type not in ("R", "P"):
-            raise DHError.single(
-                "", f"line {link.line}: sigma is {quoted(link.type)}; give 0 (R) or 1 (P)"
-            )
-        self.links.append(link)
 
     def _robot(self, inside: list[Token]) -> None:
         """The order of the links, the name, and the convention of a robot."""
@@ -338,7 +183,7 @@ class _Program:
     def _parts(self, argument: list[Token]) -> None:
         if argument[0].text in ("[", "{"):
             inside = argument[1 : closing(argument, 0)]
-            if any(token.text in _LINKS for token in inside):
+            if any(token.text in LINKS for token in inside):
                 return
             rows = matrix_rows(inside)
             words = [text_of(element).replace(" ", "") for row in rows for element in row]
@@ -365,9 +210,9 @@ class _Program:
         self.table.typed = True
         return self.table
 
-    def _ordered(self) -> list[_Link]:
+    def _ordered(self) -> list[Link]:
         """The links in the order of the robot, or of their numbers, or of the text."""
-        by_target: dict[str, _Link] = {}
+        by_target: dict[str, Link] = {}
         for link in self.links:
             if link.target in by_target:
                 raise DHError.single("", f"line {link.line}: {link.target} is made twice; keep one")
@@ -472,9 +317,9 @@ class _Program:
         for row in rows:
             if not 4 <= len(row) <= 6:
                 raise DHError.single(
-                    "", f"line {line}: a row of a robot has 4 to 6 numbers: {', '.join(_ORDER)}"
+                    "", f"line {line}: a row of a robot has 4 to 6 numbers: {', '.join(ORDER)}"
                 )
-            link = _Link(row[0][0].line, {}, None, None, "")
-            self._from_vector(link, row)
+            link = Link(row[0][0].line, {}, None, None, "")
+            fill_from_vector(link, row)
             self.links.append(link)
         return self._of_links()
