@@ -12,7 +12,7 @@ from app.query import number
 from app.settings import Settings
 from app.text import render_text
 from app.units import Units
-from dh_to_urdf import DHError, read_json, read_yaml
+from dh_to_urdf import DHError, read_json, read_par, read_yaml
 from kinematics.errors import KinematicsError
 from kinematics.warm import warm_up
 from robots.errors import RobotError
@@ -81,7 +81,7 @@ def list_robots() -> None:
 @click.option("--frame", "frames", multiple=True, help="Frame name; may be repeated.")
 @click.option("--euler", help="Also Euler angles, e.g. ZXZ.")
 def forward(robot: str, q: str, angle: str, frames: tuple[str, ...], euler: str | None) -> None:
-    """Forward kinematics of ROBOT (an id, or a .yaml, .json, .csv or .urdf file) at Q.
+    """Forward kinematics of ROBOT (an id, or a .yaml, .json, .par or .urdf file) at Q.
 
     Q is comma-separated: denavit fk puma560 0,pi/4,-90deg,0,45deg,0
     """
@@ -113,6 +113,8 @@ def _load(robot: str) -> Robot:
         raise click.ClickException(f"{robot}: {error.strerror}") from None
     if path.suffix in (".urdf", ".xml"):
         return robot_from_urdf(content)
+    if path.suffix == ".par":
+        return robot_from_table(read_par(content))
     if path.suffix == ".csv":
         raise click.ClickException("CSV says no convention: convert it with dh-to-urdf first")
     reader = read_json if path.suffix == ".json" else read_yaml

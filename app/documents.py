@@ -1,4 +1,4 @@
-"""Robot documents of requests -> Robot: D-H tables as JSON, YAML or CSV, and URDF."""
+"""Robot documents of requests -> Robot: D-H tables in every format, and URDF."""
 
 from __future__ import annotations
 
@@ -8,17 +8,39 @@ from typing import Any
 
 from fastapi import Request
 
+from app.problems import INVALID_REQUEST, RequestProblem
 from app.query import check_query
 from app.wire import media_type, unsupported
-from dh_to_urdf import DHError, read_csv, read_json, read_mapping, read_yaml
+from dh_to_urdf import (
+    DHError,
+    read_csv,
+    read_json,
+    read_mapping,
+    read_par,
+    read_pasted,
+    read_yaml,
+    split_values,
+)
 from robots.errors import InvalidURDF
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 
 JSON_TYPES = ("application/json",)
 YAML_TYPES = ("application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml")
 CSV_TYPES = ("text/csv",)
+PAR_TYPES = ("text/x-symoro", "application/x-symoro")
+PASTED_TYPES = (
+    "text/plain",
+    "text/markdown",
+    "text/tab-separated-values",
+    "text/x-tex",
+    "application/x-tex",
+    "application/x-latex",
+    "text/x-matlab",
+    "text/x-python",
+)
 XML_TYPES = ("application/xml", "text/xml", "application/urdf+xml")
-ACCEPTED = ("application/json", "application/yaml", "text/csv", "application/xml")
+TABLES = ("application/json", "application/yaml", "text/csv", "text/x-symoro", "text/plain")
+ACCEPTED = (*TABLES, "application/xml")
 
 _NOT_ID = re.compile(r"[^A-Za-z0-9._-]+")
 
@@ -27,7 +49,7 @@ def robot_from_body(request: Request, body: bytes, default_name: str | None) -> 
     """Reads the robot of a request by its content type.
 
     Args:
-        request: Says the content type and the parameters that CSV and URDF need.
+        request: Says the content type and the parameters that some of them need.
         body: The document.
         default_name: Name for a table that says none; None requires one.
 
@@ -41,10 +63,37 @@ def robot_from_body(request: Request, body: bytes, default_name: str | None) -> 
         check_query(request, "tip", "base", "name", common=("format",))
         return robot_from_urdf(body, base=query.get("base"), tip=query.get("tip"))
     if kind in CSV_TYPES:
-        check_query(request, "convention", "name", "length")
+        check_query(request, "convention", "name", "length", "values")
         name = query.get("name", default_name or "")
         angle, length = query.get("angle", "rad"), query.get("length", "m")
-        return robot_from_table(read_csv(body, query.get("convention"), name, angle, length))
+        return robot_from_table(
+            read_csv(body, query.get("convention"), name, angle, length, _values(request))
+        )
+    if kind in PAR_TYPES:
+        check_query(request, "name", "values", "loops", common=("format",))
+        return robot_from_table(
+            read_par(
+                body,
+                query.get("name"),
+                _values(request),
+                cut_loops=_cut_loops(request),
+                default_name=default_name,
+            )
+        )
+    if kind in PASTED_TYPES:
+        check_query(request, "convention", "name", "length", "values", "columns")
+        return robot_from_table(
+            read_pasted(
+                body,
+                query.get("convention"),
+                query.get("name"),
+                query.get("angle"),
+                query.get("length", "m"),
+                _values(request),
+                query.get("columns"),
+                default_name,
+            )
+        )
     check_query(request, "name", common=("format",))
     default_name = query.get("name", default_name)
     if kind in JSON_TYPES:
@@ -52,6 +101,22 @@ def robot_from_body(request: Request, body: bytes, default_name: str | None) -> 
     if kind in YAML_TYPES:
         return robot_from_table(read_yaml(body, default_name))
     raise unsupported(kind, ACCEPTED)
+
+
+def _values(request: Request) -> dict[str, str] | None:
+    """``?values=D3:0.45,RL4:450mm``: numbers for the names in the cells."""
+    text = request.query_params.get("values")
+    return None if text is None else split_values(text)
+
+
+def _cut_loops(request: Request) -> bool:
+    """``?loops=cut``: the spanning tree of a robot with closed loops."""
+    text = request.query_params.get("loops")
+    if text not in (None, "cut"):
+        raise RequestProblem(
+            INVALID_REQUEST, f"loops is {text[:32]!r}; give cut, or leave it out", "/loops"
+        )
+    return text == "cut"
 
 
 def robot_from_inline(document: Mapping[str, Any]) -> Robot:

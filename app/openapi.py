@@ -276,6 +276,11 @@ def table_schemas() -> dict[str, Any]:
             },
             "base": _PLACEMENT,
             "tool": _PLACEMENT,
+            "values": {
+                "type": "object",
+                "description": "Numbers for names in the cells, such as L1.",
+                "additionalProperties": cell,
+            },
             "joints": {"type": "array", "minItems": 1, "items": row},
         },
         "additionalProperties": False,

@@ -22,6 +22,7 @@ from app.problems import (
     RequestProblem,
 )
 from app.text import render_text
+from dh_to_urdf.table_texts import TABLE_TEXTS
 from robots.robot import FloatArray
 
 T = TypeVar("T")
@@ -43,7 +44,9 @@ _TYPE_NAMES = (
     ("array", "a list"),
     ("bool", "true or false"),
 )
-_FORMATS = {"json": JSON, "text": TEXT, "npy": NPY, "ndjson": NDJSON}
+_FORMATS = {"json": JSON, "text": TEXT, "npy": NPY, "ndjson": NDJSON} | {
+    name: form.media_type for name, form in TABLE_TEXTS.items()
+}
 
 
 def media_type(request: Request) -> str:

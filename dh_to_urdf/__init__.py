@@ -3,8 +3,12 @@
 from dh_to_urdf.errors import DHError, Problem
 from dh_to_urdf.mapping import read_mapping
 from dh_to_urdf.matrices import DHMatrices, dh_matrices, link_matrix
+from dh_to_urdf.par import read_par
+from dh_to_urdf.par_writer import table_to_par
+from dh_to_urdf.pasted import read_pasted
 from dh_to_urdf.readers import read_csv, read_json, read_yaml
 from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType, Limits
+from dh_to_urdf.values import split_values
 from dh_to_urdf.writer import table_to_urdf
 
 __all__ = [
@@ -22,6 +26,10 @@ __all__ = [
     "read_csv",
     "read_json",
     "read_mapping",
+    "read_par",
+    "read_pasted",
     "read_yaml",
+    "split_values",
+    "table_to_par",
     "table_to_urdf",
 ]

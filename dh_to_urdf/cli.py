@@ -2,64 +2,119 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from dh_to_urdf.errors import DHError
+from dh_to_urdf.par import read_par
+from dh_to_urdf.pasted import read_pasted
 from dh_to_urdf.readers import read_csv, read_json, read_yaml
 from dh_to_urdf.table import DHTable
+from dh_to_urdf.table_texts import TABLE_TEXTS
+from dh_to_urdf.values import split_values
 from dh_to_urdf.writer import table_to_urdf
+
+PASTED = (".tex", ".md", ".tsv", ".m", ".py", ".txt")
+
+
+@dataclass(frozen=True)
+class _Options:
+    """What a file does not say itself."""
+
+    convention: str | None
+    name: str | None
+    angle: str | None
+    length: str
+    values: str | None
+    columns: str | None
+    cut_loops: bool
 
 
 @click.command()
 @click.argument("table", type=click.Path(exists=True, dir_okay=False, allow_dash=True))
 @click.option("-o", "--output", type=click.Path(dir_okay=False), help="URDF file; default: print.")
-@click.option("--convention", help="standard, modified or khalil; CSV tables need it.")
-@click.option("--name", help="Name of the robot, for CSV tables.")
-@click.option("--angle", type=click.Choice(["rad", "deg"]), default="rad", help="CSV angle unit.")
-@click.option("--length", type=click.Choice(["m", "mm"]), default="m", help="CSV length unit.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["urdf", *TABLE_TEXTS]),
+    default="urdf",
+    help="What to write; default: urdf.",
+)
+@click.option("--convention", help="standard, modified or khalil; CSV and pasted text need it.")
+@click.option("--name", help="Name of the robot, for CSV, .par and pasted text.")
+@click.option("--angle", type=click.Choice(["rad", "deg"]), help="Angle unit of CSV, pasted text.")
+@click.option("--length", type=click.Choice(["m", "mm"]), default="m", help="Their length unit.")
+@click.option("--values", help="Numbers for names in the cells: D3:0.45,RL4:450mm.")
+@click.option("--columns", help="Columns of pasted text without a heading: theta,d,a,alpha.")
+@click.option("--cut-loops", is_flag=True, help="Read the spanning tree of a .par with loops.")
 @click.option("--visuals/--no-visuals", default=True, help="Draw cylinders along a and d.")
 @click.option("--check", is_flag=True, help="Load the result with yourdfpy (extra: check).")
 def main(
     table: str,
     output: str | None,
+    form: str,
     convention: str | None,
     name: str | None,
-    angle: str,
+    angle: str | None,
     length: str,
+    values: str | None,
+    columns: str | None,
+    cut_loops: bool,
     visuals: bool,
     check: bool,
 ) -> None:
-    """Turns a Denavit-Hartenberg TABLE (.json, .yaml, .csv, or - for standard input) into URDF."""
+    """Turns a Denavit-Hartenberg TABLE into URDF.
+
+    TABLE is .json, .yaml, .csv, .par (SYMORO), or text with a table in it: .tex, .md, .tsv, .txt,
+    .m or .py; - is standard input.
+    """
     with click.open_file(table, "rb") as stream:
         content = stream.read()
+    options = _Options(convention, name, angle, length, values, columns, cut_loops)
     try:
-        parsed = _read(table, content, convention, name, angle, length)
+        parsed = _read(table, content, options)
+        text = None if form == "urdf" else TABLE_TEXTS[form].write(parsed)
     except DHError as error:
         for problem in error.problems:
             click.echo(f"{problem.pointer or '/'}: {problem.message}", err=True)
         raise SystemExit(1) from None
     for warning in parsed.warnings:
         click.echo(f"warning: {warning}", err=True)
-    urdf = table_to_urdf(parsed, visuals=visuals)
-    if check:
-        _check(urdf)
+    if text is None:
+        text = table_to_urdf(parsed, visuals=visuals) + "\n"
+        if check:
+            _check(text)
     if output is None:
-        click.echo(urdf)
+        click.echo(text, nl=False)
     else:
         try:
-            Path(output).write_text(urdf + "\n", encoding="utf-8")
+            Path(output).write_text(text, encoding="utf-8")
         except OSError as error:
             raise click.ClickException(f"{output}: {error.strerror}") from None
 
 
-def _read(
-    path: str, content: bytes, convention: str | None, name: str | None, angle: str, length: str
-) -> DHTable:
-    suffix = Path(path).suffix.lower()
-    if suffix in {".csv", ".tsv"} or (suffix == "" and convention is not None):
-        return read_csv(content, convention, name, angle, length)
+def _read(path: str, content: bytes, options: _Options) -> DHTable:
+    suffix, given = Path(path).suffix.lower(), options
+    values = None if given.values is None else split_values(given.values)
+    if suffix == ".par":
+        return read_par(content, given.name, values, cut_loops=given.cut_loops)
+    if suffix in PASTED:
+        return read_pasted(
+            content,
+            given.convention,
+            given.name,
+            given.angle,
+            given.length,
+            values,
+            given.columns,
+        )
+    if suffix == ".csv" or (suffix == "" and given.convention is not None):
+        angle = given.angle or "rad"
+        return read_csv(content, given.convention, given.name, angle, given.length, values)
+    if values is not None:
+        raise click.UsageError("--values is for text; a JSON or YAML table has a field values")
     if suffix == ".json":
         return read_json(content)
     return read_yaml(content)

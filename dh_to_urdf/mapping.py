@@ -14,6 +14,7 @@ from dh_to_urdf.errors import DHError, quoted
 from dh_to_urdf.placements import read_placement
 from dh_to_urdf.rows import RowReader, check_names, check_tree
 from dh_to_urdf.table import Convention, DHTable
+from dh_to_urdf.values import read_values, refuse_unused
 
 MAX_ROWS = 300
 DEFAULT_NAME = "robot"
@@ -33,7 +34,7 @@ CONVENTION_ALIASES = {
 }
 _ANGLE_UNITS = {"rad": 1.0, "deg": math.pi / 180}
 _LENGTH_UNITS = {"m": 1.0, "mm": 1e-3}
-_TABLE_FIELDS = ("name", "convention", "units", "base", "tool", "joints")
+_TABLE_FIELDS = ("name", "convention", "units", "base", "tool", "joints", "values")
 _NOTE_FIELDS = ("title", "description", "source")
 
 
@@ -78,6 +79,7 @@ def read_mapping(
     tool = read_placement(
         data.get("tool"), "/tool", units.angle, units.length, report.add, warnings
     )
+    values = read_values(data.get("values"))
     joints = data.get("joints")
     if not isinstance(joints, list) or not joints:
         report.add("/joints", "joints is missing or empty; give a list with one entry a joint")
@@ -88,11 +90,13 @@ def read_mapping(
         )
     report.raise_if_any()
     assert convention is not None
-    reader = RowReader(convention, units, report, columns)
+    reader = RowReader(convention, units, report, columns, values)
     rows = [row for k, item in enumerate(joints) if (row := reader.read(k, item)) is not None]
     check_names(rows, report)
     report.raise_if_any()
     check_tree(rows, report)
+    report.raise_if_any()
+    refuse_unused(values, report)
     report.raise_if_any()
     return DHTable(name, convention, tuple(rows), base, tool, tuple(warnings))
 

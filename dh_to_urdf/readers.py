@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections import Counter
+from collections.abc import Mapping
 from typing import Any
 
 from ruamel.yaml import YAML
@@ -102,6 +103,7 @@ def read_csv(
     name: str | None = None,
     angle: str = "rad",
     length: str = "m",
+    values: Mapping[str, Any] | None = None,
 ) -> DHTable:
     """Reads a table from CSV with a header line and one line a joint.
 
@@ -114,6 +116,7 @@ def read_csv(
         name: Name of the robot.
         angle: Unit of plain angles, ``rad`` or ``deg``.
         length: Unit of plain lengths, ``m`` or ``mm``.
+        values: Numbers for the names in the cells.
 
     Raises:
         DHError: Not a usable table.
@@ -156,6 +159,8 @@ def read_csv(
     document: dict[str, Any] = {"units": {"angle": angle, "length": length}, "joints": rows}
     if convention is not None:
         document["convention"] = convention
+    if values is not None:
+        document["values"] = values
     if name:
         document["name"] = name
     return read_mapping(document, None if name == "" else DEFAULT_NAME, tuple(columns))

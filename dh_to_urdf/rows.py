@@ -11,6 +11,7 @@ from dh_to_urdf.errors import quoted
 from dh_to_urdf.expressions import MAX_MAGNITUDE, Cell, CellError, Quantity, parse_cell
 from dh_to_urdf.placements import read_inertial
 from dh_to_urdf.table import Convention, DHRow, Inertial, JointType, Limits
+from dh_to_urdf.values import Values
 
 TYPE_ALIASES = {
     "revolute": JointType.REVOLUTE,
@@ -29,6 +30,8 @@ _ROW_FIELDS = {
     Convention.MODIFIED: (*_COMMON, "a"),
     Convention.KHALIL: (*_COMMON, "r", "ant", "sigma", "mu", "gamma", "b"),
 }
+OWN_LETTERS = {"theta": ("q", "theta"), "d": ("q", "d"), "r": ("q", "r", "d")}
+"""Letters of the joint variable in its own column."""
 LIMIT_FIELDS = ("lower", "upper", "velocity", "effort")
 
 
@@ -41,11 +44,13 @@ class RowReader:
         units: Units,
         report: Report,
         columns: tuple[str, ...] | None,
+        values: Values,
     ) -> None:
         self.convention = convention
         self.units = units
         self.report = report
         self.columns = columns
+        self.values = values
 
     def read(self, k: int, item: object) -> DHRow | None:
         """Reads row k (from 0), or gives None after reporting why not."""
@@ -206,18 +211,22 @@ class RowReader:
                 what = f"column {column} is missing" if missing else f"{column} is missing"
                 self.report.add(where, f"{label}: {what}; give it, 0 if it is zero")
             return Cell(0.0)
+        letters = OWN_LETTERS.get(column, ())
+        values = self.values.without_variable(letters, k + 1) if own else self.values
         try:
-            cell = parse_cell(item[column], quantity, self.units.of(quantity))
+            cell = parse_cell(
+                item[column], quantity, self.units.of(quantity), values, self.units.angle
+            )
         except CellError as error:
             self.report.add(where, f"{label}: {column} {error}")
             return Cell(0.0)
         if cell.variable is not None:
-            letters = {"theta": ("q", "theta"), "d": ("q", "d"), "r": ("q", "r", "d")}
-            if not own or cell.variable not in letters.get(column, ()):
+            if not own or cell.variable not in letters:
                 self.report.add(
                     where,
-                    f"{label}: {column} is {quoted(item[column])}, but the joint variable belongs"
-                    " in theta (revolute) or in the length along z (prismatic)",
+                    f"{label}: {column} is {quoted(cell.text)}, but the joint variable belongs"
+                    " in theta (revolute) or in the length along z (prismatic); if it is a"
+                    f" constant, give values {cell.name}:0.5",
                 )
             elif cell.index is not None and cell.index != k + 1:
                 self.report.add(
@@ -276,7 +285,7 @@ class RowReader:
                 continue
             of = Quantity.NUMBER if key == "effort" else quantity
             try:
-                cell = parse_cell(raw[key], of, self.units.of(of))
+                cell = parse_cell(raw[key], of, self.units.of(of), self.values, self.units.angle)
             except CellError as error:
                 self.report.add(f"{where}/{key}", f"{label}: limits.{key} {error}")
                 continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter, Request, Response
 
 from app.dependencies import ServicesDep
-from app.documents import XML_TYPES, robot_from_body
+from app.documents import TABLES, XML_TYPES, robot_from_body
 from app.openapi import PROBLEMS, REF
 from app.wire import media_type, read_body, unsupported
 
@@ -23,11 +23,11 @@ def build_router(max_body: int) -> APIRouter:
                  openapi_extra={"requestBody": {"required": True, "content": {
                      "application/json": {"schema": {"$ref": REF.format(name="DHTable")}},
                      "application/yaml": {"schema": {"$ref": REF.format(name="DHTable")}},
-                     "text/csv": {"schema": {"type": "string"}}}}})  # fmt: skip
+                     **{kind: {"schema": {"type": "string"}}
+                        for kind in ("text/csv", "text/x-symoro", "text/plain")}}}})  # fmt: skip
     async def dh_to_urdf(request: Request, services: ServicesDep) -> Response:
         if media_type(request) in XML_TYPES:
-            accepted = ("application/json", "application/yaml", "text/csv")
-            raise unsupported(media_type(request), accepted)
+            raise unsupported(media_type(request), TABLES)
         body = await read_body(request, max_body)
         robot = await services.loaded(lambda: robot_from_body(request, body, "robot"))
         return Response(robot.urdf, media_type="application/xml")

@@ -10,19 +10,22 @@ import numpy as np
 from fastapi import APIRouter, Path, Request, Response
 
 from app.dependencies import RobotDep, ServicesDep
-from app.documents import id_from_name, robot_from_body
+from app.documents import PAR_TYPES, PASTED_TYPES, id_from_name, robot_from_body
 from app.openapi import PROBLEMS, REF
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.query import check_query, units_of
 from app.units import Units
-from app.wire import JSON, TEXT, read_body, respond, wanted_type
+from app.wire import JSON, TEXT, media_type, read_body, respond, wanted_type
 from dh_to_urdf.documents import table_to_mapping
 from dh_to_urdf.mapping import CONVENTION_ALIASES
+from dh_to_urdf.table_texts import TABLE_TEXTS
 from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.robot import Robot
 from robots.store import StoredRobot
 
 DEFAULT_PAGE, MAX_PAGE = 100, 1000
+WRITERS = {form.media_type: form.write for form in TABLE_TEXTS.values()}
+"""Written forms of a table by media type."""
 
 _EXAMPLE = {
     "name": "my_arm",
@@ -38,6 +41,15 @@ _EXAMPLE = {
 _CSV_EXAMPLE = (
     "name,type,alpha,a,d,theta,offset,sign,lower,upper\n"
     "j1,R,pi/2,0,0.4,0,0,1,-170deg,170deg\nj2,R,0,0.3,0,0,0,1,-120deg,120deg\n"
+)
+_PAR_EXAMPLE = (
+    "(* Robotname = 'planar' *)\nNL = 2\nNJ = 2\nNF = 2\nType = 0\n"
+    "ant = {0,1}\nsigma = {0,0}\nb = {0,0}\nd = {0,0.5}\nr = {0,0}\ngamma = {0,0}\n"
+    "alpha = {0,0}\nmu = {1,1}\ntheta = {th1,th2}\n"
+)
+_PASTED_EXAMPLE = (
+    "| i | α_i | a_i | d_i | θ_i |\n|---|-----|-----|-----|-----|\n"
+    "| 1 | 90° | 0 | 0,4 | θ_1 |\n| 2 | 0 | 0.3 | 0 | θ_2 - π/2 |\n"
 )
 
 
@@ -168,6 +180,8 @@ def build_router(max_body: int) -> APIRouter:
                     "schema": {"$ref": REF.format(name="DHTable")}, "example": _EXAMPLE},
                 "application/yaml": {"schema": {"$ref": REF.format(name="DHTable")}},
                 "text/csv": {"schema": {"type": "string"}, "example": _CSV_EXAMPLE},
+                "text/x-symoro": {"schema": {"type": "string"}, "example": _PAR_EXAMPLE},
+                "text/plain": {"schema": {"type": "string"}, "example": _PASTED_EXAMPLE},
                 "application/xml": {"schema": {"type": "string"}},
             },
         },
@@ -176,9 +190,12 @@ def build_router(max_body: int) -> APIRouter:
              "description": text}
             for name, text in (
                 ("name", "Name of the robot, where the document gives none or another."),
-                ("convention", "CSV: standard, modified or khalil."),
-                ("angle", "CSV: rad (default) or deg."),
-                ("length", "CSV: m (default) or mm."),
+                ("convention", "CSV and pasted text: standard, modified or khalil."),
+                ("angle", "CSV and pasted text: rad (default) or deg."),
+                ("length", "CSV and pasted text: m (default) or mm."),
+                ("columns", "Pasted text without a heading: its columns, as theta,d,a,alpha."),
+                ("values", "Numbers for names in cells, as D3:0.45,RL4:450mm."),
+                ("loops", "SYMORO: cut reads the spanning tree of a robot with closed loops."),
                 ("tip", "URDF: default tip frame."),
                 ("base", "URDF: frame in whose axes results are given."),
             )
@@ -240,7 +257,7 @@ def build_router(max_body: int) -> APIRouter:
 
         def put() -> tuple[StoredRobot, bool]:
             robot = robot_from_body(request, body, default_name=robot_id)
-            _check_name(robot, robot_id)
+            _check_name(request, robot, robot_id)
             try:
                 return services.store.put(
                     robot_id, robot, create_only=not replace, if_match=_if_match(request)
@@ -275,7 +292,12 @@ def build_router(max_body: int) -> APIRouter:
 
     @router.get("/{robot_id}/dh", summary="The D-H table of a robot made from one",
                 responses={200: {"description": "The table.", "content": {
-                    JSON: {"schema": {"$ref": REF.format(name="DHTable")}}}}})  # fmt: skip
+                    JSON: {"schema": {"$ref": REF.format(name="DHTable")}},
+                    **{kind: {"schema": {"type": "string"}} for kind in (TEXT, *WRITERS)}}}},
+                openapi_extra={"parameters": [
+                    {"name": "format", "in": "query", "schema": {
+                        "type": "string", "enum": ["json", "text", *TABLE_TEXTS]},
+                     "description": "Instead of the Accept header."}]})  # fmt: skip
     async def read_dh(request: Request, stored: RobotDep) -> Response:
         check_query(request, "convention", common=("format",))
         return _table_answer(request, stored)
@@ -302,15 +324,16 @@ def _created(request: Request, stored: StoredRobot, wanted: str) -> Response:
     return respond(robot_view(stored, Units()), wanted, status=201, headers=headers)
 
 
-def _check_name(robot: Robot, robot_id: str) -> None:
+def _check_name(request: Request, robot: Robot, robot_id: str) -> None:
     """A table's own name must be the path's id; a URDF keeps the name that it has."""
     if robot.table is None:
         return
     if id_from_name(robot.name) != robot_id:
+        text = media_type(request) in (*PAR_TYPES, *PASTED_TYPES)
+        remedy = f"give name={robot_id} in the query" if text else "leave name out"
         raise RequestProblem(
             INVALID_REQUEST,
-            f"name is {robot.name!r} but the path says {robot_id!r}; make them equal or leave name"
-            " out",
+            f"name is {robot.name!r} but the path says {robot_id!r}; make them equal or {remedy}",
             "/name",
         )
 
@@ -330,8 +353,10 @@ def _table_answer(request: Request, stored: StoredRobot) -> Response:
             "/convention",
         )
     tag = etag(stored.robot)
-    wanted = wanted_type(request, JSON, TEXT)
-    payload = table_to_mapping(table)
-    return _not_modified(request, tag) or respond(
-        payload, wanted, headers={"ETag": tag, "Vary": "Accept"}
+    headers = {"ETag": tag, "Vary": "Accept"}
+    wanted = wanted_type(request, JSON, TEXT, *WRITERS)
+    return _not_modified(request, tag) or (
+        Response(WRITERS[wanted](table), 200, headers, f"{wanted}; charset=utf-8")
+        if wanted in WRITERS
+        else respond(table_to_mapping(table), wanted, headers=headers)
     )

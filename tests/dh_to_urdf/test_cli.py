@@ -6,7 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from dh_to_urdf import read_csv, read_mapping, read_yaml, table_to_urdf
+from dh_to_urdf import (
+    read_csv,
+    read_mapping,
+    read_par,
+    read_yaml,
+    table_to_par,
+    table_to_urdf,
+)
+from dh_to_urdf.table_texts import TABLE_TEXTS
 
 COMMAND = Path(sys.executable).parent / "dh-to-urdf"
 YAML = """\
@@ -103,3 +111,48 @@ def test_check_loads_the_result_with_an_independent_reader(document):
 def test_a_missing_file_is_a_usage_error(tmp_path):
     result = run(tmp_path / "nothing.yaml")
     assert (result.returncode, "does not exist" in result.stderr) == (2, True)
+
+
+PAR = Path(__file__).parents[1] / "fixtures" / "par"
+
+
+def test_par_files_take_values_and_are_written(tmp_path):
+    output = tmp_path / "rx90.par"
+    values = ("--values", "D3:0.45,RL4:450mm")
+    result = run(PAR / "rx90.par", *values, "--format", "par", "-o", output)
+    assert (result.returncode, result.stderr) == (0, "")
+    table = read_par((PAR / "rx90.par").read_text(), values={"D3": 0.45, "RL4": 0.45})
+    assert output.read_text() == table_to_par(table)
+    refused = run(PAR / "rx90.par")
+    assert (refused.returncode, "'D3'" in refused.stderr) == (1, True)
+
+
+def test_closed_loops_are_cut():
+    values = ("--values", "d2:0.3,d3:0.8,d4:0.14,d8:0.5,RL4:1")
+    result = run(PAR / "sr400.par", *values, "--cut-loops")
+    assert (result.returncode, result.stdout.count("continuous")) == (0, 8)
+    assert result.stderr.startswith("warning: closed loops are cut")
+
+
+@pytest.mark.parametrize(("suffix", "form"), [("tex", "latex"), ("m", "matlab")])
+def test_pasted_text_is_read_by_its_suffix(document, suffix, form):
+    table = read_yaml(YAML)
+    path = document(f"two_r.{suffix}", TABLE_TEXTS[form].write(table))
+    result = run(path, "--convention", "modified", "--name", "two_r", "--format", "markdown")
+    assert result.returncode == 0, result.stderr
+    heading = TABLE_TEXTS["markdown"].write(table).splitlines()[:2]
+    assert result.stdout.splitlines()[:2] == heading
+    assert "| 2 |" in result.stdout
+    assert "-2 rad" in result.stdout
+
+
+def test_columns_and_units_of_pasted_text(document):
+    path = document("bare.txt", "0 400 0 90\n0 0 300 0\n")
+    options = ("--convention", "dh", "--columns", "theta,d,a,alpha", "--angle", "deg")
+    result = run(path, *options, "--length", "mm", "--format", "tsv")
+    assert result.stdout.splitlines()[1] == "1\tR\tpi/2\t0\t0.4\ttheta1"
+
+
+def test_values_are_not_for_documents_that_have_them(document):
+    result = run(document("two_r.yaml", YAML), "--values", "a:1")
+    assert (result.returncode, "field values" in result.stderr) == (2, True)

@@ -174,7 +174,7 @@ def test_prismatic_variables_have_lengths_as_offsets(cell, letter, value):
         ("sqrt(-1)", "square root"),
         ("sqrt(pi)", "square root"),
         ("sqrt 2", "parentheses after sqrt"),
-        ("cos(0)", "unknown name 'cos'"),
+        ("log(0)", "unknown name 'log'"),
         ("foo", "unknown name 'foo'"),
         ("90 grad", "unknown name 'grad'"),
         ("deg", "unknown name"),

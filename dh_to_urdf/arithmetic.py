@@ -1,0 +1,284 @@
+"""Sums and products of a cell: a tokenizer and a recursive descent, never ``eval``."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Protocol
+
+from dh_to_urdf.errors import quoted
+
+_NUMBER = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_TOKEN = re.compile(
+    rf"\s*(?:(?P<number>{_NUMBER})|(?P<word>[^\W\d_]\w*)|(?P<symbol>[-+*/(),°]))", re.UNICODE
+)
+_VARIABLE = re.compile(r"(?P<letter>q|theta|th|t|θ|ϑ|d|r)_?(?P<index>\d{0,6})")
+_ANGLE_UNITS = {"deg": math.pi / 180, "rad": 1.0}
+_LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
+_TURNS = {"sin": math.sin, "cos": math.cos, "tan": math.tan}
+FUNCTIONS = ("sqrt", "sin", "cos", "tan", "atan2", "deg2rad", "radians")
+
+
+class CellError(ValueError):
+    """A cell that cannot be read; the message says why and what to write."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sum:
+    """``plain + angle rad + length m + coefficient * variable``, plain in the table's units."""
+
+    plain: float = 0.0
+    angle: float = 0.0
+    length: float = 0.0
+    coefficient: float = 0.0
+    variable: tuple[str, int | None] | None = None
+    has_angle: bool = False
+    has_length: bool = False
+
+    def scaled(self, factor: float) -> Sum:
+        """The sum times a number."""
+        return Sum(
+            self.plain * factor,
+            self.angle * factor,
+            self.length * factor,
+            self.coefficient * factor,
+            self.variable,
+            self.has_angle,
+            self.has_length,
+        )
+
+    def divided(self, divisor: float) -> Sum:
+        """The sum divided by a number."""
+        return Sum(
+            self.plain / divisor,
+            self.angle / divisor,
+            self.length / divisor,
+            self.coefficient / divisor,
+            self.variable,
+            self.has_angle,
+            self.has_length,
+        )
+
+    def plus(self, other: Sum) -> Sum:
+        """The sum of both.
+
+        Raises:
+            CellError: They hold two joint variables.
+        """
+        if self.variable and other.variable and self.variable != other.variable:
+            raise CellError(
+                "has two joint variables; a cell may hold one (constants are given in values)"
+            )
+        return Sum(
+            self.plain + other.plain,
+            self.angle + other.angle,
+            self.length + other.length,
+            self.coefficient + other.coefficient,
+            self.variable or other.variable,
+            self.has_angle or other.has_angle,
+            self.has_length or other.has_length,
+        )
+
+    @property
+    def is_plain(self) -> bool:
+        """True for a number without unit and variable."""
+        return not (self.has_angle or self.has_length or self.variable)
+
+
+def parse_sum(text: str, values: Lookup | None = None, angle: float = 1.0) -> Sum:
+    """Reads the arithmetic of one cell.
+
+    Args:
+        text: The cell, at most a few hundred characters: they bound the depth of the descent.
+        values: What names stand for, without underscores; None where no names can be given.
+        angle: Factor of plain numbers in ``sin``, ``cos`` and ``tan`` to rad.
+
+    Raises:
+        CellError: The text cannot be read.
+        OverflowError: A number is not finite.
+    """
+    return _Parser(text, values, angle).parse()
+
+
+def variable_of(name: str) -> tuple[str, int | None] | None:
+    """Letter and index of a joint variable (``th3`` is ``("theta", 3)``), None if it is none."""
+    match = _VARIABLE.fullmatch(name)
+    if match is None:
+        return None
+    letter = match["letter"]
+    return (
+        "theta" if letter in {"t", "th", "θ", "ϑ"} else letter,
+        int(match["index"]) if match["index"] else None,
+    )
+
+
+class Lookup(Protocol):
+    """What names stand for."""
+
+    def get(self, name: str, /) -> Sum | None:
+        """The value of a name without underscores, or None."""
+
+
+class _Parser:
+    """Recursive descent over one cell."""
+
+    def __init__(self, text: str, values: Lookup | None, angle: float) -> None:
+        self.tokens = list(self._tokens(text))
+        self.position = 0
+        self.values = values
+        self.angle = angle
+
+    @staticmethod
+    def _tokens(text: str) -> list[tuple[str, str]]:
+        tokens, position = [], 0
+        stripped = text.rstrip()
+        while position < len(stripped):
+            match = _TOKEN.match(stripped, position)
+            if match is None:
+                raise CellError(f"has an unexpected {stripped[position:].lstrip()[:1]!r}")
+            kind = match.lastgroup or ""
+            tokens.append((kind, match.group(kind)))
+            position = match.end()
+        return tokens
+
+    def peek(self) -> tuple[str, str]:
+        return self.tokens[self.position] if self.position < len(self.tokens) else ("end", "")
+
+    def take(self, *symbols: str) -> str | None:
+        kind, text = self.peek()
+        if kind == "symbol" and text in symbols:
+            self.position += 1
+            return text
+        return None
+
+    def parse(self) -> Sum:
+        result = self.sum()
+        if self.peek()[0] != "end":
+            raise CellError(f"has an unexpected {self.peek()[1]!r}")
+        return result
+
+    def sum(self) -> Sum:
+        result = self.product()
+        while symbol := self.take("+", "-"):
+            term = self.product()
+            result = result.plus(term if symbol == "+" else term.scaled(-1.0))
+        return result
+
+    def product(self) -> Sum:
+        result = self.signed()
+        while True:
+            if self.take("*"):
+                result = self._times(result, self.signed())
+            elif self.take("/"):
+                divisor = self.signed()
+                if not divisor.is_plain:
+                    raise CellError("divides by something that is not a plain number")
+                if divisor.plain == 0.0:
+                    raise CellError("divides by zero")
+                result = result.divided(divisor.plain)
+            elif self.peek()[0] == "word" or self.peek() == ("symbol", "("):
+                result = self._times(result, self.signed())
+            else:
+                return result
+
+    @staticmethod
+    def _times(left: Sum, right: Sum) -> Sum:
+        if left.is_plain:
+            return right.scaled(left.plain)
+        if right.is_plain:
+            return left.scaled(right.plain)
+        raise CellError("multiplies two quantities that both carry a unit or a variable")
+
+    def signed(self) -> Sum:
+        if self.take("-"):
+            return self.signed().scaled(-1.0)
+        if self.take("+"):
+            return self.signed()
+        return self.with_unit(self.atom())
+
+    def with_unit(self, value: Sum) -> Sum:
+        kind, text = self.peek()
+        unit = "deg" if text == "°" else text.lower()
+        if unit in {"degree", "degrees"}:
+            unit = "deg"
+        if (kind, text) != ("symbol", "°") and (
+            kind != "word" or (unit not in _ANGLE_UNITS and unit not in _LENGTH_UNITS)
+        ):
+            return value
+        self.position += 1
+        if unit == "rad" and value.has_angle and not value.has_length and not value.variable:
+            return value
+        if not value.is_plain:
+            raise CellError(f"puts the unit {text!r} on something that is not a plain number")
+        if unit in _ANGLE_UNITS:
+            angle = math.radians(value.plain) if unit == "deg" else value.plain
+            return Sum(angle=angle, has_angle=True)
+        length = value.plain * _LENGTH_UNITS[unit]
+        if unit != "m":
+            length = value.plain / round(1.0 / _LENGTH_UNITS[unit])
+        return Sum(length=length, has_length=True)
+
+    def atom(self) -> Sum:
+        kind, text = self.peek()
+        self.position += 1
+        if kind == "number":
+            return Sum(plain=float(text))
+        if kind == "word":
+            return self._word(text)
+        if (kind, text) == ("symbol", "("):
+            inner = self.sum()
+            if not self.take(")"):
+                raise CellError("lacks a closing parenthesis")
+            return inner
+        raise CellError("ends too early" if kind == "end" else f"has an unexpected {text!r}")
+
+    def _word(self, text: str) -> Sum:
+        given = self.values.get(text.replace("_", "")) if self.values is not None else None
+        if given is not None:
+            return given
+        lowered = text.lower()
+        if lowered in {"pi", "π"}:
+            return Sum(angle=math.pi, has_angle=True)
+        if lowered in FUNCTIONS:
+            return self._function(lowered)
+        variable = variable_of(lowered)
+        if variable is None:
+            remedy = "" if self.values is None else f"; if it is a number, give values {text}:0.5"
+            raise CellError(f"has an unknown name {quoted(text, 20)}{remedy}")
+        return Sum(coefficient=1.0, variable=variable)
+
+    def _function(self, name: str) -> Sum:
+        if not self.take("("):
+            raise CellError(f"needs parentheses after {name}")
+        arguments = [self.sum()]
+        while self.take(","):
+            arguments.append(self.sum())
+        first, *others = arguments
+        if not self.take(")") or len(others) != (name == "atan2"):
+            wanted = 'two arguments, separated by ", "' if name == "atan2" else "one argument"
+            raise CellError(f"needs {wanted} in the parentheses after {name}")
+        if name == "atan2":
+            return self._atan2(first, others[0])
+        if name in _TURNS:
+            if first.has_length or first.variable:
+                raise CellError(f"takes the {name} of something that is no angle")
+            return Sum(plain=_TURNS[name](first.plain * self.angle + first.angle))
+        if not first.is_plain or (name == "sqrt" and first.plain < 0):
+            what = "square root of something that is not a plain number ≥ 0"
+            raise CellError(
+                f"takes the {what}" if name == "sqrt" else f"needs a plain number in {name}"
+            )
+        if name == "sqrt":
+            return Sum(plain=math.sqrt(first.plain))
+        return Sum(angle=math.radians(first.plain), has_angle=True)
+
+    @staticmethod
+    def _atan2(y: Sum, x: Sum) -> Sum:
+        for argument in (y, x):
+            mixed = argument.has_length and argument.plain != 0.0
+            if argument.has_angle or argument.variable or mixed:
+                raise CellError("takes the atan2 of something that is no number and no length")
+        if y.has_length != x.has_length and 0.0 not in (y.plain + y.length, x.plain + x.length):
+            raise CellError("takes the atan2 of a length and a plain number; give both alike")
+        return Sum(angle=math.atan2(y.plain + y.length, x.plain + x.length), has_angle=True)

@@ -1,0 +1,144 @@
+r"""Cells as they are typeset -> cells as ``expressions`` reads them.
+
+``-\frac{\pi}{2}`` becomes ``-(pi/2)``, ``90^\circ`` and ``90º`` become ``90°``, ``$\theta_1^*$``
+and ``θ₁`` become ``theta_1`` and ``θ1``. What is not known stays, for the reader to refuse.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+MAX_DEPTH = 20
+_TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}$^_~`]|[^\\{}$^_~`]", re.DOTALL)
+_GREEK = ("alpha", "beta", "gamma", "theta", "sigma", "mu", "pi", "phi", "varphi", "psi", "delta")
+_WORDS = {name: name for name in (*_GREEK, "sin", "cos", "tan")} | {
+    "vartheta": "theta", "cdot": "*", "times": "*", "div": "/", "circ": "°", "degree": "°",
+    "textdegree": "°", "star": "*", "ast": "*", "radian": "rad", "metre": "m", "meter": "m",
+    "milli": "m", "centi": "c", "pm": "±",
+}  # fmt: skip
+_WRAPPERS = {
+    "text", "mathrm", "mathbf", "mathit", "mathsf", "textbf", "textit", "textrm", "texttt",
+    "textnormal", "boldsymbol", "bm", "operatorname", "ensuremath", "mbox", "num", "unit", "si",
+    "underline", "textsc", "emph",
+}  # fmt: skip
+_SPACES = {
+    "left", "right", "displaystyle", "textstyle", "quad", "qquad", "bfseries", "itshape", "big",
+    "Big", "bigl", "bigr", "small", "centering", "limits", "rm", "bf", "it",
+}  # fmt: skip
+_FRACTIONS = {"frac", "dfrac", "tfrac", "cfrac", "nicefrac", "sfrac"}
+_QUANTITIES = {"SI", "qty"}
+_BARE = re.compile(r"[\w.]+")
+_CHARACTERS = {
+    **{ord("₀") + n: str(n) for n in range(10)},
+    **{ord(c): plain for c, plain in zip("ᵢⱼₖₙ₋", "ijkn-", strict=True)},
+    ord("º"): "°", ord("˚"): "°", ord("⁄"): "/", ord("⍺"): "α", ord("‐"): "-", ord("‑"): "-",
+    ord("‒"): "-", ord("∗"): "*", ord("\u202f"): " ", ord("\u2009"): " ", ord("\u00a0"): " ",
+    ord("π"): "pi", ord("ϑ"): "θ", ord("√"): "sqrt",
+}  # fmt: skip
+_STARRED = re.compile(r"((?:theta|th|θ|q|d|r|t)_?\d*)\s*\*(?=\s*(?:$|[-+−)]))")
+_BOLD = re.compile(r"^\*\*(.*)\*\*$")
+_GENERIC = re.compile(r"(?<![^\W_])(theta|θ|q|d|r)_[ijk](?!\w)")
+
+
+def plain_cell(text: str) -> str:
+    """A typeset cell as plain text; linear in its length, which the caller bounds."""
+    text = "".join(_plain_letter(c) for c in text.translate(_CHARACTERS))
+    converted, _ = _Converter(_TOKEN.findall(text)).group(0)
+    converted = _BOLD.sub(r"\1", " ".join(converted.split()))
+    return _GENERIC.sub(r"\1", _STARRED.sub(r"\1", converted)).strip()
+
+
+def _plain_letter(character: str) -> str:
+    """𝜃 and other mathematical alphabets as plain letters."""
+    if 0x1D400 <= ord(character) <= 0x1D7FF:
+        return unicodedata.normalize("NFKC", character)
+    return character
+
+
+class _Converter:
+    def __init__(self, tokens: list[str]) -> None:
+        self.tokens = tokens
+        self.depth = 0
+
+    def group(self, position: int) -> tuple[str, int]:
+        """Text from here up to the closing brace of this group, and the position after it."""
+        parts: list[str] = []
+        self.depth += 1
+        if self.depth > MAX_DEPTH:
+            return "".join(self.tokens[position:]), len(self.tokens)
+        while position < len(self.tokens):
+            token = self.tokens[position]
+            if token == "}":
+                position += 1
+                break
+            part, position = self.item(position)
+            parts.append(part)
+        self.depth -= 1
+        return "".join(parts), position
+
+    def item(self, position: int) -> tuple[str, int]:
+        """One token with its arguments."""
+        token = self.tokens[position]
+        position += 1
+        if token == "{":
+            inner, position = self.group(position)
+            return (f"({inner})" if re.search(r".[-+]", inner) else inner), position
+        if token in ("$", "`") or token == "~":
+            return (" " if token == "~" else ""), position
+        if token == "_":
+            inner, position = self.argument(position)
+            return (f"_{inner}" if not inner or _BARE.fullmatch(inner) else f"_({inner})"), position
+        if token == "^":
+            inner, position = self.argument(position)
+            mark = inner.strip()
+            if mark in ("°", "o"):
+                return "°", position
+            return ("" if mark in ("*", "'") else f"^({inner})"), position
+        if token.startswith("\\") and len(token) > 1:
+            return self.command(token[1:], position)
+        return token, position
+
+    def command(self, name: str, position: int) -> tuple[str, int]:
+        """A command with its arguments."""
+        if name in _WORDS:
+            word = _WORDS[name]
+            apart = word.isalpha() and len(word) > 1 and self.follows_letter(position)
+            return word + (" " if apart else ""), position
+        if name in _FRACTIONS:
+            above, position = self.argument(position)
+            below, position = self.argument(position)
+            above, below = (x if _BARE.fullmatch(x) else f"({x})" for x in (above, below))
+            return f"({above}/{below})", position
+        if name == "sqrt":
+            inner, position = self.argument(position)
+            return f"sqrt({inner})", position
+        if name == "ang":
+            inner, position = self.argument(position)
+            return f"{inner}°", position
+        if name in _QUANTITIES:
+            number, position = self.argument(position)
+            unit, position = self.argument(position)
+            return f"{number} {unit}", position
+        if name in _WRAPPERS:
+            return self.argument(position)
+        if name in ("phantom", "hphantom", "vphantom"):
+            return "", self.argument(position)[1]
+        if name in _SPACES:
+            return " ", position
+        if not name.isalpha():
+            return (name if name in "_%&#*|" else " "), position
+        return f"\\{name}", position
+
+    def argument(self, position: int) -> tuple[str, int]:
+        """A group in braces without them, or one token."""
+        while position < len(self.tokens) and self.tokens[position].isspace():
+            position += 1
+        if position >= len(self.tokens) or self.tokens[position] in ("}", "$"):
+            return "", position
+        if self.tokens[position] == "{":
+            return self.group(position + 1)
+        return self.item(position)
+
+    def follows_letter(self, position: int) -> bool:
+        return position < len(self.tokens) and self.tokens[position][:1].isalpha()
