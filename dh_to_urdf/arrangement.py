@@ -19,7 +19,7 @@ from dh_to_urdf.normals import ROUNDING, Case, common_normal, tilt_of
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import JointType
 
-FAR = 100.0
+FAR = 20.0
 """Distance of a common normal, in sizes of the robot, beyond which a fixed line is put between."""
 
 
@@ -39,7 +39,13 @@ class Arrangement:
 
 
 def arrange(
-    axes: tuple[AxisLine, ...], tip: Matrix, size: float, snap: float, *, bridge: bool = True
+    axes: tuple[AxisLine, ...],
+    tip: Matrix,
+    size: float,
+    snap: float,
+    *,
+    bridge: bool = True,
+    from_base: bool = True,
 ) -> Arrangement:
     """Makes the lines of a chain fit for the construction.
 
@@ -49,10 +55,13 @@ def arrange(
         size: Length of the robot, m.
         snap: Axes tilted by less than this are taken as parallel, rad.
         bridge: Whether to put fixed lines between nearly parallel axes.
+        from_base: Whether the line of a first joint that slides along the base's z is drawn
+            through the base's origin.
     """
     end = AxisLine("tip", JointType.FIXED, tip[:3, 3], tip[:3, 2] / np.linalg.norm(tip[:3, 2]))
-    aligned, snapped = _snap((*axes, end), snap, size)
-    placed = _place_prismatic(aligned, size)
+    aligned, snapped = _snap((*axes, end), snap)
+    placed, at_tip = _align_tip(_place_prismatic(aligned, size, from_base), size)
+    snapped = (*snapped[:-1], at_tip or snapped[-1])
     if not bridge:
         return Arrangement(placed, snapped, (0.0,) * len(placed))
     names = {line.name for line in axes}
@@ -70,35 +79,48 @@ def arrange(
 
 
 def _snap(
-    lines: tuple[AxisLine, ...], snap: float, size: float
+    lines: tuple[AxisLine, ...], snap: float
 ) -> tuple[tuple[AxisLine, ...], tuple[float, ...]]:
-    """Turns each line that is nearly parallel to the one before it into a parallel one.
-
-    The tip's line too where its normal would stand far away: the tool makes up for it exactly.
-    """
+    """Turns each line that is nearly parallel to the one before it into a parallel one."""
     found, tilts = [lines[0]], [0.0]
     for line in lines[1:]:
-        before = found[-1]
-        tilt = tilt_of(before.direction, line.direction)
+        tilt = tilt_of(found[-1].direction, line.direction)
         parallel = tilt <= max(snap, ROUNDING)
-        if line is lines[-1] and not parallel:
-            parallel = _is_far(before, line, size)
-        if parallel:
-            same = math.copysign(1.0, float(before.direction @ line.direction))
-            line = replace(line, direction=same * before.direction)
-        found.append(line)
+        found.append(_parallel_to(found[-1], line) if parallel else line)
         tilts.append(tilt if parallel and tilt > ROUNDING else 0.0)
     return tuple(found), tuple(tilts)
 
 
-def _place_prismatic(lines: tuple[AxisLine, ...], size: float) -> tuple[AxisLine, ...]:
+def _parallel_to(before: AxisLine, line: AxisLine) -> AxisLine:
+    same = math.copysign(1.0, float(before.direction @ line.direction))
+    return replace(line, direction=same * before.direction)
+
+
+def _align_tip(lines: tuple[AxisLine, ...], size: float) -> tuple[tuple[AxisLine, ...], float]:
+    """Takes the tip's z for parallel where its normal would stand far away.
+
+    That costs nothing: the tool carries what is left, exactly.
+
+    Returns:
+        The lines, and the tilt that was taken for zero, 0 if none.
+    """
+    before, tip = lines[-2:]
+    if not _is_far(before, tip, size):
+        return lines, 0.0
+    return (*lines[:-1], _parallel_to(before, tip)), tilt_of(before.direction, tip.direction)
+
+
+def _place_prismatic(
+    lines: tuple[AxisLine, ...], size: float, from_base: bool
+) -> tuple[AxisLine, ...]:
     """Draws the line of each prismatic joint through the origin on the next line."""
     placed = list(lines)
     for k in range(len(lines) - 2, -1, -1):
         if lines[k].type is JointType.PRISMATIC:
             placed[k] = replace(lines[k], point=_origin_on(placed, k + 1, size))
     first = lines[0]
-    if first.type is JointType.PRISMATIC and tilt_of(first.direction, Z) <= ROUNDING:
+    slides = first.type is JointType.PRISMATIC
+    if from_base and slides and tilt_of(first.direction, Z) <= ROUNDING:
         placed[0] = replace(first, point=np.zeros(3))
     return tuple(placed)
 

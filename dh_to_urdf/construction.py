@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -83,7 +84,7 @@ def construct(
             it to the side nearer to the x before, so that offsets stay small.
     """
     lines = arrangement.lines
-    normals = [common_normal(a, b, size) for a, b in zip(lines, lines[1:], strict=False)]
+    normals = [common_normal(a, b, size) for a, b in pairwise(lines)]
     base = _frame_zero(lines[0], normals[0], size)
     frame, pairs = base, []
     for k, (first, normal) in enumerate(zip(lines, normals, strict=False)):
@@ -93,9 +94,7 @@ def construct(
         row, frame = _row(k, first, lines[k + 1], frame, target, foot, size)
         on_first = frame[:3, 3] - row.a * frame[:3, 0]
         pairs.append(
-            ConstructedPair(
-                first, lines[k + 1], normal, frame[:3, 0], on_first, frame[:3, 3], row
-            )
+            ConstructedPair(first, lines[k + 1], normal, frame[:3, 0], on_first, frame[:3, 3], row)
         )
     tool = np.eye(4)
     tool[:3, :3] = frame[:3, :3].T @ tip[:3, :3]

@@ -109,11 +109,11 @@ def _without_branches(table: DHTable) -> DHTable:
         if k == 0:
             base = base @ branch
         else:
-            rows[k - 1] = _turned(rows[k - 1], row.gamma, row.b, branch)
+            rows[k - 1] = _turned(rows[k - 1], row.gamma, row.b)
     return replace(table, base=base, rows=tuple(rows))
 
 
-def _turned(row: DHRow, angle: float, length: float, motion: Matrix) -> DHRow:
+def _turned(row: DHRow, angle: float, length: float) -> DHRow:
     """A row whose frame is turned about and moved along its own z."""
     turns, slides = row.type.turns, row.type is JointType.PRISMATIC
     own = angle if turns else length if slides else 0.0
@@ -122,7 +122,7 @@ def _turned(row: DHRow, angle: float, length: float, motion: Matrix) -> DHRow:
         theta=row.theta if turns else row.theta + angle,
         d=row.d if slides else row.d + length,
         offset=row.offset + own,
-        inertial=_moved(row.inertial, np.linalg.inv(motion)),
+        inertial=_moved(row.inertial, branch_matrix(replace(row, gamma=-angle, b=-length))),
     )
 
 
@@ -149,7 +149,7 @@ def _standard(table: DHTable) -> DHTable:
         (a, alpha), tool = found, np.eye(4)
     rows: list[DHRow] = []
     for row in reversed(table.rows):
-        back = np.linalg.inv(_x_matrix(a, alpha))
+        back = _x_matrix(-a, -alpha)
         rows.append(replace(row, a=a, alpha=alpha, inertial=_moved(row.inertial, back)))
         a, alpha = row.a, row.alpha
     base = table.base @ _x_matrix(a, alpha)

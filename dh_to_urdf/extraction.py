@@ -117,9 +117,7 @@ def extract(
     table = replace(table, base=base, tool=tool)
     residual = measure(chain, table)
     tilts = zip(arrangement.snapped[1:], arrangement.bridged[1:], strict=True)
-    findings = tuple(
-        PairFinding(pair, *tilt) for pair, tilt in zip(made.pairs, tilts, strict=True)
-    )
+    findings = tuple(PairFinding(pair, *tilt) for pair, tilt in zip(made.pairs, tilts, strict=True))
     warnings += _warnings(findings, residual)
     table = replace(table, warnings=tuple(warnings))
     return Extraction(chain, table, residual, made.base, findings, snap)

@@ -67,7 +67,9 @@ def read_placement(
             return _from_matrix(raw["matrix"], pointer, length, warnings)
         xyz = read_vector(raw.get("xyz", [0, 0, 0]), "xyz", 3, Quantity.LENGTH, length)
         if "quaternion_xyzw" in raw:
-            quaternion = read_vector(raw["quaternion_xyzw"], "quaternion_xyzw", 4, Quantity.NUMBER, 1.0)
+            quaternion = read_vector(
+                raw["quaternion_xyzw"], "quaternion_xyzw", 4, Quantity.NUMBER, 1.0
+            )
             return from_xyz_quaternion(xyz, quaternion)
         rpy = read_vector(raw.get("rpy", [0, 0, 0]), "rpy", 3, Quantity.ANGLE, angle)
         return from_xyz_rpy(xyz, rpy)
@@ -96,9 +98,7 @@ def _from_matrix(raw: object, pointer: str, length: float, warnings: list[str]) 
     return T
 
 
-def read_vector(
-    raw: object, what: str, size: int, quantity: Quantity, unit: float
-) -> list[float]:
+def read_vector(raw: object, what: str, size: int, quantity: Quantity, unit: float) -> list[float]:
     """Reads a list of numbers, or of texts such as ``pi/2``.
 
     Args:

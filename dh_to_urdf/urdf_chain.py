@@ -90,7 +90,9 @@ def _parse(text: str | bytes) -> ET.Element:
     except (ET.ParseError, ValueError, LookupError) as error:
         raise DHSyntaxError.single("", f"the text is not well-formed XML: {error}") from None
     if root.tag != "robot":
-        raise DHError.single("", f"the root element is <{root.tag[:40]}>; a URDF starts with <robot>")
+        raise DHError.single(
+            "", f"the root element is <{root.tag[:40]}>; a URDF starts with <robot>"
+        )
     return root
 
 
@@ -120,7 +122,9 @@ def _tree(links: list[str], joints: list[_Joint]) -> dict[str, _Joint]:
         above[joint.child] = joint
     roots = [link for link in links if link not in above]
     if len(roots) != 1:
-        raise DHError.single("", f"the URDF has {len(roots)} root links; a robot is a tree with one")
+        raise DHError.single(
+            "", f"the URDF has {len(roots)} root links; a robot is a tree with one"
+        )
     for link in links:
         seen, walked = link, 0
         while seen in above:
