@@ -30,6 +30,9 @@ JSON = "application/json"
 NPY = "application/x-npy"
 TEXT = "text/plain"
 NDJSON = "application/x-ndjson"
+YAML = "application/yaml"
+CSV = "text/csv"
+LATEX = "application/x-latex"
 PIECE = 100_000
 """Bytes of JSON that are decoded at once."""
 LARGE = 20_000
@@ -43,7 +46,15 @@ _TYPE_NAMES = (
     ("array", "a list"),
     ("bool", "true or false"),
 )
-_FORMATS = {"json": JSON, "text": TEXT, "npy": NPY, "ndjson": NDJSON}
+_FORMATS = {
+    "json": JSON,
+    "text": TEXT,
+    "npy": NPY,
+    "ndjson": NDJSON,
+    "yaml": YAML,
+    "csv": CSV,
+    "latex": LATEX,
+}
 
 
 def media_type(request: Request) -> str:

@@ -1,10 +1,20 @@
-"""D-H tables <-> URDF, usable alone: ``table_to_urdf(read_yaml(text))``."""
+"""D-H tables <-> URDF, usable alone.
 
+``table_to_urdf(read_yaml(text))``; ``extract(read_chain(urdf), Convention.STANDARD).table``.
+"""
+
+from dh_to_urdf.axes import SerialChain
+from dh_to_urdf.axes_document import read_axes
+from dh_to_urdf.comparison import compare
+from dh_to_urdf.conversion import to_convention
 from dh_to_urdf.errors import DHError, Problem
+from dh_to_urdf.explanation import explain
+from dh_to_urdf.extraction import Extraction, extract
 from dh_to_urdf.mapping import read_mapping
 from dh_to_urdf.matrices import DHMatrices, dh_matrices, link_matrix
 from dh_to_urdf.readers import read_csv, read_json, read_yaml
 from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType, Limits
+from dh_to_urdf.urdf_chain import read_chain
 from dh_to_urdf.writer import table_to_urdf
 
 __all__ = [
@@ -13,15 +23,23 @@ __all__ = [
     "DHMatrices",
     "DHRow",
     "DHTable",
+    "Extraction",
     "Inertial",
     "JointType",
     "Limits",
     "Problem",
+    "SerialChain",
+    "compare",
     "dh_matrices",
+    "explain",
+    "extract",
     "link_matrix",
+    "read_axes",
+    "read_chain",
     "read_csv",
     "read_json",
     "read_mapping",
     "read_yaml",
     "table_to_urdf",
+    "to_convention",
 ]

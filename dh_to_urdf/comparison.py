@@ -69,6 +69,7 @@ class JointComparison:
     Attributes:
         first: Its name in the first chain.
         second: Its name in the second chain.
+        turns: True where zero_offset is an angle.
         zero_offset: What to add to q of the first chain to get q of the second, rad or m.
         position: Largest distance between the frames after this joint, m, over random q, with
             frames 0 and zero offsets made equal.
@@ -77,6 +78,7 @@ class JointComparison:
 
     first: str
     second: str
+    turns: bool
     zero_offset: float
     position: float
     orientation: float
@@ -116,6 +118,11 @@ class Comparison:
                 said.append("Otherwise the same arm" + self._offsets() + ".")
             elif inner is not None and inner is not self.differences[0]:
                 said.append(f"What neither base nor tool can hide begins at {_sentence(inner)}.")
+        if not said and self.verdict is Verdict.DIFFERENT and self.residual is not None:
+            said.append(
+                "No parameter differs by more than the tolerances, but the tips drift apart by"
+                f" {self.residual.position:.3g} m and {self.residual.orientation:.3g} rad."
+            )
         return " ".join(said) or "The same arm" + self._offsets() + "."
 
     def _offsets(self) -> str:
@@ -189,6 +196,9 @@ def _compare(first: SerialChain, second: SerialChain, length: float, angle: floa
     q = random_configurations(first, CONFIGURATIONS)
     joints = _joint_by_joint(pairs, second, offsets, q)
     residual = _residual(first, second, one, two, offsets, q)
+    drift = max(residual.position / (10 * first.size), residual.orientation / 10)
+    if drift > len(pairs) * max(angle, length / first.size):
+        verdict = Verdict.DIFFERENT
     return Comparison(verdict, differences, joints, (), residual)
 
 
@@ -267,7 +277,8 @@ def _differences(one: _Made, two: _Made, length: float, angle: float) -> tuple[D
         for name in ("d" if row.type.turns else "theta", "a", "alpha"):
             a, b = getattr(row, name), getattr(other, name)
             if name == "alpha":
-                a, b = math.copysign(one.angles[k], a), math.copysign(two.angles[k], b)
+                a = -one.angles[k] if a < 0.0 else one.angles[k]
+                b = -two.angles[k] if b < 0.0 else two.angles[k]
             is_length = name in ("a", "d")
             delta = b - a if is_length else _wrapped(b - a)
             if abs(delta) <= (length if is_length else angle):
@@ -289,7 +300,9 @@ def _joint_by_joint(
         A = A @ link_matrix(row, Convention.STANDARD, q[:, k] + row.offset)
         B = B @ link_matrix(other, Convention.STANDARD, q[:, k] + offsets[k] + other.offset)
         name = second.joints[k].name
-        found.append(JointComparison(row.name, name, float(offsets[k]), *deviation(A, B)))
+        found.append(
+            JointComparison(row.name, name, row.type.turns, float(offsets[k]), *deviation(A, B))
+        )
     return tuple(found)
 
 
