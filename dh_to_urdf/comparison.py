@@ -21,13 +21,14 @@ from dh_to_urdf.axes import SerialChain
 from dh_to_urdf.construction import Construction, construct
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.extraction import Residual, deviation, random_configurations
+from dh_to_urdf.gauge import settled, with_slides_centred
 from dh_to_urdf.matrices import link_matrix
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow
 
 CONFIGURATIONS = 50
-NEARLY_PARALLEL = 1e-3
-"""Tilt below which axes count as parallel in both chains; tilts are compared by themselves."""
+SNAPS = (1e-3, 1e-7)
+"""Tilts below which axes count as parallel, tried in turn: rounded angles, then meant ones."""
 MAX_REVERSED = 16
 
 
@@ -123,6 +124,11 @@ class Comparison:
                 "No parameter differs by more than the tolerances, but the tips drift apart by"
                 f" {self.residual.position:.3g} m and {self.residual.orientation:.3g} rad."
             )
+        if self.verdict is Verdict.DIFFERENT and sum(not one.turns for one in self.joints) > 1:
+            said.append(
+                "(Several joints slide: zeros that fit better may exist, and with them a later"
+                " divergence.)"
+            )
         return " ".join(said) or "The same arm" + self._offsets() + "."
 
     def _offsets(self) -> str:
@@ -159,11 +165,11 @@ def compare(
     for name, tolerance in (("length", length), ("angle", angle)):
         if not 0.0 < tolerance <= 1.0:
             raise DHError.single(f"/tolerance/{name}", f"{name} is {tolerance:g}; give 0 to 1")
-    found = _compare(first, second, length, angle)
+    found = _compare_tilted(first, second, length, angle)
     if found.verdict is not Verdict.DIFFERENT or found.residual is None:
         return found
     for k in range(len(second.joints) if len(second.joints) <= MAX_REVERSED else 0):
-        turned = _compare(first, _reverse(second, k), length, angle)
+        turned = _compare_tilted(first, _reverse(second, k), length, angle)
         if turned.verdict is not Verdict.DIFFERENT:
             return replace(turned, verdict=Verdict.DIFFERENT, reversed=(second.joints[k].name,))
     return found
@@ -175,29 +181,50 @@ def _reverse(chain: SerialChain, k: int) -> SerialChain:
     return replace(chain, joints=tuple(joints))
 
 
-def _compare(first: SerialChain, second: SerialChain, length: float, angle: float) -> Comparison:
+def _compare_tilted(
+    first: SerialChain, second: SerialChain, length: float, angle: float
+) -> Comparison:
+    """The comparison that finds the chains equal, if one does, else the first."""
+    tried = []
+    for snap in SNAPS:
+        tried.append(_compare(first, second, length, angle, snap))
+        if tried[-1].verdict is not Verdict.DIFFERENT:
+            return tried[-1]
+    return tried[0]
+
+
+def _compare(
+    first: SerialChain, second: SerialChain, length: float, angle: float, snap: float
+) -> Comparison:
     structural = _structure(first, second)
     if structural is not None:
         shared = structural.joint - 1
         if shared == 0:
             return Comparison(Verdict.DIFFERENT, (structural,), (), (), None)
-        before = _compare(_cut(first, shared), _cut(second, shared), length, angle)
+        before = _compare(_cut(first, shared), _cut(second, shared), length, angle, snap)
         real = tuple(d for d in before.differences if d.absorbed_by != "tool")
         return Comparison(Verdict.DIFFERENT, (*real, structural), before.joints, (), None)
-    one, two = _made(first), _made(second)
+    first, slid = with_slides_centred(first, snap)
+    second, other_slid = with_slides_centred(second, snap)
+    one, two = _made(first, snap), _made(second, snap)
     two = replace(two, rows=_flipped(one.rows, two.rows, first.size))
+    two = replace(two, rows=settled(one.construction, one.rows, two.rows))
     differences = _differences(one, two, length, angle)
     inner = any(difference.absorbed_by is None for difference in differences)
     pairs = list(zip(one.rows, two.rows, strict=True))
     offsets = np.array([_offset(a, b) for a, b in pairs])
     verdict = Verdict.DIFFERENT if inner else Verdict.EQUIVALENT
-    if not differences and float(np.abs(offsets).max()) <= max(length, angle):
+    if not differences and float(np.abs(offsets - slid + other_slid).max()) <= max(length, angle):
         verdict = Verdict.IDENTICAL
     q = random_configurations(first, CONFIGURATIONS)
-    joints = _joint_by_joint(pairs, second, offsets, q)
+    joints = _joint_by_joint(pairs, second, offsets, q, offsets - slid + other_slid)
     residual = _residual(first, second, one, two, offsets, q)
     drift = max(residual.position / (10 * first.size), residual.orientation / 10)
-    if drift > len(pairs) * max(angle, length / first.size):
+    if inner and residual.position <= length and residual.orientation <= angle:
+        # The FK has the last word: what is left is how slides share out their constants.
+        differences = tuple(d for d in differences if d.absorbed_by is not None)
+        verdict = Verdict.EQUIVALENT
+    elif drift > len(pairs) * max(angle, length / first.size):
         verdict = Verdict.DIFFERENT
     return Comparison(verdict, differences, joints, (), residual)
 
@@ -231,10 +258,10 @@ class _Made:
     rows: tuple[DHRow, ...]
 
 
-def _made(chain: SerialChain) -> _Made:
+def _made(chain: SerialChain, snap: float) -> _Made:
     tip = chain.poses(np.zeros(len(chain.joints)))
     axes = chain.lines()
-    lines = arrange(axes, tip, chain.size, NEARLY_PARALLEL, bridge=False, from_base=False)
+    lines = arrange(axes, tip, chain.size, snap, bridge=False, from_base=False)
     made = construct(lines, tip, chain.size, last_at_tip=True)
     directions = [*(axis.direction for axis in axes), tip[:3, 2]]
     angles = tuple(
@@ -291,7 +318,11 @@ def _differences(one: _Made, two: _Made, length: float, angle: float) -> tuple[D
 
 
 def _joint_by_joint(
-    pairs: list[tuple[DHRow, DHRow]], second: SerialChain, offsets: Matrix, q: Matrix
+    pairs: list[tuple[DHRow, DHRow]],
+    second: SerialChain,
+    offsets: Matrix,
+    q: Matrix,
+    told: Matrix,
 ) -> tuple[JointComparison, ...]:
     """How far the frames drift apart along the chain, from a common frame 0."""
     A = B = np.broadcast_to(np.eye(4), (len(q), 4, 4))
@@ -301,7 +332,7 @@ def _joint_by_joint(
         B = B @ link_matrix(other, Convention.STANDARD, q[:, k] + offsets[k] + other.offset)
         name = second.joints[k].name
         found.append(
-            JointComparison(row.name, name, row.type.turns, float(offsets[k]), *deviation(A, B))
+            JointComparison(row.name, name, row.type.turns, float(told[k]), *deviation(A, B))
         )
     return tuple(found)
 
