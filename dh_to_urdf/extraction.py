@@ -20,6 +20,7 @@ from dh_to_urdf.checks import NAME
 from dh_to_urdf.construction import ConstructedPair, construct, tidy_placement
 from dh_to_urdf.conversion import to_convention
 from dh_to_urdf.errors import DHError
+from dh_to_urdf.expressions import MAX_MAGNITUDE
 from dh_to_urdf.matrices import dh_matrices
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHTable, JointType
@@ -98,7 +99,7 @@ def extract(
         bridge: Whether to put a fixed row between nearly parallel axes whose normal is far away.
 
     Raises:
-        DHError: ``snap`` is out of range, or a joint has no direction.
+        DHError: ``snap`` is out of range, or lengths would be beyond what a table may hold.
     """
     if not 0.0 <= snap <= MAX_SNAP:
         raise DHError.single("/snap", f"snap is {snap:g}; give an angle from 0 to {MAX_SNAP} rad")
@@ -115,6 +116,7 @@ def extract(
     table = _renamed(to_convention(standard, convention), warnings)
     base, tool = (tidy_placement(T, size) for T in (table.base, table.tool))
     table = replace(table, base=base, tool=tool)
+    _check_lengths(table)
     residual = measure(chain, table)
     tilts = zip(arrangement.snapped[1:], arrangement.bridged[1:], strict=True)
     findings = tuple(PairFinding(pair, *tilt) for pair, tilt in zip(made.pairs, tilts, strict=True))
@@ -176,6 +178,17 @@ def _warnings(findings: tuple[PairFinding, ...], residual: Residual) -> list[str
                 f" between. A snap above {finding.bridged:.2g} takes them as parallel instead"
             )
     return found
+
+
+def _check_lengths(table: DHTable) -> None:
+    lengths = [*table.base[:3, 3], *table.tool[:3, 3]]
+    for row in table.rows:
+        lengths += [row.a, row.d, 0.0 if row.type.turns else row.offset]
+    longest = max(map(abs, lengths))
+    if longest > MAX_MAGNITUDE:
+        raise DHError.single(
+            "", f"the table would have a length of {longest:.3g} m; check the unit, lengths are m"
+        )
 
 
 def _renamed(table: DHTable, warnings: list[str]) -> DHTable:

@@ -168,3 +168,9 @@ def test_names_that_no_table_can_hold_are_replaced():
 def test_a_snap_out_of_range_is_refused(snap):
     with pytest.raises(DHError, match="snap"):
         extract(axes(((0, 0, 0), (0, 0, 1))), Convention.STANDARD, snap=snap)
+
+
+def test_lengths_that_no_table_may_hold_are_refused():
+    far = axes(((1e6, 1e6, 0), (1, -1, 1)), ((0, 0, -1e6), (0, 0, 1)))
+    with pytest.raises(DHError, match="check the unit"):
+        extract(far, Convention.STANDARD)
