@@ -14,6 +14,7 @@ from app import docs, problems
 from app.dependencies import Services
 from app.middleware import RequestId
 from app.openapi import build_openapi
+from app.rehearsal import rehearse
 from app.routes import compute, convert, diff, health, robots, tables
 from app.settings import Settings
 from kinematics.warm import warm_up
@@ -37,6 +38,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         app.state.services = Services(chosen)
         await run_sync(warm_up)
+        if chosen.preload:
+            await rehearse(app, app.state.services)
         yield
 
     app = FastAPI(

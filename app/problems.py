@@ -75,6 +75,7 @@ BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     robots.RevisionMismatch: ProblemType("revision-mismatch", 412, "The robot has changed"),
     robots.DamagedRobot: ProblemType("damaged-robot", 409, "The stored robot is damaged"),
     kinematics.WrongConfiguration: ProblemType("invalid-q", 422, "q does not fit the robot"),
+    kinematics.WrongVector: ProblemType("invalid-vector", 422, "A twist or wrench does not fit"),
     kinematics.UnknownTask: ProblemType("unknown-task", 422, "There is no such task space"),
     kinematics.UnknownSequence: ProblemType(
         "unknown-euler-sequence", 422, "There is no such Euler sequence"

@@ -18,8 +18,8 @@ from robots.robot import Robot
 COMMON = ("angle", "format")
 MAX_QUERY_VALUES = 1024
 MAX_VALUE = 1e15
-_JOINTS = ("q", "seed")
-_TARGET = ("position", "rpy", "quaternion_xyzw", "euler", "phi", "matrix")
+_JOINTS = ("q", "qd", "seed")
+_TARGET = ("position", "rpy", "quaternion_xyzw", "euler", "phi", "direction", "matrix")
 
 
 def check_query(request: Request, *allowed: str, common: tuple[str, ...] = COMMON) -> None:
@@ -54,15 +54,21 @@ def units_of(request: Request) -> Units:
     return Units(angle == "deg")
 
 
-def body_from_query(request: Request, units: Units, robot: Robot) -> bytes:
+def body_from_query(request: Request, units: Units, robot: Robot, known: tuple[str, ...]) -> bytes:
     """The JSON body that a GET request's parameters stand for.
+
+    Args:
+        request: The request.
+        units: Its units.
+        robot: The robot.
+        known: Parameters of the computation; one without ``q`` takes a target.
 
     Raises:
         RequestProblem: A number cannot be read.
     """
     body: dict[str, Any] = {}
     target: dict[str, Any] = {}
-    inverse = "q" not in request.query_params
+    inverse = "q" not in known
     for name, text in request.query_params.items():
         if name in COMMON:
             continue
@@ -145,6 +151,15 @@ def _plain(name: str, text: str, units: Units) -> list[float]:
     return [number(name, part, units, Quantity.NUMBER) for part in _split(name, text)]
 
 
+def _twist(name: str, text: str, units: Units) -> list[float]:
+    """Six values are three lengths and three angles a second; of others the rows are unknown."""
+    parts = _split(name, text)
+    quantities = [Quantity.LENGTH] * 3 + [Quantity.ANGLE] * 3
+    if len(parts) != len(quantities):
+        return _plain(name, text, units)
+    return [number(name, part, units, q) for part, q in zip(parts, quantities, strict=True)]
+
+
 def _matrix(name: str, text: str, units: Units) -> list[list[float]]:
     values = _plain(name, text, units)
     if len(values) != 16:
@@ -166,6 +181,10 @@ def _task(name: str, text: str, units: Units) -> list[int] | str:
 
 def _scalar(name: str, text: str, units: Units) -> float:
     return number(name, text, units, Quantity.NUMBER)
+
+
+def _length(name: str, text: str, units: Units) -> float:
+    return number(name, text, units, Quantity.LENGTH)
 
 
 def _euler(name: str, text: str, units: Units) -> dict[str, Any] | str:
@@ -191,7 +210,13 @@ _READERS: dict[str, Callable[[str, str, Units], Any]] = {
     "quaternion_xyzw": _plain,
     "matrix": _matrix,
     "phi": number,
+    "direction": _plain,
     "tolerance": _scalar,
+    "damping": _scalar,
+    "characteristic_length": _length,
+    "twist": _twist,
+    "wrench": _plain,
+    "tau": _plain,
     "time_budget_ms": _scalar,
     "max_iterations": _integer,
     "max_restarts": _integer,

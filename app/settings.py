@@ -25,6 +25,9 @@ class Settings(BaseSettings):
     data_dir: Path = Field(
         default_factory=default_data_dir, description="Where uploaded robots are kept."
     )
+    preload: bool = Field(
+        default=True, description="Load the whole library before the first request, 2 s."
+    )
     max_document_bytes: int = Field(
         default=2_000_000, ge=1000, description="Largest robot document (table or URDF)."
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots.robot import FloatArray, Robot
 
@@ -32,10 +33,28 @@ class Units:
         """Angles for the answer, from rad."""
         return np.asarray(np.rad2deg(angles)) if self.degrees else angles
 
+    @property
+    def named_rates(self) -> dict[str, str]:
+        """What an answer with rates says."""
+        return {**self.named, "time": "s"}
+
+    def rows_in(self, angular: NDArray[np.bool_], values: FloatArray) -> FloatArray:
+        """Values of a request, shape (..., m), with rad in the angular entries."""
+        return np.asarray(np.where(angular, np.deg2rad(values), values)) if self.degrees else values
+
+    def rows_out(self, angular: NDArray[np.bool_], values: FloatArray) -> FloatArray:
+        """Values for the answer, from rad in the angular entries."""
+        return np.asarray(np.where(angular, np.rad2deg(values), values)) if self.degrees else values
+
+    def directions_out(self, angular: NDArray[np.bool_], vectors: FloatArray) -> FloatArray:
+        """Unit vectors for the answer, shape (k, m): unit ones in its units."""
+        turned = self.rows_out(angular, vectors)
+        return turned / np.linalg.norm(turned, axis=-1, keepdims=True) if self.degrees else vectors
+
     def joints_in(self, robot: Robot, q: FloatArray) -> FloatArray:
         """Joint values of a request, shape (..., dof), in rad and m."""
-        return np.asarray(np.where(robot.turns, np.deg2rad(q), q)) if self.degrees else q
+        return self.rows_in(robot.turns, q)
 
     def joints_out(self, robot: Robot, q: FloatArray) -> FloatArray:
         """Joint values for the answer, from rad and m."""
-        return np.asarray(np.where(robot.turns, np.rad2deg(q), q)) if self.degrees else q
+        return self.rows_out(robot.turns, q)

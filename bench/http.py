@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 import shutil
@@ -12,12 +13,20 @@ import tempfile
 import time
 import urllib.error
 import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from fastapi import FastAPI, Request, Response
 
 from app.main import create_app
-from bench.pairs import Row
+from bench.pairs import Row, paired, seconds
+from kinematics.forward import fk
+from kinematics.inverse import solve_ik_batch
+from robots.robot import FloatArray, Robot
+from robots.shipped import shipped_robot
 
 PORT = 8917
 SECONDS = 2
@@ -34,6 +43,18 @@ REQUESTS = {
 }  # fmt: skip
 
 
+TARGETS = 10_000
+
+
+@dataclass(frozen=True)
+class Load:
+    """Requests a second, and percentiles of the latency in ms."""
+
+    rate: float
+    p50: float
+    p99: float
+
+
 def application() -> FastAPI:
     """The service with a FastAPI endpoint besides that reads a body and does nothing."""
     app = create_app()
@@ -46,51 +67,124 @@ def application() -> FastAPI:
     return app
 
 
-def load(name: str, folder: Path) -> float:
-    """Requests a second of one endpoint."""
+def load(name: str, folder: Path) -> Load:
+    """One endpoint under wrk."""
     path, body = REQUESTS[name]
     script = folder / f"{name}.lua"
     script.write_text(
         f"wrk.method='POST'\nwrk.body='{json.dumps(body)}'\n"
         "wrk.headers['Content-Type']='application/json'\n"
     )
-    command = ["wrk", "-t1", "-c8", f"-d{SECONDS}s", "-s", str(script)]
+    command = ["wrk", "-t1", "-c8", f"-d{SECONDS}s", "--latency", "-s", str(script)]
     done = subprocess.run(
         [*command, f"http://127.0.0.1:{PORT}{path}"], capture_output=True, text=True, check=True
     )
     if "Non-2xx" in done.stdout:
         raise RuntimeError(f"{name}: {done.stdout}")
-    return float(re.search(r"Requests/sec:\s+([\d.]+)", done.stdout)[1])
+    rate = float(re.search(r"Requests/sec:\s+([\d.]+)", done.stdout)[1])
+    return Load(rate, percentile(done.stdout, 50), percentile(done.stdout, 99))
+
+
+def percentile(text: str, number: int) -> float:
+    """Milliseconds from wrk's table of latencies."""
+    value, unit = re.search(rf"{number}%\s+([\d.]+)(us|ms|s)", text).groups()
+    return float(value) * {"us": 1e-3, "ms": 1.0, "s": 1e3}[unit]
 
 
 def run() -> list[Row]:
     if shutil.which("wrk") is None:
         print("wrk is not installed (apt install wrk): no figures over HTTP")
         return []
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        command = [sys.executable, "-m", "uvicorn", "--factory", "bench.http:application"]
-        server = subprocess.Popen([*command, "--port", str(PORT), "--log-level", "warning"])
-        try:
-            wait()
-            rates = {key: [] for key in REQUESTS}
-            for _ in range(ROUNDS):
-                for key, found in rates.items():
-                    found.append(load(key, folder))
-        finally:
-            server.terminate()
-            server.wait()
+    return [row for workers in (1, 2) for row in rows_of(workers)] + cold_starts()
+
+
+def rows_of(workers: int) -> list[Row]:
+    with tempfile.TemporaryDirectory() as name, serving(workers):
+        loads: dict[str, list[Load]] = {key: [] for key in REQUESTS}
+        for _ in range(ROUNDS):
+            for key, found in loads.items():
+                found.append(load(key, Path(name)))
+        batch = batches() if workers == 1 else []
     rows = []
-    for key in ("fk", "jacobian", "ik"):
-        ratio = statistics.median(a / b for a, b in zip(rates[key], rates["noop"], strict=True))
-        mine, noop = statistics.median(rates[key]), statistics.median(rates["noop"])
-        what = f"panda: POST {key} | no-op endpoint (requests a second)"
-        rows.append(Row(what, f"{mine:.0f}/s", f"{noop:.0f}/s", ratio))
+    noop = loads.pop("noop")
+    for key, found in loads.items():
+        ratio = statistics.median(a.rate / b.rate for a, b in zip(found, noop, strict=True))
+        mine, theirs = (statistics.median(one.rate for one in some) for some in (found, noop))
+        what = f"{workers} workers: POST {key} | no-op endpoint (requests a second)"
+        rows.append(Row(what, f"{mine:.0f}/s", f"{theirs:.0f}/s", ratio))
+    for key, found in {"noop": noop, **loads}.items():
+        p50, p99 = (statistics.median(getattr(one, p) for one in found) for p in ("p50", "p99"))
+        what = f"{workers} workers: {key}, 99th percentile | median"
+        rows.append(Row(what, f"{p99:.2f} ms", f"{p50:.2f} ms", p99 / p50))
+    return rows + batch
+
+
+def batches() -> list[Row]:
+    """Ten thousand IK targets in one request as npy, against the same in this process."""
+    rows = []
+    for name in ("panda", "puma560"):
+        robot = shipped_robot(name)
+        rng = np.random.default_rng(0)
+        low, high = np.maximum(robot.lower, -3), np.minimum(robot.upper, 3)
+        poses = fk(robot, rng.uniform(low, high, (TARGETS, robot.dof)))[robot.tip_frame]
+        memory = io.BytesIO()
+        np.save(memory, poses)
+        headers = {"Content-Type": "application/x-npy", "Accept": "application/x-npy"}
+        url = f"http://127.0.0.1:{PORT}/v1/robots/{name}/ik"
+        request = urllib.request.Request(url, memory.getvalue(), headers)
+
+        def over_http(request: urllib.request.Request = request) -> None:
+            with urllib.request.urlopen(request) as answer:
+                np.load(io.BytesIO(answer.read()))
+
+        def in_process(robot: Robot = robot, poses: FloatArray = poses) -> None:
+            solve_ik_batch(robot, poses, threads=2)
+
+        what = f"{name}: {TARGETS} targets, a solve: over HTTP as npy | in process, 2 threads"
+        rows.append(paired(what, over_http, in_process, per=TARGETS, rounds=9))
     return rows
 
 
+def cold_starts() -> list[Row]:
+    """The first request that a server gets, against the later ones; a server each."""
+    found: dict[str, list[tuple[float, float]]] = {"fk": [], "ik": []}
+    for _ in range(ROUNDS):
+        for key, times in found.items():
+            path, body = REQUESTS[key]
+            url, data = f"http://127.0.0.1:{PORT}{path}", json.dumps(body).encode()
+            request = urllib.request.Request(url, data, {"Content-Type": "application/json"})
+
+            def call(request: urllib.request.Request = request) -> None:
+                urllib.request.urlopen(request).close()
+
+            with serving(1):
+                times.append(
+                    (seconds(call, 1), statistics.median(seconds(call, 1) for _ in range(50)))
+                )
+    rows = []
+    for key, times in found.items():
+        first, later = (statistics.median(column) * 1e3 for column in zip(*times, strict=True))
+        ratio = statistics.median(a / b for a, b in times)
+        what = f"{key}: the first request of a server | its later ones"
+        rows.append(Row(what, f"{first:.2f} ms", f"{later:.2f} ms", ratio))
+    return rows
+
+
+@contextmanager
+def serving(workers: int) -> Iterator[None]:
+    command = [sys.executable, "-m", "uvicorn", "--factory", "bench.http:application"]
+    options = ["--port", str(PORT), "--workers", str(workers), "--log-level", "warning"]
+    server = subprocess.Popen([*command, *options])
+    try:
+        wait()
+        yield
+    finally:
+        server.terminate()
+        server.wait()
+
+
 def wait() -> None:
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 300
     while True:
         try:
             urllib.request.urlopen(f"http://127.0.0.1:{PORT}/health/ready").close()

@@ -29,15 +29,15 @@ def configuration(robot: Robot, q: ArrayLike, pointer: str = "/q") -> FloatArray
     Raises:
         WrongConfiguration: Wrong shape, not finite, or beyond ±1e6.
     """
+    name = pointer.split("/")[1]
     try:
         array = np.asarray(q, dtype=np.float64)
     except (TypeError, ValueError):
         raise WrongConfiguration(
-            "q is no array of numbers; give one number a joint, or a list of such lists of equal"
-            " length",
+            f"{name} is no array of numbers; give one number a joint, or a list of such lists of"
+            " equal length",
             pointer,
         ) from None
-    name = pointer.split("/")[1]
     if array.ndim not in (1, 2):
         raise WrongConfiguration(
             f"{name} has {array.ndim} dimensions; give one q or a list of q", pointer

@@ -19,6 +19,10 @@ class WrongConfiguration(KinematicsError):
     """A q (or seed) of a wrong length, with a wrong name or without a finite value."""
 
 
+class WrongVector(KinematicsError):
+    """A twist or wrench of a wrong length, or without a finite value."""
+
+
 class UnknownTask(KinematicsError):
     """A task space that is neither a known name nor a mask of six."""
 

@@ -13,6 +13,7 @@ from kinematics.configuration import configuration
 from kinematics.forward import fk
 from kinematics.kernels import jacobian_many
 from kinematics.orientation import analytic_map
+from kinematics.task import Task
 from robots.robot import FloatArray, Robot
 
 
@@ -85,6 +86,37 @@ def analytic_jacobian(
     R = fk(robot, q, [frame])[frame][..., :3, :3]
     J[..., 3:, :] = analytic_map(R, sequence) @ J[..., 3:, :]
     return J
+
+
+def task_jacobian(
+    robot: Robot,
+    q: FloatArray,
+    task: Task,
+    frame: str | None = None,
+    reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
+) -> FloatArray:
+    """The rows of the geometric Jacobian that a task counts.
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,) or (n, dof), rad and m.
+        task: The task space.
+        frame: Frame name; default the tip.
+        reference_frame: Where and in which axes the twist is taken; rows of rotation about the
+            frame's own axes stay those.
+
+    Returns:
+        Shape (rows, dof) or (n, rows, dof).
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+        WrongConfiguration: q has a wrong shape or is not finite.
+    """
+    frame = frame or robot.tip_frame
+    J = jacobian(robot, q, frame, reference_frame)
+    if not task.own_axes or reference_frame is ReferenceFrame.LOCAL:
+        return np.asarray(J[..., list(task.rows), :])
+    return task.of(J, fk(robot, q, [frame])[frame][..., :3, :3])
 
 
 def _one(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFrame) -> FloatArray:

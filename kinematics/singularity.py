@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from kinematics.jacobian import jacobian
+from kinematics.jacobian import task_jacobian
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
 RANK_TOLERANCE = 1e-10
+SMALLEST = 1e-100
+"""No singular value below counts, whatever the tolerance: inverses stay finite."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,7 @@ def singularity_report(
         UnknownFrame: The robot has no such frame.
         WrongConfiguration: q has a wrong shape or is not finite.
     """
-    return report_on(jacobian(robot, q, frame)[list(task.rows)], robot, task, tolerance)
+    return report_on(task_jacobian(robot, q, task, frame), robot, task, tolerance)
 
 
 def report_on(
@@ -74,7 +77,7 @@ def report_on(
 ) -> SingularityReport:
     """The report on a task Jacobian, shape (rows, dof); see :func:`singularity_report`."""
     U, sigma, Vt = np.linalg.svd(J)
-    rank = int(np.sum(sigma > tolerance * max(1.0, float(sigma[0]))))
+    rank = int(rank_of(sigma, tolerance))
     singular = rank < len(sigma)
     return SingularityReport(
         task=task,
@@ -82,15 +85,21 @@ def report_on(
         singular_values=sigma,
         condition_number=None if singular else float(sigma[0] / sigma[-1]),
         manipulability=float(np.prod(sigma)),
-        lost_directions=_signed(U[:, rank:].T),
-        null_motions=_signed(Vt[rank:]),
+        lost_directions=signed(U[:, rank:].T),
+        null_motions=signed(Vt[rank:]),
         singular=singular,
         tolerance=tolerance,
-        warnings=_warnings(robot, task),
+        warnings=unit_warnings(robot, task),
     )
 
 
-def _signed(vectors: FloatArray) -> FloatArray:
+def rank_of(sigma: FloatArray, tolerance: float = RANK_TOLERANCE) -> NDArray[np.intp]:
+    """Number of singular values above ``tolerance * max(1, largest)``; shape (..., m) -> (...)."""
+    threshold = np.maximum(tolerance * np.maximum(1.0, sigma[..., :1]), SMALLEST)
+    return np.asarray(np.count_nonzero(sigma > threshold, axis=-1))
+
+
+def signed(vectors: FloatArray) -> FloatArray:
     """Each vector with its first entry of weight positive, so that answers do not flip."""
     vectors = np.where(np.abs(vectors) < 1e-14, 0.0, vectors)
     for vector in vectors:
@@ -100,7 +109,8 @@ def _signed(vectors: FloatArray) -> FloatArray:
     return vectors + 0.0
 
 
-def _warnings(robot: Robot, task: Task) -> tuple[str, ...]:
+def unit_warnings(robot: Robot, task: Task) -> tuple[str, ...]:
+    """What to keep in mind of measures of a robot in a task."""
     found = []
     mixed = bool(task.positions) and bool(task.rotations)
     if mixed or (robot.turns.any() and not robot.turns.all()):

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from kinematics.errors import UnknownTask
 from robots.errors import hint
+from robots.robot import FloatArray
 
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 
@@ -22,7 +25,10 @@ _NAMED = {
     "z": (2,),
     "xy_phi": (0, 1, 5),
     "xyz_phi": (0, 1, 2, 5),
+    "direction": (3, 4),
+    "position_direction": (0, 1, 2, 3, 4),
 }
+_OWN_AXES = ("direction", "position_direction")
 
 
 @dataclass(frozen=True)
@@ -32,10 +38,13 @@ class Task:
     Attributes:
         name: Its name, or ``mask``.
         rows: The rows of the 6-row Jacobian that count, ascending.
+        own_axes: True where the rows of rotation are those about the frame's own x and y: the
+            direction of its z axis counts, a turn about it does not.
     """
 
     name: str
     rows: tuple[int, ...]
+    own_axes: bool = False
 
     @property
     def positions(self) -> tuple[int, ...]:
@@ -48,12 +57,38 @@ class Task:
         return tuple(row - 3 for row in self.rows if row >= 3)
 
     @property
+    def mask(self) -> FloatArray:
+        """1 for the rows that count, else 0, then 1 for ``own_axes``; shape (7,).
+
+        With own axes all three rows of rotation count: they hold a vector across z.
+        """
+        mask = np.zeros(7)
+        mask[list(self.rows)] = 1.0
+        if self.own_axes:
+            mask[5] = mask[6] = 1.0
+        return mask
+
+    def of(self, J: FloatArray, R: FloatArray) -> FloatArray:
+        """The rows of a Jacobian that count.
+
+        Args:
+            J: Geometric Jacobian in base axes, shape (..., 6, n).
+            R: Rotation of the frame in base axes, shape (..., 3, 3).
+
+        Returns:
+            Shape (..., rows, n).
+        """
+        if self.own_axes:
+            J = np.concatenate((J[..., :3, :], np.swapaxes(R, -1, -2) @ J[..., 3:, :]), axis=-2)
+        return np.asarray(J[..., list(self.rows), :])
+
+    @property
     def row_names(self) -> tuple[str, ...]:
         """Names such as ``vx``."""
         return tuple(ROWS[row] for row in self.rows)
 
 
-TASKS = {name: Task(name, rows) for name, rows in _NAMED.items()}
+TASKS = {name: Task(name, rows, name in _OWN_AXES) for name, rows in _NAMED.items()}
 POSE = TASKS["pose"]
 
 
@@ -76,4 +111,5 @@ def task_from(value: str | Sequence[bool | int | float]) -> Task:
             "a task mask is six 0 or 1 for vx, vy, vz, wx, wy, wz with at least one 1", "/task"
         )
     rows = tuple(row for row, item in enumerate(value) if item)
-    return next((task for task in TASKS.values() if task.rows == rows), Task("mask", rows))
+    named = (task for task in TASKS.values() if task.rows == rows and not task.own_axes)
+    return next(named, Task("mask", rows))

@@ -8,7 +8,9 @@ from kinematics.compiled import COMPILED
 from kinematics.forward import fk
 from kinematics.inverse import IKOptions, solve_ik, solve_ik_batch
 from kinematics.inverse.all_solutions import all_solutions
+from kinematics.inverse.bounds import JointBounds
 from kinematics.jacobian import jacobian
+from robots.robot import Robot
 from robots.shipped import shipped_robot
 
 
@@ -32,6 +34,14 @@ def warm_up() -> bool:
         solve_ik(robot, pose)
         all_solutions(robot, pose)
     return True
+
+
+def warm_up_on(robot: Robot) -> None:
+    """Computes with a robot once: what is kept of it is made now, not in a request."""
+    middle = JointBounds.of(robot).middle()
+    pose = fk(robot, middle)[robot.tip_frame]
+    jacobian(robot, middle)
+    solve_ik(robot, pose, options=IKOptions(max_restarts=0, max_iterations=1))
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ def running_server(
     command = [str(SCRIPTS / "denavit"), "serve", "--port", str(port), "--log-level", "warning"]
     process = subprocess.Popen(
         [*command, "--data-dir", str(data_dir), *arguments],
-        env={**os.environ, "PYTHONWARNINGS": "default"},
+        env={"DENAVIT_PRELOAD": "false", **os.environ, "PYTHONWARNINGS": "default"},
         start_new_session=True,
     )
     address = f"http://127.0.0.1:{port}"

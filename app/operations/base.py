@@ -15,6 +15,7 @@ from app.units import Units
 from app.wire import decode_json, decode_rows
 from dh_to_urdf.errors import escaped, quoted
 from kinematics.configuration import configuration, configuration_by_name
+from kinematics.jacobian import ReferenceFrame
 from robots.robot import FloatArray, Robot
 
 _ONE_Q = {"type": "array", "items": {"type": "number"}}
@@ -40,9 +41,23 @@ SingleConfiguration = Annotated[
 TaskField = Annotated[
     str | list[int],
     msgspec.Meta(
-        description="pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, or a mask"
-        " of six 0 or 1 for vx, vy, vz, wx, wy, wz.",
+        description="pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction"
+        " (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx,"
+        " wy, wz.",
     ),
+]
+FrameField = Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")]
+ReferenceFrameField = Annotated[
+    str | None,
+    msgspec.Meta(
+        description="local_world_aligned (default): at the frame's origin in base axes. world: of"
+        " the body point at the base's origin, in base axes. local: at the frame's origin, in the"
+        " frame's own axes."
+    ),
+]
+RankToleranceField = Annotated[
+    float,
+    msgspec.Meta(description="Singular values below tolerance * max(1, largest) count as zero."),
 ]
 Numbers: TypeAlias = list[Any]
 """In answers: nested lists of numbers, with a leading axis n for batches."""
@@ -81,6 +96,7 @@ class Operation:
         query: Names of the parameters of the GET form.
         quick: What :meth:`run_quickly` does, where it is not a matter of size alone.
         stream: The answer in parts, each a list of rows, where it can be sent while it grows.
+        rehearsed: Whether to send the example once as the service starts.
         array_field: Field that a body of type npy stands for, if there is one.
     """
 
@@ -96,6 +112,7 @@ class Operation:
     array_field: str | None = None
     stream: Callable[[Robot, Any, Context], Iterator[list[dict[str, Any]]]] | None = None
     quick: Callable[[Robot, Any, Context], Answer | None] | None = None
+    rehearsed: bool = True
 
     def run_quickly(self, robot: Robot, request: Any, context: Context) -> Answer | None:
         """The answer if it takes so little time that a thread would only cost; else None."""
@@ -152,7 +169,8 @@ def read_configuration(
     if q.ndim == 2 and not 1 <= len(q) <= context.settings.max_batch:
         raise RequestProblem(
             INVALID_REQUEST,
-            f"q holds {len(q)} configurations; give 1 to {context.settings.max_batch}",
+            f"{pointer.rsplit('/', 1)[-1]} holds {len(q)} rows; give 1 to"
+            f" {context.settings.max_batch}",
             pointer,
         )
     return context.units.joints_in(robot, q)
@@ -172,6 +190,23 @@ def read_single(
         name = pointer.rsplit("/", 1)[-1]
         raise RequestProblem(INVALID_REQUEST, f"{name} is a batch; give one list", pointer)
     return q
+
+
+def read_reference_frame(name: str | None) -> ReferenceFrame:
+    """The reference frame of a request.
+
+    Raises:
+        RequestProblem: There is no such one.
+    """
+    if name is None:
+        return ReferenceFrame.LOCAL_WORLD_ALIGNED
+    if name not in list(ReferenceFrame):
+        raise RequestProblem(
+            INVALID_REQUEST,
+            f"reference_frame is {name[:32]!r}; give {', '.join(ReferenceFrame)}",
+            "/reference_frame",
+        )
+    return ReferenceFrame(name)
 
 
 def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str) -> Any:

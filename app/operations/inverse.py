@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Annotated, Any
 
 import msgspec
@@ -61,7 +62,8 @@ class EulerField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
 class Target(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """A pose: a matrix, or a position with one orientation; what the task ignores may be left out.
 
-    For the task xy the position may be [x, y]; phi is an angle about z.
+    For the task xy the position may be [x, y]; phi is an angle about z;
+    direction is that of the frame's z axis, for tasks that leave the turn about it open.
     """
 
     matrix: list[list[float]] | None = None
@@ -70,6 +72,7 @@ class Target(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     rpy: list[float] | None = None
     euler: EulerField | None = None
     phi: float | None = None
+    direction: list[float] | None = None
 
 
 class EulerBatch(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -88,6 +91,7 @@ class TargetBatch(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     rpy: list[list[float]] | None = None
     euler: EulerBatch | None = None
     phi: list[float] | None = None
+    direction: list[list[float]] | None = None
 
 
 class ToleranceField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -161,6 +165,7 @@ class _Problem:
     frame: str
     task: Task
     options: IKOptions
+    quick_options: IKOptions
     seed: FloatArray | None
     poses: FloatArray
     many: bool
@@ -170,18 +175,38 @@ def _read(robot: Robot, request: IKRequest, context: Context) -> _Problem:
     task = task_from(request.task)
     frame = robot.tip_frame if request.frame is None else request.frame
     robot.frame_id(frame)
-    options = IKOptions(
-        tolerance=Tolerance(request.tolerance.position, request.tolerance.orientation),
-        max_restarts=request.max_restarts,
-        max_iterations=request.max_iterations,
-        random_seed=request.random_seed,
-        time_budget=request.time_budget_ms / 1e3,
-    ).within(context.settings.max_request_seconds)
+    options, quick_options = _options(
+        request.tolerance.position,
+        request.tolerance.orientation,
+        request.max_restarts,
+        request.max_iterations,
+        request.random_seed,
+        request.time_budget_ms,
+        context.settings.max_request_seconds,
+    )
     seed = None
     if bytes(request.seed) != NOT_GIVEN:
         seed = read_single(request.seed, robot, context, "/seed")
     poses, many = _targets(request, task, context)
-    return _Problem(frame, task, options, seed, poses, many)
+    return _Problem(frame, task, options, quick_options, seed, poses, many)
+
+
+@lru_cache(maxsize=1024)
+def _options(
+    position: float,
+    orientation: float,
+    max_restarts: int,
+    max_iterations: int,
+    random_seed: int,
+    time_budget_ms: float,
+    seconds: float,
+) -> tuple[IKOptions, IKOptions]:
+    """What a request chose, and the same for a first look; most requests choose the same."""
+    tolerance = Tolerance(position, orientation)
+    budget = time_budget_ms / 1e3
+    options = IKOptions(tolerance, max_restarts, max_iterations, random_seed, budget)
+    options = options.within(seconds)
+    return options, options.within(QUICK_SECONDS)
 
 
 def _quick(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
@@ -189,9 +214,8 @@ def _quick(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
     if request.target is None or request.choose is not None or not COMPILED:
         return None
     problem = _read(robot, request, context)
-    options = problem.options.within(QUICK_SECONDS)
-    result = _solve_one(robot, problem, options)
-    if result.status is IKStatus.TIMEOUT and options != problem.options:
+    result = _solve_one(robot, problem, problem.quick_options)
+    if result.status is IKStatus.TIMEOUT and problem.quick_options is not problem.options:
         return None
     return _single(robot, request, context, problem, result)
 
@@ -382,8 +406,8 @@ def _targets(request: IKRequest, task: Task, context: Context) -> tuple[FloatArr
 
 
 def _only_matrix(batch: TargetBatch) -> bool:
-    others = (batch.position, batch.quaternion_xyzw, batch.rpy, batch.euler, batch.phi)
-    return all(other is None for other in others)
+    others = ("position", "quaternion_xyzw", "rpy", "euler", "phi", "direction")
+    return all(getattr(batch, name) is None for name in others)
 
 
 def _check_count(count: int, context: Context) -> None:
@@ -398,7 +422,7 @@ def _split(batch: TargetBatch) -> list[Target]:
     """A batch field by field -> target by target."""
     columns: dict[str, list[Any]] = {
         name: value
-        for name in ("matrix", "position", "quaternion_xyzw", "rpy", "phi")
+        for name in ("matrix", "position", "quaternion_xyzw", "rpy", "phi", "direction")
         if (value := getattr(batch, name)) is not None
     }
     if batch.euler is not None:
@@ -435,6 +459,7 @@ def read_target(target: Target, task: Task, units: Units, pointer: str) -> Float
         rpy=angles(target.rpy),
         euler=euler,
         phi=phi[0] if phi else None,
+        direction=target.direction,
     )
     return target_pose(spec, task, pointer)
 
@@ -458,6 +483,7 @@ IK = Operation(
         "quaternion_xyzw",
         "euler",
         "phi",
+        "direction",
         "matrix",
         "frame",
         "task",

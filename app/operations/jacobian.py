@@ -15,6 +15,7 @@ from app.operations.base import (
     Operation,
     check_size,
     read_configuration,
+    read_reference_frame,
 )
 from app.problems import INVALID_REQUEST, RequestProblem
 from kinematics.configuration import joint_names
@@ -57,21 +58,9 @@ class JacobianResponse(msgspec.Struct, kw_only=True):
     euler: str | None
 
 
-def _reference_frame(name: str | None) -> ReferenceFrame:
-    if name is None:
-        return ReferenceFrame.LOCAL_WORLD_ALIGNED
-    if name not in list(ReferenceFrame):
-        raise RequestProblem(
-            INVALID_REQUEST,
-            f"reference_frame is {name[:32]!r}; give {', '.join(ReferenceFrame)}",
-            "/reference_frame",
-        )
-    return ReferenceFrame(name)
-
-
 def _run(robot: Robot, request: JacobianRequest, context: Context) -> Answer:
     frame = robot.tip_frame if request.frame is None else request.frame
-    reference_frame = _reference_frame(request.reference_frame)
+    reference_frame = read_reference_frame(request.reference_frame)
     if request.euler is not None:
         parse_sequence(request.euler)
         if reference_frame is not ReferenceFrame.LOCAL_WORLD_ALIGNED:

@@ -1,4 +1,4 @@
-"""singularity: rank, singular values, lost directions and null motions in a task space."""
+"""singularity: rank, lost directions, null motions, ellipsoids, dexterity and named factors."""
 
 from __future__ import annotations
 
@@ -13,18 +13,25 @@ from app.operations.base import (
     Answer,
     Configuration,
     Context,
+    FrameField,
     Numbers,
     Operation,
+    RankToleranceField,
     TaskField,
     check_size,
     read_configuration,
 )
+from kinematics.chain import chain_of
 from kinematics.configuration import joint_names
+from kinematics.dexterity import characteristic_length, dexterity
+from kinematics.ellipsoids import Ellipsoid, ellipsoids
 from kinematics.errors import InvalidOption
-from kinematics.jacobian import jacobian
+from kinematics.explanation import lost_direction_in_words, null_motion_in_words
+from kinematics.jacobian import jacobian, task_jacobian
+from kinematics.named_singularities import Factorization, factorization
 from kinematics.singularity import RANK_TOLERANCE, SingularityReport, report_on
-from kinematics.task import task_from
-from robots.robot import Robot
+from kinematics.task import Task, task_from
+from robots.robot import FloatArray, Robot
 
 
 class SingularityRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -32,13 +39,77 @@ class SingularityRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=Tru
 
     q: Configuration
     task: TaskField = "pose"
-    frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
-    tolerance: Annotated[
-        float,
+    frame: FrameField = None
+    tolerance: RankToleranceField = RANK_TOLERANCE
+    characteristic_length: Annotated[
+        float | None,
         msgspec.Meta(
-            description="Singular values below tolerance * max(1, largest) count as zero."
+            description="Length by which linear rows are divided in `dexterity`, m; default the"
+            " root mean square distance of the frame from the turning axes over all postures."
         ),
-    ] = RANK_TOLERANCE
+    ] = None
+
+
+class EllipsoidView(msgspec.Struct, kw_only=True):
+    """Ellipsoids of velocity and of force: the same axes, reciprocal semi-axes.
+
+    ``axes``: unit vectors in base axes, one a row. ``velocity_semi_axes``: for unit joint
+    velocities, m/s or rad/s. ``force_semi_axes``: for unit joint torques, N or N m; null where the
+    structure carries any force.
+    """
+
+    axes: Numbers
+    velocity_semi_axes: Numbers
+    force_semi_axes: Numbers
+
+
+class EllipsoidsView(msgspec.Struct, kw_only=True):
+    """Translation and rotation apart, so that m and rad do not mix; null without such rows."""
+
+    translation: EllipsoidView | None
+    rotation: EllipsoidView | None
+
+
+class DexterityView(msgspec.Struct, kw_only=True):
+    """Of the homogeneous Jacobian: linear rows over, sliding columns times a characteristic length.
+
+    ``chosen``: ``given``, or ``mean_lever``: the root mean square distance of the frame from the
+    turning axes over full turns of all joints, which is the same at every q.
+    """
+
+    characteristic_length: float
+    chosen: str
+    condition_number: float | list[float | None] | None
+    isotropy: float | list[float]
+
+
+class FactorView(msgspec.Struct, kw_only=True):
+    """One named factor; ``normalised`` is its value over its bound, -1 to 1."""
+
+    name: str
+    value: float | list[float]
+    normalised: float | list[float]
+    unit: str
+    vanishes: bool | list[bool]
+    joints: list[str]
+    vanishes_where: str
+
+
+class FactorizationView(msgspec.Struct, kw_only=True):
+    """``determinant`` (columns from base to frame) or ``manipulability`` = constant x factors.
+
+    ``difference`` is measured against the model; ``exact`` where it is rounding. Where no
+    structure is known, ``reason`` says so.
+    """
+
+    structure: str | None
+    reason: str | None
+    of: str | None
+    constant: float | list[float] | None
+    product: float | list[float] | None
+    difference: float | list[float] | None
+    exact: bool | list[bool] | None
+    factors: list[FactorView]
 
 
 class SingularityResponse(msgspec.Struct, kw_only=True):
@@ -57,9 +128,17 @@ class SingularityResponse(msgspec.Struct, kw_only=True):
     null_motions: Numbers
     singular: bool | list[bool]
     tolerance: float
+    explanation: Annotated[
+        list[Any],
+        msgspec.Meta(description="In words: texts, or for a batch a list of texts for each q."),
+    ]
+    factorization: FactorizationView
+    ellipsoids: EllipsoidsView
+    dexterity: DexterityView
     warnings: list[str]
 
 
+_MAX_WORDS = 8
 _LEAVES = (
     "rank",
     "singular_values",
@@ -80,10 +159,17 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
     frame = robot.tip_frame if request.frame is None else request.frame
     q = read_configuration(request.q, robot, context)
     check_size(q, 6 * robot.dof + robot.dof**2)
-    J = jacobian(robot, q, frame)[..., list(task.rows), :]
+    full = jacobian(robot, q, frame)
+    J = task_jacobian(robot, q, task, frame)
     batch = [report_on(one, robot, task, request.tolerance) for one in (J if q.ndim == 2 else [J])]
     first = batch[0]
     leaves = _stacked(batch) if q.ndim == 2 else {name: getattr(first, name) for name in _LEAVES}
+    named = factorization(robot, q, task, frame)
+    words = [
+        _in_words(robot, task, one, report)
+        for one, report in zip(full if q.ndim == 2 else [full], batch, strict=True)
+    ]
+    translation, rotation = ellipsoids(J, task, request.tolerance)
     payload = {
         "units": {"angle": "rad", "length": "m"},
         "task": task.name,
@@ -92,10 +178,87 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
         "frame": frame,
         **leaves,
         "tolerance": first.tolerance,
+        "explanation": words if q.ndim == 2 else words[0],
+        "factorization": _factorization_view(robot, frame, named, request.tolerance),
+        "ellipsoids": {
+            "translation": _ellipsoid_view(translation),
+            "rotation": _ellipsoid_view(rotation),
+        },
+        "dexterity": _dexterity_view(robot, J, task, frame, request),
         "warnings": list(first.warnings),
     }
     values = np.array([report.singular_values for report in batch])
     return Answer(payload, values if q.ndim == 2 else values[0])
+
+
+def _in_words(robot: Robot, task: Task, J: FloatArray, report: SingularityReport) -> list[str]:
+    return [
+        *(lost_direction_in_words(task, one) for one in report.lost_directions),
+        *(null_motion_in_words(robot, one, J) for one in report.null_motions[:_MAX_WORDS]),
+    ]
+
+
+def _factorization_view(
+    robot: Robot, frame: str, named: Factorization, tolerance: float
+) -> dict[str, Any]:
+    if named.structure is None:
+        nothing = dict.fromkeys(("of", "constant", "product", "difference", "exact"))
+        return {"structure": None, "reason": named.reason, **nothing, "factors": []}
+    columns = chain_of(robot, frame).columns
+    return {
+        "structure": named.structure,
+        "reason": None,
+        "of": named.of,
+        "constant": named.constant,
+        "product": named.product + 0.0,
+        "difference": named.difference,
+        "exact": named.exact.tolist(),
+        "factors": [
+            {
+                "name": factor.name,
+                "value": factor.value,
+                "normalised": factor.normalised,
+                "unit": factor.unit,
+                "vanishes": (np.abs(factor.normalised) <= tolerance).tolist(),
+                "joints": [robot.joints[columns[k]].name for k in factor.joints],
+                "vanishes_where": factor.vanishes_where,
+            }
+            for factor in named.factors
+        ],
+    }
+
+
+def _ellipsoid_view(ellipsoid: Ellipsoid | None) -> dict[str, Any] | None:
+    if ellipsoid is None:
+        return None
+    return {
+        "axes": ellipsoid.axes,
+        "velocity_semi_axes": ellipsoid.velocity,
+        "force_semi_axes": finite_or_null(ellipsoid.force),
+    }
+
+
+def _dexterity_view(
+    robot: Robot, J: FloatArray, task: Task, frame: str, request: SingularityRequest
+) -> dict[str, Any]:
+    given = request.characteristic_length
+    length = characteristic_length(robot, frame) if given is None else given
+    found = dexterity(J, robot.turns, task, length, request.tolerance)
+    return {
+        "characteristic_length": length,
+        "chosen": "mean_lever" if given is None else "given",
+        "condition_number": finite_or_null(found.condition_number),
+        "isotropy": found.isotropy.tolist(),
+    }
+
+
+def finite_or_null(values: FloatArray) -> Any:
+    """Nested lists of an array, with null for what is infinite; the array where nothing is."""
+    if np.isfinite(values).all():
+        return values if values.ndim else float(values)
+    nulls = values.astype(object)
+    nulls[~np.isfinite(values)] = None
+    return nulls.tolist()
 
 
 def _stacked(batch: list[SingularityReport]) -> dict[str, Any]:
@@ -107,13 +270,16 @@ SINGULARITY = Operation(
     name="singularity",
     summary="Singularity report",
     description="Rank, singular values, condition number (null where infinite), manipulability,"
-    " task directions that are lost and joint motions that do nothing. Choose a task that fits the"
-    " arm: a planar arm is only seen as singular in `xy` or `xy_phi`. As npy: singular values.",
+    " task directions that are lost and joint motions that do nothing, also in words; of arms of"
+    " known structure the named factors of the determinant (shoulder, elbow, wrist), checked on"
+    " the model; manipulability ellipsoids of translation and of rotation, and `dexterity`, which"
+    " does not mix m and rad. Choose a task that fits the arm: a planar arm is only seen as"
+    " singular in `xy` or `xy_phi`. As npy: singular values.",
     request=SingularityRequest,
     response=SingularityResponse,
     run=_run,
     example={"q": [0.5236, 0.0], "task": "xy"},
     example_robot="planar_2r",
-    query=("q", "task", "frame", "tolerance"),
+    query=("q", "task", "frame", "tolerance", "characteristic_length"),
     array_field="q",
 )

@@ -122,6 +122,7 @@ SOLUTIONS = Operation(
         "quaternion_xyzw",
         "euler",
         "phi",
+        "direction",
         "matrix",
         "frame",
         "task",

@@ -74,7 +74,7 @@ class _Handlers:
             check_query(request, *(operation.query if kind == NPY else ()))
             units = units_of(request)
             if kind == NPY:
-                parameters = body_from_query(request, units, stored.robot)
+                parameters = body_from_query(request, units, stored.robot, operation.query)
         wanted = wanted_type(request, *self.offers)
         body = await read_body(request, self.max_body)
         decode = _npy_decoder if kind == NPY else _json_decoder
@@ -89,7 +89,7 @@ class _Handlers:
         stored = await services.robot(request.path_params["robot_id"])
         check_query(request, *operation.query)
         units, wanted = units_of(request), wanted_type(request, *self.offers)
-        body = body_from_query(request, units, stored.robot)
+        body = body_from_query(request, units, stored.robot, operation.query)
         return await _answer(
             services, operation, stored.robot, units, wanted, len(body),
             lambda: decode_json(body, operation.request),

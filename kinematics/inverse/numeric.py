@@ -51,6 +51,7 @@ class _Problem:
         self.model, self.data = robot.model, robot.data()
         self.tip = robot.frame_id(frame)
         self.base = robot.frame_id(robot.base_frame)
+        self.task = task
         self.rows = list(task.rows)
         self.linear, self.angular = list(task.positions), list(task.rotations)
         self.moving = chain_of(robot, frame).columns
@@ -71,6 +72,9 @@ class _Problem:
         twist = np.empty(6)
         twist[:3] = self.p - pose.translation
         twist[3:] = pin.log3(self.R @ pose.rotation.T)
+        if self.task.own_axes:
+            twist[3:] = pose.rotation.T @ _across(pose.rotation, self.R[:, 2])
+        self.rotation = pose.rotation.copy()
         position = float(np.linalg.norm(twist[self.linear])) if self.linear else 0.0
         orientation = float(np.linalg.norm(twist[3:][self.angular])) if self.angular else 0.0
         return twist[self.rows], position, orientation
@@ -85,7 +89,16 @@ class _Problem:
             J = J - J_base
             J[:3] -= np.cross(J_base[3:], tip.translation - base.translation, axis=0)
             J = np.concatenate((base.rotation.T @ J[:3], base.rotation.T @ J[3:]))
-        return np.asarray(J[:, self.columns][self.rows])
+        return self.task.of(J[:, self.columns], self.rotation)
+
+
+def _across(R: FloatArray, z: FloatArray) -> FloatArray:
+    """Rotation vector that turns the z axis of R to z, in base axes; perpendicular to both."""
+    axis = np.cross(R[:, 2], z)
+    sine, cosine = float(np.linalg.norm(axis)), float(R[:, 2] @ z)
+    if sine < 1e-9:
+        return np.asarray(np.pi * R[:, 0] if cosine < 0 else axis)
+    return np.asarray(np.arctan2(sine, cosine) / sine * axis)
 
 
 def solve_on_pinocchio(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,9 +124,10 @@ class IKBatch:
         return [names[code] for code in self.codes]
 
 
-@dataclass(frozen=True)
-class IKResult:
+class IKResult(NamedTuple):
     """One answer, checked by forward kinematics on the model.
+
+    A named tuple: a frozen dataclass takes a microsecond longer to make.
 
     Attributes:
         status: How the solve ended.

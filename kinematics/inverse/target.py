@@ -27,6 +27,7 @@ class TargetSpec:
         rpy: Roll, pitch, yaw.
         euler: Sequence and its three angles.
         phi: Angle about z, alone: a planar orientation.
+        direction: Of the frame's z axis, of any length: for tasks without the turn about it.
     """
 
     matrix: Sequence[Sequence[float]] | None = None
@@ -35,6 +36,7 @@ class TargetSpec:
     rpy: Sequence[float] | None = None
     euler: tuple[str, Sequence[float]] | None = None
     phi: float | None = None
+    direction: Sequence[float] | None = None
 
 
 def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> FloatArray:
@@ -58,6 +60,7 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
         "rpy": spec.rpy,
         "euler": spec.euler,
         "phi": spec.phi,
+        "direction": spec.direction,
     }
     given = [name for name, value in orientations.items() if value is not None]
     if spec.matrix is not None:
@@ -79,8 +82,8 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
         )
     if task.rotations and not given:
         raise InvalidTarget(
-            f"task {task.name} needs an orientation; give target.rpy, quaternion_xyzw, euler, phi"
-            " or matrix, or choose task position",
+            f"task {task.name} needs an orientation; give target.rpy, quaternion_xyzw, euler, phi,"
+            " direction or matrix, or choose task position",
             pointer,
         )
     if spec.phi is not None and task.rotations not in ((), (2,)):
@@ -88,6 +91,12 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
             f"target.phi is an angle about z alone, but task {task.name} needs a whole orientation;"
             " give rpy, quaternion_xyzw, euler or matrix",
             f"{pointer}/phi",
+        )
+    if spec.direction is not None and task.rotations and not task.own_axes:
+        raise InvalidTarget(
+            f"target.direction leaves the turn about it open, but task {task.name} needs it; choose"
+            " task position_direction or direction, or give rpy, quaternion_xyzw, euler or matrix",
+            f"{pointer}/direction",
         )
     T = np.eye(4)
     if spec.position is not None:
@@ -106,6 +115,8 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
         sequence, angles = spec.euler
         values = _vector(angles, 3, "euler", pointer)
         T[:3, :3] = rotation_from_euler(sequence, values, f"{pointer}/euler/sequence")
+    elif spec.direction is not None:
+        T[:3, :3] = _along(_vector(spec.direction, 3, "direction", pointer), pointer)
     elif spec.phi is not None:
         T[:3, :3] = rotation_from_euler("xyz", _vector([0.0, 0.0, spec.phi], 3, "phi", pointer))
     return T
@@ -128,6 +139,20 @@ def target_poses(matrices: FloatArray, pointer: str = "/targets/matrix") -> Floa
     if poses.size and not np.abs(poses).max() <= MAX_VALUE:
         raise InvalidTarget("a target is beyond ±1e6", pointer)
     return poses
+
+
+def _along(direction: FloatArray, pointer: str) -> FloatArray:
+    """A rotation whose z axis has a direction."""
+    length = float(np.linalg.norm(direction))
+    if length < 1e-9:
+        raise InvalidTarget(
+            "target.direction is zero; give the frame's z axis, such as [0, 0, -1]",
+            f"{pointer}/direction",
+        )
+    z = direction / length
+    x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
+    x /= np.linalg.norm(x)
+    return np.column_stack((x, np.cross(z, x), z))
 
 
 def _position(position: Sequence[float], task: Task, pointer: str) -> FloatArray:

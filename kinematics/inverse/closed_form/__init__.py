@@ -65,8 +65,8 @@ def closed_form_of(chain: Chain) -> ClosedForm | None:
 def solver(form: ClosedForm) -> Callable[..., int]:
     """The compiled function of a class, for callers that keep their own arrays.
 
-    Its arguments are ``(constants, placements, turns, rows, target, given, swivel, q, codes,
-    free, errors)``, see :func:`spherical_wrist.solve`; it returns the number of solutions.
+    Its arguments are ``(constants, placements, turns, mask, target, given, swivel, measured, q,
+    codes, free, errors)``, see :func:`spherical_wrist.solve`; it returns the number of solutions.
     """
     return _SOLVERS[form.kind]
 
@@ -107,12 +107,13 @@ def solutions(
     errors = np.empty((most, 2))
     n = solver(form)(
         form.constants,
-        chain.placements,
-        chain.turns,
-        np.array(task.rows, dtype=np.int64),
+        chain.placements.copy(),
+        chain.turns.astype(np.float64),
+        task.mask,
         np.ascontiguousarray(target, dtype=np.float64),
         np.zeros(count) if given is None else np.ascontiguousarray(given, dtype=np.float64),
         float(swivel),
+        True,
         q,
         codes,
         free,

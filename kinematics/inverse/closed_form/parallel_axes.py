@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.closed_form.polish import WORK, BoolArray, IntArray, keep, none_yet
+from kinematics.inverse.closed_form.polish import WORK, IntArray, keep, none_yet
 from kinematics.inverse.closed_form.quartic import roots, times
 from kinematics.inverse.closed_form.spherical import bend
 from kinematics.inverse.closed_form.spherical import turns as three_turns
@@ -60,11 +60,12 @@ NEARLY_STRAIGHT = 1e-9
 def solve(
     constants: FloatArray,
     placements: FloatArray,
-    turns: BoolArray,
-    rows: IntArray,
+    turns: FloatArray,
+    mask: FloatArray,
     target: FloatArray,
     given: FloatArray,
     swivel: float,  # noqa: ARG001 - the same arguments for every class
+    measured: bool,
     q: FloatArray,
     codes: IntArray,
     free: IntArray,
@@ -115,15 +116,17 @@ def solve(
             before = n
             if not loose:
                 n = _plane(
-                    constants, placements, turns, rows, target, given, goal, point, total,
-                    first[i], q5, q6, (left, 1 - side, bits), q, codes, free, errors, n, work,
+                    constants, placements, turns, mask, target, given, goal, point, total,
+                    first[i], q5, q6, (left, 1 - side, bits), q, codes, free, errors, n,
+                    measured, work,
                 )  # fmt: skip
             straight = abs(dot(h5, cross(h, turn(h5, c5, s5, vector(constants, TRIPLE + 6)))))
-            if loose or (n == before and straight < NEARLY_STRAIGHT):
+            if loose or ((n == before or not measured) and straight < NEARLY_STRAIGHT):
                 total, q6 = _straight(constants, wrist_v, q5, given[5], goal, point)
                 n = _plane(
-                    constants, placements, turns, rows, target, given, goal, point, total,
-                    first[i], q5, q6, (left, 1 - side, bits + 32), q, codes, free, errors, n, work,
+                    constants, placements, turns, mask, target, given, goal, point, total,
+                    first[i], q5, q6, (left, 1 - side, bits + 32), q, codes, free, errors, n,
+                    measured, work,
                 )  # fmt: skip
     return n
 
@@ -165,8 +168,8 @@ def _first_joint(
 def _plane(
     constants: FloatArray,
     placements: FloatArray,
-    turns: BoolArray,
-    rows: IntArray,
+    turns: FloatArray,
+    mask: FloatArray,
     target: FloatArray,
     given: FloatArray,
     goal: Vector,
@@ -181,6 +184,7 @@ def _plane(
     free: IntArray,
     errors: FloatArray,
     n: int,
+    measured: bool,
     work: FloatArray,
 ) -> int:
     """Joints 2, 3, 4 of one choice of the others: up to two solutions, added to q."""
@@ -201,7 +205,7 @@ def _plane(
         fold = dot(h, cross(sub(p3, p2), sub(reached, sub(p3, p2))))
         codes[n, 0], codes[n, 1], codes[n, 2] = branch[0], 0 if fold >= 0.0 else 1, branch[1]
         free[n] = branch[2] if determined else branch[2] | 2
-        n = keep(placements, turns, target, rows, q, n, errors, work)
+        n = keep(placements, turns, target, mask, q, n, measured, errors, work)
     return n
 
 

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.closed_form.polish import WORK, BoolArray, IntArray, keep, none_yet
+from kinematics.inverse.closed_form.polish import WORK, IntArray, keep, none_yet
 from kinematics.inverse.closed_form.subproblems import align, distance
 from kinematics.inverse.closed_form.vectors import (
     add,
@@ -50,11 +50,12 @@ MOST = 2
 def solve(
     constants: FloatArray,
     placements: FloatArray,
-    turns: BoolArray,
-    rows: IntArray,
+    turns: FloatArray,
+    mask: FloatArray,
     target: FloatArray,
     given: FloatArray,
     swivel: float,  # noqa: ARG001 - the same arguments for every class
+    measured: bool,
     q: FloatArray,
     codes: IntArray,
     free: IntArray,
@@ -98,7 +99,7 @@ def solve(
             q[n, slide] = constants[SIGNS + 3] * height
         side = dot(u, cross(reached, sub(a2, a1)))
         codes[n, 0] = 0 if side >= 0.0 else 1
-        n = keep(placements, turns, target, rows, q, n, errors, work)
+        n = keep(placements, turns, target, mask, q, n, measured, errors, work)
     return n
 
 

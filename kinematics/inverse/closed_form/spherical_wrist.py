@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.closed_form.polish import WORK, BoolArray, IntArray, keep, none_yet
+from kinematics.inverse.closed_form.polish import WORK, IntArray, keep, none_yet
 from kinematics.inverse.closed_form.quartic import roots, times
 from kinematics.inverse.closed_form.spherical import bend
 from kinematics.inverse.closed_form.spherical import turns as three_turns
@@ -65,11 +65,12 @@ MOST = 8
 def solve(
     constants: FloatArray,
     placements: FloatArray,
-    turns: BoolArray,
-    rows: IntArray,
+    turns: FloatArray,
+    mask: FloatArray,
     target: FloatArray,
     given: FloatArray,
     swivel: float,  # noqa: ARG001 - the same arguments for every class
+    measured: bool,
     q: FloatArray,
     codes: IntArray,
     free: IntArray,
@@ -80,11 +81,12 @@ def solve(
     Args:
         constants: See the offsets above.
         placements: C_0 … C_K, shape (7, 12).
-        turns: True for an angle, shape (6,).
-        rows: The rows of the error that count.
+        turns: Nonzero for an angle, shape (6,).
+        mask: 1 for the rows of the error that count, else 0; shape (6,).
         target: Pose of the frame in base axes, shape (4, 4).
         given: Values of joints that a singular branch leaves free, shape (6,).
         swivel: Not used.
+        measured: Whether to measure, improve and compare what is found, see :func:`keep`.
         q: Receives the solutions, shape (8, 6).
         codes: Receives 0 or 1 for shoulder, elbow and wrist, shape (8, 3).
         free: Receives a bit for each joint that took its given value, shape (8,).
@@ -114,7 +116,7 @@ def solve(
             c3, s3 = math.cos(arms[i, 2]), math.sin(arms[i, 2])
         wrist_c = turn(h3, c3, -s3, turn(h2, c2, -s2, turn(h1, c1, -s1, image_c)))
         wrist_v = turn(h3, c3, -s3, turn(h2, c2, -s2, turn(h1, c1, -s1, image_v)))
-        shoulder, elbow = _posture(constants, turns[2], arms[i, 2], c2, s2, c3, s3)
+        shoulder, elbow = _posture(constants, turns[2] != 0.0, arms[i, 2], c2, s2, c3, s3)
         exists, bent = bend(constants, TRIPLE, wrist_c)
         if not exists:
             continue
@@ -126,7 +128,7 @@ def solve(
             q[n, 3], q[n, 4], q[n, 5] = q4, q5, q6
             codes[n, 0], codes[n, 1], codes[n, 2] = shoulder, elbow, side
             free[n] = int(arms[i, 3]) + (8 if loose else 0)
-            n = keep(placements, turns, target, rows, q, n, errors, work)
+            n = keep(placements, turns, target, mask, q, n, measured, errors, work)
     return n
 
 

@@ -20,7 +20,7 @@ import math
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.closed_form.polish import WORK, BoolArray, IntArray, keep, none_yet
+from kinematics.inverse.closed_form.polish import WORK, IntArray, keep, none_yet
 from kinematics.inverse.closed_form.spherical import bend
 from kinematics.inverse.closed_form.spherical import turns as three_turns
 from kinematics.inverse.closed_form.subproblems import distance
@@ -60,11 +60,12 @@ UPRIGHT = 1e-6
 def solve(
     constants: FloatArray,
     placements: FloatArray,
-    turns: BoolArray,
-    rows: IntArray,
+    turns: FloatArray,
+    mask: FloatArray,
     target: FloatArray,
     given: FloatArray,
     swivel: float,
+    measured: bool,
     q: FloatArray,
     codes: IntArray,
     free: IntArray,
@@ -75,11 +76,12 @@ def solve(
     Args:
         constants: See the offsets above.
         placements: C_0 … C_K, shape (8, 12).
-        turns: True for an angle, shape (7,).
-        rows: The rows of the error that count.
+        turns: Nonzero for an angle, shape (7,).
+        mask: 1 for the rows of the error that count, else 0; shape (6,).
         target: Pose of the frame in base axes, shape (4, 4).
         given: Values of joints that a singular branch leaves free, shape (7,).
         swivel: psi, rad.
+        measured: Whether to measure, improve and compare what is found, see :func:`keep`.
         q: Receives the solutions, shape (8, 7).
         codes: Receives 0 or 1 for shoulder, elbow and wrist, shape (8, 3).
         free: Receives a bit for each joint that took its given value, shape (8,).
@@ -137,7 +139,7 @@ def solve(
                 q[n, 4], q[n, 5], q[n, 6] = q5, q6, q7
                 codes[n, 0], codes[n, 1], codes[n, 2] = j, 0 if fold <= 0.0 else 1, k
                 free[n] = (1 if loose1 else 0) + (16 if loose5 else 0)
-                n = keep(placements, turns, target, rows, q, n, errors, work)
+                n = keep(placements, turns, target, mask, q, n, measured, errors, work)
     return n
 
 

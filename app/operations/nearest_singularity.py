@@ -1,0 +1,128 @@
+"""singularity/nearest: the nearest singular configuration."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from app.operations.base import (
+    UNITS_SCHEMA,
+    Answer,
+    Context,
+    FrameField,
+    Operation,
+    RankToleranceField,
+    SingleConfiguration,
+    TaskField,
+    check_size,
+    read_single,
+)
+from kinematics.configuration import joint_names
+from kinematics.nearest_singularity import SingularAlongJoint, nearest_singularity
+from kinematics.singularity import RANK_TOLERANCE
+from kinematics.task import task_from
+from robots.robot import Robot
+
+
+class NearestSingularityRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """Near what, and in which task space."""
+
+    q: SingleConfiguration
+    task: TaskField = "pose"
+    frame: FrameField = None
+    tolerance: RankToleranceField = RANK_TOLERANCE
+
+
+class SingularAlongJointView(msgspec.Struct, kw_only=True):
+    """Where one joint alone makes the arm singular; nulls where it cannot within its limits.
+
+    ``values``: all such values within the limits and a turn of q. ``singular_value``: the smallest
+    one of the task Jacobian at ``value``, measured.
+    """
+
+    joint: str
+    value: float | None
+    distance: float | None
+    values: list[float]
+    singular_value: float | None
+
+
+class NearestView(msgspec.Struct, kw_only=True):
+    """A singular configuration, and its Euclidean distance in the units of the answer."""
+
+    q: list[float]
+    distance: float
+    singular_value: float
+
+
+class NearestSingularityResponse(msgspec.Struct, kw_only=True):
+    """Along each joint alone, and the nearest with all joints moving that was found."""
+
+    units: UNITS_SCHEMA
+    singular: bool
+    nearest: NearestView | None
+    joints: list[SingularAlongJointView]
+    columns: list[str]
+    frame: str
+    task: str
+    tolerance: float
+
+
+def _run(robot: Robot, request: NearestSingularityRequest, context: Context) -> Answer:
+    task, units = task_from(request.task), context.units
+    frame = robot.tip_frame if request.frame is None else request.frame
+    robot.frame_id(frame)
+    q = read_single(request.q, robot, context)
+    check_size(q, robot.dof)
+    found = nearest_singularity(robot, q, task, frame, tolerance=request.tolerance)
+    here = units.joints_out(robot, q)
+    nearest, array = None, None
+    if found.q is not None:
+        array = units.joints_out(robot, found.q)
+        nearest = {
+            "q": array,
+            "distance": float(np.linalg.norm(array - here)),
+            "singular_value": found.singular_value,
+        }
+    payload = {
+        "units": units.named,
+        "singular": found.singular,
+        "nearest": nearest,
+        "joints": [_view(robot, one, context) for one in found.joints],
+        "columns": list(joint_names(robot)),
+        "frame": frame,
+        "task": task.name,
+        "tolerance": request.tolerance,
+    }
+    return Answer(payload, array)
+
+
+def _view(robot: Robot, one: SingularAlongJoint, context: Context) -> dict[str, Any]:
+    degrees = context.units.degrees and robot.turns[one.column]
+    scale = 180.0 / np.pi if degrees else 1.0
+    return {
+        "joint": robot.joints[one.column].name,
+        "value": None if one.value is None else one.value * scale,
+        "distance": None if one.distance is None else one.distance * scale,
+        "values": [value * scale for value in one.values],
+        "singular_value": one.singular_value,
+    }
+
+
+NEAREST_SINGULARITY = Operation(
+    name="singularity/nearest",
+    summary="The nearest singular configuration",
+    description="For each joint alone all values within its limits that make the arm singular in a"
+    " `task` (roots of the determinant's trigonometric polynomial), the nearest of them and how far"
+    " it is; and the nearest singular q with all joints moving, by descent from there: a local"
+    " minimum of the distance. Each is checked on the model. As npy: that q.",
+    request=NearestSingularityRequest,
+    response=NearestSingularityResponse,
+    run=_run,
+    example={"q": [0.1, 0.5, -1.2, 0.3, 0.6, 0.2]},
+    example_robot="puma560",
+    query=("q", "task", "frame", "tolerance"),
+    quick=lambda robot, request, context: None,  # noqa: ARG005
+)

@@ -1,0 +1,68 @@
+"""Twists and wrenches of requests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from app.operations.base import Context
+from app.problems import INVALID_REQUEST, RequestProblem
+from app.wire import decode_json, decode_rows
+from kinematics.spatial_vectors import spatial_vector
+from kinematics.task import Task
+from robots.robot import FloatArray
+
+_ROWS = {"type": "array", "items": {"type": "number"}}
+_SCHEMA = {"anyOf": [_ROWS, {"type": "array", "items": _ROWS, "minItems": 1}]}
+
+TwistField = Annotated[
+    msgspec.Raw,
+    msgspec.Meta(
+        description="One value a row of the task (pose: vx, vy, vz, wx, wy, wz), or a list of such"
+        " lists. m/s and rad/s, or degrees with ?angle=deg.",
+        extra_json_schema=_SCHEMA,
+    ),
+]
+WrenchField = Annotated[
+    msgspec.Raw,
+    msgspec.Meta(
+        description="fx, fy, fz, mx, my, mz that the frame exerts, or a list of such lists; N and"
+        " N m.",
+        extra_json_schema=_SCHEMA,
+    ),
+]
+
+
+def read_vector(
+    raw: msgspec.Raw, rows: Sequence[str], context: Context, pointer: str
+) -> FloatArray:
+    """A twist or wrench of a request, shape (m,) or (n, m), in the units of the request.
+
+    Raises:
+        RequestProblem: Not numbers, or more rows than one request may hold.
+        WrongVector: Not one value a row, or not finite.
+    """
+    text = bytes(raw)
+    if text[:1] == b"[" and text[1:64].lstrip()[:1] == b"[":
+        batch = decode_rows(text, pointer)
+        if isinstance(batch, list):
+            for index, row in enumerate(batch):
+                spatial_vector(row, rows, f"{pointer}/{index}")
+        values = spatial_vector(batch, rows, pointer)
+        if len(values) > context.settings.max_batch:
+            raise RequestProblem(
+                INVALID_REQUEST,
+                f"{pointer[1:]} holds {len(values)} rows; give 1 to {context.settings.max_batch}",
+                pointer,
+            )
+        return values
+    return spatial_vector(decode_json(text, list[float], pointer), rows, pointer)
+
+
+def angular_rows(task: Task) -> NDArray[np.bool_]:
+    """True for the rows of a task that are angular."""
+    return np.array([row >= 3 for row in task.rows])

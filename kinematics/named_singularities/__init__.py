@@ -1,0 +1,6 @@
+"""Named singularities: det J as a product of factors with a meaning, where the arm has them."""
+
+from kinematics.named_singularities.factorization import Factorization, factorization
+from kinematics.named_singularities.posture import Factor
+
+__all__ = ["Factor", "Factorization", "factorization"]

@@ -1,0 +1,199 @@
+"""The determinants of an arm's parts as products; each function returns (constant, factors).
+
+With ``c_k = z_k × (P - o_k)`` the velocity of a point P by a turning joint, two identities split
+them: ``(u × a) × (u × b) = u (u · (a × b))`` for parallel axes, and
+``(u × a) × (v × a) = a (a · (u × v))`` for axes that meet.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.named_singularities.posture import (
+    Factor,
+    Posture,
+    across,
+    cross,
+    dot,
+    norm,
+    triple,
+)
+from kinematics.named_singularities.relations import Relations
+from robots.robot import FloatArray
+
+Product: TypeAlias = tuple[FloatArray, list[Factor]]
+
+
+def wrist(at: Posture, i: int, j: int, k: int, name: str = "wrist") -> Product:
+    """``z_i · (z_j × z_k)``: the sine of the middle joint's angle times a constant."""
+    a, b, c = at.z(i), at.z(j), at.z(k)
+    scale = norm(cross(a, b)) * norm(cross(b, c))
+    sine = triple(b, a, c) / np.maximum(scale, 1e-300)
+    where = f"axes {i + 1} and {k + 1} lie in one plane with axis {j + 1} (or coincide)"
+    return -scale, [Factor(name, sine, np.ones_like(sine), "1", (i, j, k), where)]
+
+
+def bend(at: Posture, i: int, j: int, point: FloatArray) -> Product:
+    """``z_i · ((P - o_i) × (P - o_j))`` of parallel axes i and j: how far P is from their plane."""
+    z = at.z(i)
+    between = across(at.O[:, j] - at.O[:, i], z)
+    length = norm(between)
+    e = between / np.maximum(length, 1e-300)[:, None]
+    value = triple(z, e, at.from_axis(j, point))
+    return length, [
+        Factor("elbow", value, at.lever(j, point), "m", (i, j), _stretched(i, j))
+    ]  # fmt: skip
+
+
+def _stretched(i: int, j: int) -> str:
+    return f"the arm is stretched or folded: its end is in the plane of axes {i + 1} and {j + 1}"
+
+
+def arm(at: Posture, axes: Relations, point: FloatArray) -> Product:
+    """``det [c_1 c_2 c_3]`` of the first three joints at a point.
+
+    Args:
+        at: The posture.
+        axes: How they lie to each other.
+        point: P, shape (n, 3).
+    """
+    t1, t2, t3 = (bool(turns) for turns in axes.turns[:3])
+    z1, z2, z3 = at.z(0), at.z(1), at.z(2)
+    if t2 and t3 and axes.parallel[1, 2]:
+        constant, factors = bend(at, 1, 2, point)
+        constant = constant * np.sign(dot(z2, z3))
+        if not t1:
+            return constant * dot(z1, z2), factors
+        n = cross(z1, z2)
+        sine = norm(n)
+        n /= np.maximum(sine, 1e-300)[:, None]
+        offset = np.abs(dot(at.O[:, 1] - at.O[:, 0], n))
+        reach = offset + norm(across(at.O[:, 2] - at.O[:, 1], z2)) + at.lever(2, point)
+        where = "the wrist centre is in the plane through axis 1 along axis 2 (above the shoulder)"
+        value = dot(at.from_axis(0, point), n)
+        return -constant * sine, [Factor("shoulder", value, reach, "m", (0, 1), where), *factors]
+    if t1 and t2 and axes.parallel[0, 1]:
+        constant, factors = bend(at, 0, 1, point)
+        constant = constant * np.sign(dot(z1, z2))
+        if not t3:
+            return constant * dot(z1, z3), factors
+        n = cross(z1, z3)
+        sine = norm(n)
+        n /= np.maximum(sine, 1e-300)[:, None]
+        value = dot(at.from_axis(2, point), n)
+        where = "the wrist centre is in the plane through axis 3 along axis 1"
+        forearm = Factor("forearm", value, at.lever(2, point), "m", (2,), where)
+        return constant * sine, [*factors, forearm]
+    if t1 and t2 and axes.meeting is not None:
+        meeting = axes.meeting
+        a = point - meeting
+        n = cross(z1, z2)
+        sine = norm(n)
+        n /= np.maximum(sine, 1e-300)[:, None]
+        where = "the wrist centre is in the plane of axes 1 and 2"
+        if not t3:
+            length = norm(a)
+            return sine, [
+                Factor("shoulder", dot(a, n), length, "m", (0, 1), where),
+                Factor("slide", dot(a, z3), length, "m", (2,),
+                       "the wrist centre is level with the shoulder, at right angles to axis 3"),
+            ]  # fmt: skip
+        between = across(at.O[:, 2] - meeting, z3)
+        length = norm(between)
+        e = between / np.maximum(length, 1e-300)[:, None]
+        reach = norm(at.foot(2, point) - meeting) + at.lever(2, point)
+        bent = triple(z3, e, at.from_axis(2, point))
+        stretched = (
+            "the arm is stretched or folded: the wrist centre is in the plane of axis 3 and the"
+            " point where axes 1 and 2 meet"
+        )
+        return -length * sine, [
+            Factor("shoulder", dot(a, n), reach, "m", (0, 1), where),
+            Factor("elbow", bent, at.lever(2, point), "m", (2,), stretched),
+        ]
+    columns = [at.column(k, point, bool(axes.turns[k])) for k in range(3)]
+    value = triple(*columns)
+    largest = np.prod([norm(column) for column in columns], axis=0)
+    power = int(np.count_nonzero(axes.turns[:3]))
+    unit = "1" if power == 0 else "m" if power == 1 else f"m^{power}"
+    where = "the velocities that joints 1, 2 and 3 give the wrist centre lie in one plane"
+    return np.ones_like(value), [Factor("arm", value, largest, unit, (0, 1, 2), where)]
+
+
+def three_parallel(at: Posture, i: int, j: int, k: int) -> Product:
+    """Of three turning joints about parallel axes in their plane, rows (v_x, v_y, ω_h)."""
+    h = at.z(i)
+    constant, (found,) = bend(at, i, j, at.O[:, k])
+    signs = np.sign(dot(h, at.z(j))) * np.sign(dot(h, at.z(k)))
+    where = f"the arm is stretched or folded: axes {i + 1}, {j + 1} and {k + 1} lie in one plane"
+    factor = Factor("elbow", found.value, found.largest, "m", (i, j, k), where)
+    return constant * signs, [factor]
+
+
+def around_parallel(
+    at: Posture, turns: NDArray[np.bool_], point: FloatArray, meets: bool, scale: FloatArray
+) -> Product:
+    """What joints 1, 5 and 6 do that joints 2, 3 and 4 (parallel axes) cannot.
+
+    Rows: velocity along h = z_2 of a point of axis 6, and turning across h.
+
+    Args:
+        at: The posture.
+        turns: True for joints that turn, shape (6,).
+        point: A point of axis 6; where axes 5 and 6 meet, that point.
+        meets: Whether they do.
+        scale: Bound of the distance of that point from axis 1's plane, shape (n,).
+    """
+    h, z1, z5, z6 = at.z(1), at.z(0), at.z(4), at.z(5)
+    along = dot(at.column(0, point, bool(turns[0])), h)
+    if not meets:
+        value = along * triple(h, z5, z6)
+        if turns[0]:
+            value = value - dot(at.column(4, point, True), h) * triple(h, z1, z6)
+        where = "joints 1, 5 and 6 together leave a motion across the parallel axes open"
+        name, unit = ("shoulder and wrist", "m") if turns[0] else ("wrist", "1")
+        largest = scale + at.lever(4, point) if turns[0] else np.ones_like(value)
+        return np.ones_like(value), [Factor(name, value, largest, unit, (0, 4, 5), where)]
+    constant, (sine,) = wrist(at, 1, 4, 5)
+    where = "axes 5 and 6 and the parallel axes 2, 3 and 4 are directed in one plane (sin q5 = 0)"
+    factors = [Factor("wrist", sine.value, sine.largest, "1", (3, 4, 5), where)]
+    if not turns[0]:
+        return constant * along, factors
+    n = cross(z1, h)
+    skew = norm(n)
+    n /= np.maximum(skew, 1e-300)[:, None]
+    where = "the point where axes 5 and 6 meet is in the plane through axis 1 along axis 2"
+    value = dot(at.from_axis(0, point), n)
+    return -constant * skew, [Factor("shoulder", value, scale, "m", (0, 1), where), *factors]
+
+
+def srs(at: Posture, shoulder: FloatArray, centre: FloatArray) -> Product:
+    """sqrt(det J Jᵀ) of spherical shoulder, elbow, spherical wrist.
+
+    Every 6-row minor holds the elbow's factor: w = |elbow| sqrt(W² A + S² B), with S = z1·(z2×z3),
+    W = z5·(z6×z7) and A, B the squares of d · (z_i × z_j) over pairs of shoulder and wrist axes, d
+    from the shoulder to the wrist.
+    """
+    d, z4 = centre - shoulder, at.z(3)
+    between = across(at.O[:, 3] - shoulder, z4)
+    length = norm(between)
+    e = between / np.maximum(length, 1e-300)[:, None]
+    elbow = triple(z4, e, at.from_axis(3, centre))
+
+    def pairs(i: int, j: int, k: int) -> FloatArray:
+        z = (at.z(i), at.z(j), at.z(k))
+        return np.asarray(sum(triple(d, z[a], z[b]) ** 2 for a, b in ((0, 1), (0, 2), (1, 2))))
+
+    S, W = triple(at.z(0), at.z(1), at.z(2)), triple(at.z(4), at.z(5), at.z(6))
+    value = np.hypot(W * np.sqrt(pairs(0, 1, 2)), S * np.sqrt(pairs(4, 5, 6)))
+    return length, [
+        Factor("elbow", elbow, at.lever(3, centre), "m", (3,),
+               "the arm is stretched or folded: the wrist centre is in the plane of axis 4 and"
+               " the shoulder's centre"),
+        Factor("shoulder and wrist", value, 3.0 * norm(d), "m", (0, 1, 2, 4, 5, 6),
+               "the shoulder's axes lie in a plane (sin q2 = 0), or the wrist's (sin q6 = 0), or"
+               " both, such that the line from shoulder to wrist leaves no way round"),
+    ]  # fmt: skip

@@ -1,0 +1,66 @@
+"""How the axes of a short chain lie to each other, found once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.chain import Chain
+from kinematics.inverse.closed_form.geometry import axis_lines
+from robots.robot import FloatArray
+
+MOST_JOINTS = 7
+
+
+@dataclass(frozen=True, eq=False)
+class Relations:
+    """Of a chain of up to seven joints, within the tolerances of :mod:`geometry`.
+
+    What lies between neighbours holds at every q; points are of q = 0.
+
+    Attributes:
+        turns: True for joints that turn, shape (K,).
+        parallel: Whether axes i and j are parallel at q = 0, shape (K, K).
+        size: Length that distances are compared with, m.
+        meeting: Where axes 1 and 2 meet, base axes, if both joints turn.
+        shoulder: Where axes 1, 2 and 3 meet, base axes.
+        wrist: Where the last three axes meet, in the frame.
+        last_two: Where the last two axes meet, in the frame.
+        on_last: A point of the last axis, in the frame.
+    """
+
+    turns: NDArray[np.bool_]
+    parallel: NDArray[np.bool_]
+    size: float
+    meeting: FloatArray | None
+    shoulder: FloatArray | None
+    wrist: FloatArray | None
+    last_two: FloatArray | None
+    on_last: FloatArray
+
+
+@lru_cache(maxsize=512)
+def relations_of(chain: Chain) -> Relations | None:
+    """The relations of a chain; None where it has no joint or more than seven."""
+    K = chain.length
+    if not 1 <= K <= MOST_JOINTS:
+        return None
+    lines = axis_lines(chain)
+
+    def in_frame(point: FloatArray | None) -> FloatArray | None:
+        return None if point is None else lines.point_in_tip(point)
+
+    turning = bool(lines.turns[:2].all()) and K > 1
+    return Relations(
+        turns=lines.turns,
+        parallel=np.array([[lines.parallel(i, j) for j in range(K)] for i in range(K)]),
+        size=lines.size,
+        meeting=lines.meeting_point(0, 1) if turning else None,
+        shoulder=lines.centre(0) if K > 2 else None,
+        wrist=in_frame(lines.centre(K - 3)) if K > 2 else None,
+        last_two=in_frame(lines.meeting_point(K - 2, K - 1)) if K > 1 else None,
+        on_last=lines.point_in_tip(lines.points[-1]),
+    )

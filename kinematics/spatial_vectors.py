@@ -1,0 +1,64 @@
+"""Twists and wrenches as requests give them -> arrays, checked; and batches that go together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinematics.configuration import MAX_VALUE
+from kinematics.errors import WrongVector
+from robots.robot import FloatArray
+
+TWIST_ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
+WRENCH_ROWS = ("fx", "fy", "fz", "mx", "my", "mz")
+
+
+def spatial_vector(values: ArrayLike, rows: Sequence[str], pointer: str) -> FloatArray:
+    """Checks one twist or wrench, or a batch.
+
+    Args:
+        values: Shape (m,) or (n, m).
+        rows: Names of the m entries.
+        pointer: JSON pointer for errors; its last part names the vector.
+
+    Returns:
+        A float array of the same shape.
+
+    Raises:
+        WrongVector: Wrong shape, not finite, or beyond ±1e6.
+    """
+    name, listed = pointer.rsplit("/", 1)[-1], ", ".join(rows)
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise WrongVector(f"{name} is no array of numbers; give {listed}", pointer) from None
+    if array.ndim not in (1, 2) or array.shape[-1] != len(rows):
+        count = array.shape[-1] if array.ndim else 1
+        raise WrongVector(
+            f"{name} has {count} values; give {len(rows)}: {listed}, or a list of such lists",
+            pointer,
+        )
+    if array.size and not np.abs(array).max() <= MAX_VALUE:
+        first = tuple(int(i) for i in np.argwhere(~(np.abs(array) <= MAX_VALUE))[0])
+        value = array[first]
+        what = "not a finite number" if not np.isfinite(value) else f"{value:g}, beyond ±1e6"
+        raise WrongVector(
+            f"{rows[first[-1]]} of {name} is {what}; give a finite value",
+            pointer + "".join(f"/{i}" for i in first),
+        )
+    return array
+
+
+def check_same_length(q: FloatArray, other: FloatArray, pointer: str) -> None:
+    """Refuses two batches of unequal length; one vector goes with every entry of a batch.
+
+    Raises:
+        WrongVector: Both are batches, of other lengths.
+    """
+    if q.ndim == other.ndim == 2 and len(q) != len(other):
+        name = pointer.rsplit("/", 1)[-1]
+        raise WrongVector(
+            f"{name} holds {len(other)} rows for {len(q)} of q; give as many, or one", pointer
+        )

@@ -1,0 +1,151 @@
+"""Differential kinematics both ways: joint velocities -> twist, twist -> joint velocities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.configuration import configuration
+from kinematics.errors import InvalidOption
+from kinematics.jacobian import ReferenceFrame, jacobian, task_jacobian
+from kinematics.singularity import RANK_TOLERANCE, rank_of, signed
+from kinematics.spatial_vectors import check_same_length, spatial_vector
+from kinematics.task import POSE, Task
+from robots.robot import FloatArray, Robot
+
+MIN_DAMPING, MAX_DAMPING = 1e-12, 1e6
+
+
+@dataclass(frozen=True, eq=False)
+class JointVelocities:
+    """Joint velocities for a twist; every leaf has a leading axis n for a batch.
+
+    Attributes:
+        qd: Joint velocities, rad/s and m/s, shape (dof,) or (n, dof).
+        residual: What the model makes of them less what was asked, ``J qd - twist``, m/s and
+            rad/s, shape (m,) or (n, m).
+        rank: Rank of the task Jacobian.
+        determined: True where the rank is the number m of task rows, so that every twist can be
+            had.
+        null_motions: Unit joint velocities that add nothing to the twist, shape (dof - rank, dof);
+            for a batch a list of such arrays.
+        within_velocity_limits: Whether no joint is faster than its limit.
+    """
+
+    qd: FloatArray
+    residual: FloatArray
+    rank: NDArray[np.intp]
+    determined: NDArray[np.bool_]
+    null_motions: list[FloatArray]
+    within_velocity_limits: NDArray[np.bool_]
+
+
+def twist_of(
+    robot: Robot,
+    q: FloatArray,
+    qd: FloatArray,
+    frame: str | None = None,
+    reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
+) -> FloatArray:
+    """Twist of a frame against the base, ``[v; ω] = J(q) qd``.
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,) or (n, dof), rad and m.
+        qd: Joint velocities, shape (dof,) or (n, dof), rad/s and m/s.
+        frame: Frame name; default the tip.
+        reference_frame: Where and in which axes the twist is taken.
+
+    Returns:
+        Shape (6,), or (n, 6) where q or qd is a batch; m/s and rad/s.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+        WrongConfiguration: q or qd has a wrong shape or is not finite.
+        WrongVector: Batches of unequal length.
+    """
+    J = jacobian(robot, q, frame, reference_frame)
+    qd = configuration(robot, qd, "/qd")
+    check_same_length(np.asarray(q), qd, "/qd")
+    return np.asarray((J @ qd[..., None])[..., 0])
+
+
+def joint_velocities(
+    robot: Robot,
+    q: FloatArray,
+    twist: FloatArray,
+    task: Task = POSE,
+    frame: str | None = None,
+    reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
+    *,
+    damping: float = 0.0,
+    tolerance: float = RANK_TOLERANCE,
+) -> JointVelocities:
+    """Joint velocities of least norm for a twist: ``qd = J† twist``, or damped.
+
+    Without damping, singular values that do not count for the rank are left out: where the rank
+    is that of the task ``J qd = twist``, elsewhere ``qd`` is the least-squares solution of least
+    norm. With damping λ, ``qd = Jᵀ (J Jᵀ + λ² I)⁻¹ twist`` (Nakamura and Hanafusa, 1986; Wampler,
+    1986), which stays below ``|twist| / (2 λ)`` everywhere. Least squares and damping weigh m/s
+    and rad/s alike, and so does the least norm of arms that turn and slide.
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,) or (n, dof), rad and m.
+        twist: One entry a task row, shape (m,) or (n, m), m/s and rad/s.
+        task: Rows of the twist that count, in the axes of the reference frame.
+        frame: Frame name; default the tip.
+        reference_frame: Where and in which axes the twist is taken.
+        damping: λ, 0 (none), or 1e-12 to 1e6.
+        tolerance: A singular value below ``tolerance * max(1, largest)`` counts as zero.
+
+    Returns:
+        The joint velocities, with the residual measured on the model.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+        WrongConfiguration: q has a wrong shape or is not finite.
+        WrongVector: twist has a wrong shape or is not finite.
+        InvalidOption: damping or tolerance out of range.
+    """
+    check_options(damping, tolerance)
+    J = task_jacobian(robot, q, task, frame, reference_frame)
+    twist = spatial_vector(twist, task.row_names, "/twist")
+    check_same_length(np.asarray(q), twist, "/twist")
+    U, sigma, Vt = np.linalg.svd(J)
+    r = sigma.shape[-1]
+    rank = rank_of(sigma, tolerance)
+    if damping:
+        gain = sigma / (sigma**2 + damping**2)
+    else:
+        counts = np.arange(r) < rank[..., None]
+        gain = np.where(counts, 1.0 / np.where(counts, sigma, 1.0), 0.0)
+    along = np.swapaxes(U[..., :r], -1, -2) @ twist[..., None]
+    qd = (np.swapaxes(Vt[..., :r, :], -1, -2) @ (gain[..., None] * along))[..., 0]
+    ranks = rank.reshape(-1)
+    bases = Vt.reshape(-1, robot.dof, robot.dof)
+    limits = np.array([np.inf if j.velocity is None else j.velocity for j in robot.joints])
+    return JointVelocities(
+        qd=qd,
+        residual=(J @ qd[..., None])[..., 0] - twist,
+        rank=rank,
+        determined=rank == len(task.rows),
+        null_motions=[signed(V[k:]) for V, k in zip(bases, ranks, strict=True)],
+        within_velocity_limits=np.all(np.abs(qd) <= limits, axis=-1),
+    )
+
+
+def check_options(damping: float, tolerance: float) -> None:
+    """Refuses a damping or a tolerance out of range.
+
+    Raises:
+        InvalidOption: damping is neither 0 nor in 1e-12 … 1e6, or tolerance not in 0 … 1.
+    """
+    if damping != 0 and not MIN_DAMPING <= damping <= MAX_DAMPING:
+        raise InvalidOption(
+            f"damping is {damping:g}; give 0, or 1e-12 up to 1e6, such as 0.01", "/damping"
+        )
+    if not 0 <= tolerance < 1:
+        raise InvalidOption(f"tolerance is {tolerance:g}; give 0 up to below 1", "/tolerance")
