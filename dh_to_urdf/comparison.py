@@ -184,13 +184,19 @@ def _reverse(chain: SerialChain, k: int) -> SerialChain:
 def _compare_tilted(
     first: SerialChain, second: SerialChain, length: float, angle: float
 ) -> Comparison:
-    """The comparison that finds the chains equal, if one does, else the first."""
-    tried = []
-    for snap in SNAPS:
+    """The comparison that makes the chains equal, or as equal as can be."""
+    tried = [_compare(first, second, length, angle, SNAPS[0])]
+    for snap in SNAPS[1:]:
+        residual = tried[-1].residual
+        if residual is None or (residual.position <= length and residual.orientation <= angle):
+            break
         tried.append(_compare(first, second, length, angle, snap))
-        if tried[-1].verdict is not Verdict.DIFFERENT:
-            return tried[-1]
-    return tried[0]
+    equal = [one for one in tried if one.verdict is not Verdict.DIFFERENT and one.residual]
+    return min(equal, key=_drift) if equal else tried[0]
+
+
+def _drift(found: Comparison) -> float:
+    return max(found.residual.position, found.residual.orientation) if found.residual else 0.0
 
 
 def _compare(
