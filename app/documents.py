@@ -45,13 +45,16 @@ ACCEPTED = (*TABLES, "application/xml")
 _NOT_ID = re.compile(r"[^A-Za-z0-9._-]+")
 
 
-def robot_from_body(request: Request, body: bytes, default_name: str | None) -> Robot:
+def robot_from_body(
+    request: Request, body: bytes, default_name: str | None, also: tuple[str, ...] = ()
+) -> Robot:
     """Reads the robot of a request by its content type.
 
     Args:
         request: Says the content type and the parameters that some of them need.
         body: The document.
         default_name: Name for a table that says none; None requires one.
+        also: Query parameters that the route itself reads.
 
     Raises:
         DHError: Not a usable table.
@@ -60,17 +63,17 @@ def robot_from_body(request: Request, body: bytes, default_name: str | None) -> 
     """
     kind, query = media_type(request), request.query_params
     if kind in XML_TYPES:
-        check_query(request, "tip", "base", "name", common=("format",))
+        check_query(request, "tip", "base", "name", *also, common=("format",))
         return robot_from_urdf(body, base=query.get("base"), tip=query.get("tip"))
     if kind in CSV_TYPES:
-        check_query(request, "convention", "name", "length", "values")
+        check_query(request, "convention", "name", "length", "values", *also)
         name = query.get("name", default_name or "")
         angle, length = query.get("angle", "rad"), query.get("length", "m")
         return robot_from_table(
             read_csv(body, query.get("convention"), name, angle, length, _values(request))
         )
     if kind in PAR_TYPES:
-        check_query(request, "name", "values", "loops", common=("format",))
+        check_query(request, "name", "values", "loops", *also, common=("format",))
         return robot_from_table(
             read_par(
                 body,
@@ -81,7 +84,7 @@ def robot_from_body(request: Request, body: bytes, default_name: str | None) -> 
             )
         )
     if kind in PASTED_TYPES:
-        check_query(request, "convention", "name", "length", "values", "columns")
+        check_query(request, "convention", "name", "length", "values", "columns", *also)
         return robot_from_table(
             read_pasted(
                 body,
@@ -94,7 +97,7 @@ def robot_from_body(request: Request, body: bytes, default_name: str | None) -> 
                 default_name,
             )
         )
-    check_query(request, "name", common=("format",))
+    check_query(request, "name", *also, common=("format",))
     default_name = query.get("name", default_name)
     if kind in JSON_TYPES:
         return robot_from_table(read_json(body, default_name))

@@ -15,7 +15,7 @@ from app.dependencies import Services
 from app.middleware import RequestId
 from app.openapi import build_openapi
 from app.rehearsal import rehearse
-from app.routes import compute, convert, health, robots
+from app.routes import compute, convert, diff, health, robots, tables
 from app.settings import Settings
 from kinematics.warm import warm_up
 
@@ -55,13 +55,18 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.include_router(health.router)
     app.include_router(robots.build_router(chosen.max_document_bytes))
     app.include_router(convert.build_router(chosen.max_document_bytes))
+    app.include_router(tables.build_router(chosen.max_document_bytes))
+    app.include_router(diff.build_router(chosen.max_document_bytes))
     docs.install(app)
     problems.install(app)
     app.add_middleware(RequestId)
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
-            types = (robots.RobotView, robots.RobotList, health.Health)
+            types = (
+                robots.RobotView, robots.RobotList, health.Health,
+                diff.DiffRequest, diff.InlineDiffRequest, diff.DiffResponse,
+            )  # fmt: skip
             app.openapi_schema = build_openapi(app, types)
         return app.openapi_schema
 

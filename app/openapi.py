@@ -252,7 +252,7 @@ def table_schemas() -> dict[str, Any]:
         },
         "additionalProperties": False,
     }
-    table = {
+    table: dict[str, Any] = {
         "type": "object",
         "description": "A Denavit-Hartenberg table.",
         "required": ["convention", "joints"],
@@ -282,6 +282,38 @@ def table_schemas() -> dict[str, Any]:
                 "additionalProperties": cell,
             },
             "joints": {"type": "array", "minItems": 1, "items": row},
+            "residual": {
+                "type": "object",
+                "description": "In answers: largest deviation of the table's FK from its source"
+                " over random q, m and rad (or deg). Not read.",
+            },
+            "warnings": {"type": "array", "items": {"type": "string"}},
+            "explanation": {"type": "array", "items": {"type": "object"}},
+        },
+        "additionalProperties": False,
+    }
+    axis = {
+        "type": "object",
+        "description": "One joint at q = 0, in base axes.",
+        "required": ["type", "point", "direction"],
+        "properties": {
+            "name": {"type": "string"},
+            "type": {"type": "string", "description": "revolute, prismatic or continuous."},
+            "point": {"type": "array", "items": cell, "minItems": 3, "maxItems": 3},
+            "direction": {"type": "array", "items": cell, "minItems": 3, "maxItems": 3},
+            "limits": row["properties"]["limits"],
+        },
+        "additionalProperties": False,
+    }
+    axes = {
+        "type": "object",
+        "description": "Joint axes as measured on a drawing.",
+        "required": ["joints"],
+        "properties": {
+            **{key: table["properties"][key] for key in ("name", "convention", "units")},
+            **{key: table["properties"][key] for key in ("title", "description", "source")},
+            "joints": {"type": "array", "minItems": 1, "items": axis},
+            "tip": _PLACEMENT,
         },
         "additionalProperties": False,
     }
@@ -291,6 +323,7 @@ def table_schemas() -> dict[str, Any]:
             "anyOf": [{"type": "number"}, {"type": "string", "maxLength": 64}],
         },
         "DHTable": table,
+        "JointAxes": axes,
         "InlineURDF": {
             "type": "object",
             "required": ["urdf"],

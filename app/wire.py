@@ -31,6 +31,8 @@ JSON = "application/json"
 NPY = "application/x-npy"
 TEXT = "text/plain"
 NDJSON = "application/x-ndjson"
+YAML = "application/yaml"
+CSV = "text/csv"
 PIECE = 100_000
 """Bytes of JSON that are decoded at once."""
 LARGE = 20_000
@@ -44,7 +46,7 @@ _TYPE_NAMES = (
     ("array", "a list"),
     ("bool", "true or false"),
 )
-_FORMATS = {"json": JSON, "text": TEXT, "npy": NPY, "ndjson": NDJSON} | {
+_FORMATS = {"json": JSON, "text": TEXT, "npy": NPY, "ndjson": NDJSON, "yaml": YAML, "csv": CSV} | {
     name: form.media_type for name, form in TABLE_TEXTS.items()
 }
 

@@ -1,6 +1,15 @@
-"""D-H tables <-> URDF, usable alone: ``table_to_urdf(read_yaml(text))``."""
+"""D-H tables <-> URDF, usable alone.
 
+``table_to_urdf(read_yaml(text))``; ``extract(read_chain(urdf), Convention.STANDARD).table``.
+"""
+
+from dh_to_urdf.axes import SerialChain
+from dh_to_urdf.axes_document import read_axes
+from dh_to_urdf.comparison import compare
+from dh_to_urdf.conversion import to_convention
 from dh_to_urdf.errors import DHError, Problem
+from dh_to_urdf.explanation import explain
+from dh_to_urdf.extraction import Extraction, extract
 from dh_to_urdf.mapping import read_mapping
 from dh_to_urdf.matrices import DHMatrices, dh_matrices, link_matrix
 from dh_to_urdf.par import read_par
@@ -8,6 +17,7 @@ from dh_to_urdf.par_writer import table_to_par
 from dh_to_urdf.pasted import read_pasted
 from dh_to_urdf.readers import read_csv, read_json, read_yaml
 from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType, Limits
+from dh_to_urdf.urdf_chain import read_chain
 from dh_to_urdf.values import split_values
 from dh_to_urdf.writer import table_to_urdf
 
@@ -17,12 +27,19 @@ __all__ = [
     "DHMatrices",
     "DHRow",
     "DHTable",
+    "Extraction",
     "Inertial",
     "JointType",
     "Limits",
     "Problem",
+    "SerialChain",
+    "compare",
     "dh_matrices",
+    "explain",
+    "extract",
     "link_matrix",
+    "read_axes",
+    "read_chain",
     "read_csv",
     "read_json",
     "read_mapping",
@@ -32,4 +49,5 @@ __all__ = [
     "split_values",
     "table_to_par",
     "table_to_urdf",
+    "to_convention",
 ]

@@ -36,6 +36,8 @@ _ANGLE_UNITS = {"rad": 1.0, "deg": math.pi / 180}
 _LENGTH_UNITS = {"m": 1.0, "mm": 1e-3}
 _TABLE_FIELDS = ("name", "convention", "units", "base", "tool", "joints", "values")
 _NOTE_FIELDS = ("title", "description", "source")
+_FINDING_FIELDS = ("residual", "warnings", "explanation")
+"""What a table that was worked out says of itself; not read, so that it can be sent back."""
 
 
 def read_mapping(
@@ -59,7 +61,7 @@ def read_mapping(
     if not isinstance(data, Mapping):
         raise DHError.single("", "the document is not a mapping with convention and joints")
     report = Report()
-    refuse_unknown(data, (*_TABLE_FIELDS, *_NOTE_FIELDS), "", "the table", report)
+    refuse_unknown(data, (*_TABLE_FIELDS, *_NOTE_FIELDS, *_FINDING_FIELDS), "", "the table", report)
     name = data.get("name", default_name)
     if name is None:
         report.add("/name", f"name is missing; {NAME_RULE}")
@@ -71,7 +73,7 @@ def read_mapping(
     for key in _NOTE_FIELDS:
         if not isinstance(data.get(key, ""), str):
             report.add(f"/{key}", f"{key} is {quoted(data[key])}; give a text")
-    units = _units(data.get("units"), report)
+    units = read_units(data.get("units"), report)
     warnings = report.warnings
     base = read_placement(
         data.get("base"), "/base", units.angle, units.length, report.add, warnings
@@ -113,7 +115,8 @@ def _convention(data: Mapping[Any, Any], report: Report) -> Convention | None:
     return convention
 
 
-def _units(raw: object, report: Report) -> Units:
+def read_units(raw: object, report: Report) -> Units:
+    """Reads ``{"angle": "rad" | "deg", "length": "m" | "mm"}``; problems go to the report."""
     if raw is None:
         return Units()
     if not isinstance(raw, Mapping):

@@ -65,11 +65,13 @@ def read_placement(
     try:
         if "matrix" in raw:
             return _from_matrix(raw["matrix"], pointer, length, warnings)
-        xyz = _vector(raw.get("xyz", [0, 0, 0]), "xyz", 3, Quantity.LENGTH, length)
+        xyz = read_vector(raw.get("xyz", [0, 0, 0]), "xyz", 3, Quantity.LENGTH, length)
         if "quaternion_xyzw" in raw:
-            quaternion = _vector(raw["quaternion_xyzw"], "quaternion_xyzw", 4, Quantity.NUMBER, 1.0)
+            quaternion = read_vector(
+                raw["quaternion_xyzw"], "quaternion_xyzw", 4, Quantity.NUMBER, 1.0
+            )
             return from_xyz_quaternion(xyz, quaternion)
-        rpy = _vector(raw.get("rpy", [0, 0, 0]), "rpy", 3, Quantity.ANGLE, angle)
+        rpy = read_vector(raw.get("rpy", [0, 0, 0]), "rpy", 3, Quantity.ANGLE, angle)
         return from_xyz_rpy(xyz, rpy)
     except ValueError as error:
         add(pointer, f"{name}: {error}")
@@ -79,7 +81,7 @@ def read_placement(
 def _from_matrix(raw: object, pointer: str, length: float, warnings: list[str]) -> Matrix:
     if not (isinstance(raw, list) and len(raw) == 4 and all(isinstance(r, list) for r in raw)):
         raise ValueError("matrix is not four rows of four numbers")
-    rows = [_vector(row, "matrix", 4, Quantity.NUMBER, 1.0) for row in raw]
+    rows = [read_vector(row, "matrix", 4, Quantity.NUMBER, 1.0) for row in raw]
     matrix = np.array(rows) + 0.0
     if length != 1.0:
         matrix[:3, 3] /= round(1.0 / length)
@@ -96,7 +98,19 @@ def _from_matrix(raw: object, pointer: str, length: float, warnings: list[str]) 
     return T
 
 
-def _vector(raw: object, what: str, size: int, quantity: Quantity, unit: float) -> list[float]:
+def read_vector(raw: object, what: str, size: int, quantity: Quantity, unit: float) -> list[float]:
+    """Reads a list of numbers, or of texts such as ``pi/2``.
+
+    Args:
+        raw: The value in the document.
+        what: Its name, for the message.
+        size: How many numbers it must hold.
+        quantity: What they measure.
+        unit: Factor of the document's unit to rad or m.
+
+    Raises:
+        ValueError: Not such a list.
+    """
     if not isinstance(raw, list) or len(raw) != size:
         raise ValueError(f"{what} is not a list of {size} numbers")
     values = []
@@ -126,8 +140,8 @@ def read_inertial(
         add(pointer, f"{label}: inertial is not a mapping with mass, com and inertia")
         return None
     try:
-        mass = _vector([raw["mass"]], "mass", 1, Quantity.NUMBER, 1.0)[0]
-        com = _vector(raw.get("com", [0, 0, 0]), "com", 3, Quantity.LENGTH, length)
+        mass = read_vector([raw["mass"]], "mass", 1, Quantity.NUMBER, 1.0)[0]
+        com = read_vector(raw.get("com", [0, 0, 0]), "com", 3, Quantity.LENGTH, length)
         inertia = _inertia(raw.get("inertia"))
     except ValueError as error:
         add(pointer, f"{label}: inertial: {error}")
@@ -155,12 +169,12 @@ def _inertia(raw: object) -> Matrix:
         if unknown:
             raise ValueError(f"inertia has an unknown field {quoted(unknown[0])}")
         values = {
-            key: _vector([raw.get(key, 0)], f"inertia.{key}", 1, Quantity.NUMBER, 1.0)[0]
+            key: read_vector([raw.get(key, 0)], f"inertia.{key}", 1, Quantity.NUMBER, 1.0)[0]
             for key in _INERTIA_KEYS
         }
         return np.array([[values["i" + "".join(sorted(r + c))] for c in "xyz"] for r in "xyz"])
     if isinstance(raw, list) and len(raw) == 3:
-        matrix = np.array([_vector(row, "inertia", 3, Quantity.NUMBER, 1.0) for row in raw])
+        matrix = np.array([read_vector(row, "inertia", 3, Quantity.NUMBER, 1.0) for row in raw])
         if np.abs(matrix - matrix.T).max() > 1e-12:
             raise ValueError("inertia is not symmetric")
         return matrix

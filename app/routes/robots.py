@@ -16,15 +16,11 @@ from app.problems import INVALID_REQUEST, RequestProblem
 from app.query import check_query, units_of
 from app.units import Units
 from app.wire import JSON, TEXT, media_type, read_body, respond, wanted_type
-from dh_to_urdf.documents import table_to_mapping
-from dh_to_urdf.mapping import CONVENTION_ALIASES
-from dh_to_urdf.table_texts import TABLE_TEXTS
 from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.robot import Robot
 from robots.store import StoredRobot
 
 DEFAULT_PAGE, MAX_PAGE = 100, 1000
-WRITERS = {form.media_type: form.write for form in TABLE_TEXTS.values()}
 """Written forms of a table by media type."""
 
 _EXAMPLE = {
@@ -140,7 +136,8 @@ def etag(robot: Robot) -> str:
     return f'"{robot.revision}"'
 
 
-def _not_modified(request: Request, tag: str) -> Response | None:
+def not_modified(request: Request, tag: str) -> Response | None:
+    """304 where the client has this revision already."""
     given = request.headers.get("if-none-match")
     if given is None:
         return None
@@ -243,7 +240,7 @@ def build_router(max_body: int) -> APIRouter:
         units, wanted = units_of(request), wanted_type(request, JSON, TEXT)
         tag = etag(stored.robot)
         payload = robot_view(stored, units)
-        return _not_modified(request, tag) or respond(
+        return not_modified(request, tag) or respond(
             payload, wanted, headers={"ETag": tag, "Vary": "Accept"}
         )
 
@@ -286,21 +283,9 @@ def build_router(max_body: int) -> APIRouter:
     async def read_urdf(request: Request, stored: RobotDep) -> Response:
         check_query(request)
         tag = etag(stored.robot)
-        return _not_modified(request, tag) or Response(
+        return not_modified(request, tag) or Response(
             stored.robot.urdf, media_type="application/xml", headers={"ETag": tag, "Vary": "Accept"}
         )
-
-    @router.get("/{robot_id}/dh", summary="The D-H table of a robot made from one",
-                responses={200: {"description": "The table.", "content": {
-                    JSON: {"schema": {"$ref": REF.format(name="DHTable")}},
-                    **{kind: {"schema": {"type": "string"}} for kind in (TEXT, *WRITERS)}}}},
-                openapi_extra={"parameters": [
-                    {"name": "format", "in": "query", "schema": {
-                        "type": "string", "enum": ["json", "text", *TABLE_TEXTS]},
-                     "description": "Instead of the Accept header."}]})  # fmt: skip
-    async def read_dh(request: Request, stored: RobotDep) -> Response:
-        check_query(request, "convention", common=("format",))
-        return _table_answer(request, stored)
 
     return router
 
@@ -336,27 +321,3 @@ def _check_name(request: Request, robot: Robot, robot_id: str) -> None:
             f"name is {robot.name!r} but the path says {robot_id!r}; make them equal or {remedy}",
             "/name",
         )
-
-
-def _table_answer(request: Request, stored: StoredRobot) -> Response:
-    table = stored.robot.table
-    if table is None:
-        raise RequestProblem(
-            INVALID_REQUEST, "this robot was made from a URDF and has no D-H table"
-        )
-    asked = request.query_params.get("convention")
-    if asked is not None and CONVENTION_ALIASES.get(asked.lower()) is not table.convention:
-        raise RequestProblem(
-            INVALID_REQUEST,
-            f"the table of this robot is in the {table.convention.value} convention; leave"
-            " convention out to get it",
-            "/convention",
-        )
-    tag = etag(stored.robot)
-    headers = {"ETag": tag, "Vary": "Accept"}
-    wanted = wanted_type(request, JSON, TEXT, *WRITERS)
-    return _not_modified(request, tag) or (
-        Response(WRITERS[wanted](table), 200, headers, f"{wanted}; charset=utf-8")
-        if wanted in WRITERS
-        else respond(table_to_mapping(table), wanted, headers=headers)
-    )

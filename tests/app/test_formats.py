@@ -110,7 +110,7 @@ def test_a_standard_table_says_how_to_get_a_par_file(client):
 
 def test_a_robot_that_takes_no_such_form_says_which(client):
     answer = client.get("/v1/robots/puma560/dh?format=npy")
-    assert "json, text, par, latex, markdown, tsv, matlab" in answer.json()["detail"]
+    assert "json, text, yaml, csv, par, latex, markdown, tsv, matlab" in answer.json()["detail"]
     answer = client.get("/v1/robots/puma560?format=par")
     assert answer.status_code == 422
     assert "json, text" in answer.json()["detail"]

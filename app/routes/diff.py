@@ -1,0 +1,219 @@
+"""diff: where two robots diverge, up to base, tool and zero offsets."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, TypeVar
+
+import msgspec
+from fastapi import APIRouter, Request, Response
+
+from app.dependencies import RobotDep, ServicesDep
+from app.openapi import PROBLEMS, REF
+from app.operations.base import UNITS_SCHEMA
+from app.query import check_query, units_of
+from app.units import Units
+from app.wire import JSON, TEXT, decode_json, read_body, require_type, respond, wanted_type
+from dh_to_urdf import DHError, Problem
+from dh_to_urdf.comparison import Comparison, Difference, compare
+from robots.chains import chain_of_robot
+from robots.robot import Robot
+
+RobotField = Annotated[
+    msgspec.Raw,
+    msgspec.Meta(
+        description='A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot.',
+        extra_json_schema={
+            "anyOf": [
+                {"type": "string"},
+                {"$ref": REF.format(name="DHTable")},
+                {"$ref": REF.format(name="InlineURDF")},
+            ]
+        },
+    ),
+]
+
+
+class DiffTolerance(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """What counts as equal: m and rad."""
+
+    length: float = 1e-6
+    angle: float = 1e-6
+
+
+class DiffRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """The robot to compare with; chains run from ``base`` to ``tip``, default the robots' own."""
+
+    other: RobotField
+    tolerance: DiffTolerance = msgspec.field(default_factory=DiffTolerance)
+    base: str | None = None
+    tip: str | None = None
+    other_base: str | None = None
+    other_tip: str | None = None
+
+
+class InlineDiffRequest(DiffRequest, forbid_unknown_fields=True, kw_only=True):
+    """Two robots in one body."""
+
+    robot: RobotField
+
+
+class DifferenceView(msgspec.Struct, kw_only=True):
+    """A parameter of the standard D-H row that differs."""
+
+    joint: int
+    name: str
+    parameter: str
+    first: float | str
+    second: float | str
+    difference: float | None
+    absorbed_by: str | None
+
+
+class DiffJoint(msgspec.Struct, kw_only=True):
+    """One joint in both robots; largest deviation of the frames after it."""
+
+    first: str
+    second: str
+    zero_offset: float
+    position: float
+    orientation: float
+
+
+class DiffResidual(msgspec.Struct, kw_only=True):
+    """Largest deviation of the tips with base, tool and zero offsets made equal."""
+
+    position: float
+    orientation: float
+    configurations: int
+
+
+class DiffResponse(msgspec.Struct, kw_only=True):
+    """Where two robots diverge: ``identical``, ``equivalent`` or ``different``."""
+
+    units: UNITS_SCHEMA
+    verdict: str
+    summary: str
+    first_difference: DifferenceView | None
+    differences: list[DifferenceView]
+    joints: list[DiffJoint]
+    reversed: list[str]
+    residual: DiffResidual | None
+
+
+def build_router(max_body: int) -> APIRouter:
+    """Routes of comparisons.
+
+    Args:
+        max_body: Largest body in bytes.
+    """
+    router = APIRouter(prefix="/v1", tags=["convert"], responses=PROBLEMS)
+    answer: dict[int | str, dict[str, Any]] = {
+        200: {"description": "The comparison.", "content": {
+            JSON: {"schema": {"$ref": REF.format(name="DiffResponse")}},
+            TEXT: {"schema": {"type": "string"}}}}
+    }  # fmt: skip
+
+    def body_of(name: str, example: dict[str, Any]) -> dict[str, Any]:
+        schema = {"$ref": REF.format(name=name)}
+        return {"requestBody": {"required": True, "content": {
+            JSON: {"schema": schema, "example": example}}}}  # fmt: skip
+
+    @router.post("/robots/{robot_id}/diff", summary="Where two robots diverge", responses=answer,
+                 openapi_extra=body_of("DiffRequest", {"other": "panda_urdf"}))  # fmt: skip
+    async def diff(request: Request, stored: RobotDep, services: ServicesDep) -> Response:
+        """Joint by joint, up to base, tool and zero offsets of the joints."""
+        asked = await _asked(request, max_body, DiffRequest)
+        other = await _other(services, asked)
+        return await _answer(request, services, asked, stored.robot, other)
+
+    @router.post("/diff", summary="Where two robots in the body diverge", responses=answer,
+                 openapi_extra=body_of(
+                     "InlineDiffRequest", {"robot": "ur5", "other": "ur5_urdf"}))  # fmt: skip
+    async def diff_inline(request: Request, services: ServicesDep) -> Response:
+        asked = await _asked(request, max_body, InlineDiffRequest)
+        robot = await services.inline_robot(asked.robot)
+        other = await _other(services, asked)
+        return await _answer(request, services, asked, robot, other)
+
+    return router
+
+
+T = TypeVar("T")
+
+
+async def _asked(request: Request, max_body: int, type_: type[T]) -> T:
+    check_query(request)
+    require_type(request, JSON)
+    return decode_json(await read_body(request, max_body), type_)
+
+
+async def _other(services: ServicesDep, asked: DiffRequest) -> Robot:
+    """The robot of ``other``; errors point there."""
+    try:
+        return await services.inline_robot(asked.other)
+    except DHError as error:
+        problems = [
+            Problem("/other" + problem.pointer.removeprefix("/robot"), problem.message)
+            for problem in error.problems
+        ]
+        raise type(error)(problems) from None
+
+
+async def _answer(
+    request: Request, services: ServicesDep, asked: DiffRequest, robot: Robot, other: Robot
+) -> Response:
+    units, wanted = units_of(request), wanted_type(request, JSON, TEXT)
+
+    def answer() -> Response:
+        found = compare(
+            chain_of_robot(robot, asked.base, asked.tip),
+            chain_of_robot(other, asked.other_base, asked.other_tip),
+            length=asked.tolerance.length,
+            angle=asked.tolerance.angle,
+        )
+        return respond(_payload(found, units), wanted)
+
+    return await services.computed(answer)
+
+
+def _payload(found: Comparison, units: Units) -> dict[str, Any]:
+    def angle(value: float) -> float:
+        return float(units.angles_out(value))  # type: ignore[arg-type]
+
+    def view(difference: Difference) -> dict[str, Any]:
+        values = (difference.first, difference.second, difference.difference)
+        if difference.parameter in ("alpha", "theta"):
+            values = tuple(angle(v) if isinstance(v, float) else v for v in values)  # type: ignore[assignment]
+        return {
+            "joint": difference.joint,
+            "name": difference.name,
+            "parameter": difference.parameter,
+            **dict(zip(("first", "second", "difference"), values, strict=True)),
+            "absorbed_by": difference.absorbed_by,
+        }
+
+    differences = [view(difference) for difference in found.differences]
+    residual = found.residual
+    return {
+        "units": units.named,
+        "verdict": found.verdict.value,
+        "summary": found.words,
+        "first_difference": differences[0] if differences else None,
+        "differences": differences,
+        "joints": [
+            {
+                "first": joint.first,
+                "second": joint.second,
+                "zero_offset": angle(joint.zero_offset) if joint.turns else joint.zero_offset,
+                "position": joint.position,
+                "orientation": angle(joint.orientation),
+            }
+            for joint in found.joints
+        ],
+        "reversed": list(found.reversed),
+        "residual": residual and {
+            "position": residual.position,
+            "orientation": angle(residual.orientation),
+            "configurations": residual.configurations,
+        },
+    }  # fmt: skip

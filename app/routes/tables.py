@@ -1,0 +1,251 @@
+"""D-H tables out: of robots, of URDFs, of joint axes, and from one convention to another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+
+from app.dependencies import RobotDep, ServicesDep
+from app.documents import XML_TYPES, robot_from_body
+from app.openapi import PROBLEMS, REF
+from app.problems import INVALID_REQUEST, RequestProblem
+from app.query import check_query, number, units_of
+from app.routes.robots import etag, not_modified
+from app.units import Units
+from app.wire import (
+    CSV,
+    JSON,
+    TEXT,
+    YAML,
+    decode_json,
+    read_body,
+    require_type,
+    respond,
+    wanted_type,
+)
+from dh_to_urdf import Convention, DHTable
+from dh_to_urdf.axes import SerialChain
+from dh_to_urdf.axes_document import read_axes
+from dh_to_urdf.conversion import to_convention
+from dh_to_urdf.extraction import MAX_SNAP, SNAP, Extraction, extract
+from dh_to_urdf.layouts import document, to_csv, to_text, to_yaml
+from dh_to_urdf.mapping import CONVENTION_ALIASES
+from dh_to_urdf.table_texts import TABLE_TEXTS
+from robots.chains import chain_of_robot, chain_of_urdf
+from robots.robot import Robot
+
+CHOICES = "standard (distal, Paul), modified (proximal, Craig) or khalil (Khalil-Kleinfinger)"
+EXTRACTION = ("snap", "explain", "positive_a")
+WRITERS = {form.media_type: form.write for form in TABLE_TEXTS.values()}
+OFFERS = (JSON, TEXT, YAML, CSV, *WRITERS)
+
+_AXES_EXAMPLE = {
+    "name": "two_r",
+    "convention": "standard",
+    "joints": [
+        {"name": "j1", "type": "revolute", "point": [0, 0, 0.1], "direction": [0, 0, 1]},
+        {"name": "j2", "type": "revolute", "point": [0.4, 0, 0.3], "direction": [0, 1, 0],
+         "limits": {"lower": -2, "upper": 2}},
+    ],
+    "tip": {"xyz": [0.9, 0, 0.3], "rpy": [0, "pi/2", 0]},
+}  # fmt: skip
+
+
+def build_router(max_body: int) -> APIRouter:
+    """Routes of tables.
+
+    Args:
+        max_body: Largest document in bytes.
+    """
+    router = APIRouter(prefix="/v1", responses=PROBLEMS)
+    answer: dict[int | str, dict[str, Any]] = {
+        200: {"description": "The table. CSV writes base and tool as fixed rows.", "content": {
+            JSON: {"schema": {"$ref": REF.format(name="DHTable")}},
+            **{kind: {"schema": {"type": "string"}} for kind in OFFERS[1:]}}}
+    }  # fmt: skip
+
+    @router.get("/robots/{robot_id}/dh", summary="A robot as D-H table", tags=["robots"],
+                responses=answer, openapi_extra={"parameters": _parameters(
+                    "convention", "base", "tip", *EXTRACTION, "angle", "format")})  # fmt: skip
+    async def read_dh(request: Request, stored: RobotDep, services: ServicesDep) -> Response:
+        """Of a robot made from a table its own, in any convention; else extracted from its URDF."""
+        check_query(request, "convention", "base", "tip", *EXTRACTION)
+        units, wanted = units_of(request), wanted_type(request, *OFFERS)
+        tag = etag(stored.robot)
+        headers = {"ETag": tag, "Vary": "Accept"}
+        found = not_modified(request, tag)
+        if found is not None:
+            return found
+        call = _robot_table(stored.robot, request)
+        explained = _flag(request, "explain")
+        return await services.computed(lambda: _written(call(), wanted, units, explained, headers))
+
+    @router.post("/urdf-to-dh", summary="URDF to D-H table", tags=["convert"], responses=answer,
+                 openapi_extra={"requestBody": {"required": True, "content": {
+                     "application/xml": {"schema": {"type": "string"}}}},
+                     "parameters": _parameters(
+                         "convention", "base", "tip", *EXTRACTION, "angle", "format",
+                         required=("convention",))})  # fmt: skip
+    async def urdf_to_dh(request: Request, services: ServicesDep) -> Response:
+        check_query(request, "convention", "base", "tip", *EXTRACTION)
+        require_type(request, *XML_TYPES)
+        query = request.query_params
+        convention = _convention(query.get("convention"))
+        body = await read_body(request, max_body)
+        return await _extracted(
+            request, services, convention,
+            lambda: chain_of_urdf(body, query.get("base"), query.get("tip")),
+        )  # fmt: skip
+
+    @router.post("/axes-to-dh", summary="Joint axes to D-H table", tags=["convert"],
+                 responses=answer, openapi_extra={"requestBody": {"required": True, "content": {
+                     JSON: {"schema": {"$ref": REF.format(name="JointAxes")},
+                            "example": _AXES_EXAMPLE}}},
+                     "parameters": _parameters(
+                         "convention", *EXTRACTION, "angle", "format")})  # fmt: skip
+    async def axes_to_dh(request: Request, services: ServicesDep) -> Response:
+        """Points and directions of the axes at q = 0, as measured on a drawing, in base axes."""
+        check_query(request, "convention", *EXTRACTION)
+        require_type(request, JSON)
+        data = decode_json(await read_body(request, max_body), Any)
+        inside = data.pop("convention", None) if isinstance(data, dict) else None
+        named = request.query_params.get("convention")
+        if inside is not None and named is not None:
+            raise RequestProblem(
+                INVALID_REQUEST, "convention is in the body and in the query", "/convention"
+            )
+        convention = _convention(inside if named is None else named)
+        return await _extracted(request, services, convention, lambda: read_axes(data))
+
+    @router.post("/convert-dh", summary="D-H table to another convention", tags=["convert"],
+                 responses=answer, openapi_extra={"requestBody": {"required": True, "content": {
+                     "application/json": {"schema": {"$ref": REF.format(name="DHTable")}},
+                     "application/yaml": {"schema": {"$ref": REF.format(name="DHTable")}},
+                     "text/csv": {"schema": {"type": "string"}}}},
+                     "parameters": _parameters(
+                         "to", "tip", "angle", "format", required=("to",))})  # fmt: skip
+    async def convert_dh(request: Request, services: ServicesDep) -> Response:
+        """The same q, limits and FK; a tree in khalil is cut down to the chain to ``tip``."""
+        convention = _convention(request.query_params.get("to"), "to")
+        units, wanted = units_of(request), wanted_type(request, *OFFERS)
+        body = await read_body(request, max_body)
+        tip = request.query_params.get("tip")
+
+        def convert() -> Response:
+            table = robot_from_body(request, body, "robot", ("to", "tip", "angle")).table
+            if table is None:
+                raise RequestProblem(
+                    INVALID_REQUEST, "the body is a URDF; POST it to /v1/urdf-to-dh?convention=…"
+                )
+            return _written(to_convention(table, convention, tip), wanted, units)
+
+        return await services.loaded(convert)
+
+    return router
+
+
+async def _extracted(
+    request: Request,
+    services: ServicesDep,
+    convention: Convention,
+    read: Callable[[], SerialChain],
+) -> Response:
+    units, wanted = units_of(request), wanted_type(request, *OFFERS)
+    snap, explained = _snap(request), _flag(request, "explain")
+    positive_a = _flag(request, "positive_a")
+
+    def answer() -> Response:
+        found = extract(read(), convention, snap=snap, positive_a=positive_a)
+        return _written(found, wanted, units, explained)
+
+    return await services.computed(answer)
+
+
+def _robot_table(robot: Robot, request: Request) -> Callable[[], DHTable | Extraction]:
+    """How the table of a robot is got: its own one by conversion, anything else by extraction."""
+    query, own = request.query_params, robot.table
+    base, tip, named = query.get("base"), query.get("tip"), query.get("convention")
+    if own is not None and not any(key in query for key in ("base", *EXTRACTION)):
+        convention = own.convention if named is None else _convention(named)
+        return lambda: to_convention(own, convention, tip)
+    convention = own.convention if own is not None and named is None else _convention(named)
+    snap, positive_a = _snap(request), _flag(request, "positive_a")
+    return lambda: extract(
+        chain_of_robot(robot, base, tip), convention, snap=snap, positive_a=positive_a
+    )
+
+
+def _written(
+    found: DHTable | Extraction,
+    wanted: str,
+    units: Units,
+    explained: bool = False,
+    headers: dict[str, str] | None = None,
+) -> Response:
+    """The answer in the wanted form."""
+    table = found if isinstance(found, DHTable) else found.table
+    degrees = units.degrees
+    if wanted == JSON:
+        return respond(document(found, degrees=degrees, explained=explained), headers=headers)
+    if wanted == YAML:
+        text = to_yaml(document(found, degrees=degrees, explained=explained))
+    elif wanted == CSV:
+        text = to_csv(table, degrees=degrees)
+    elif wanted in WRITERS:
+        text = WRITERS[wanted](table)
+    else:
+        text = to_text(found, degrees=degrees, explained=explained)
+    return Response(text.encode(), 200, headers, f"{wanted}; charset=utf-8")
+
+
+def _convention(raw: object, name: str = "convention") -> Convention:
+    if raw is None:
+        raise RequestProblem(INVALID_REQUEST, f"{name} is missing; give {CHOICES}", f"/{name}")
+    found = CONVENTION_ALIASES.get(raw.strip().lower()) if isinstance(raw, str) else None
+    if found is None:
+        raise RequestProblem(
+            INVALID_REQUEST, f"{name} {str(raw)[:40]!r} is unknown; give {CHOICES}", f"/{name}"
+        )
+    return found
+
+
+def _snap(request: Request) -> float:
+    text = request.query_params.get("snap")
+    snap = SNAP if text is None else number("snap", text, Units())
+    if not 0.0 <= snap <= MAX_SNAP:
+        raise RequestProblem(
+            INVALID_REQUEST, f"snap is {snap:g}; give an angle from 0 to {MAX_SNAP} rad", "/snap"
+        )
+    return snap
+
+
+def _flag(request: Request, name: str) -> bool:
+    text = request.query_params.get(name, "false").lower()
+    if text not in ("true", "false", "1", "0"):
+        raise RequestProblem(
+            INVALID_REQUEST, f"{name} is {text[:32]!r}; give true or false", f"/{name}"
+        )
+    return text in ("true", "1")
+
+
+_DESCRIPTIONS = {
+    "convention": "standard, modified or khalil.",
+    "to": "standard, modified or khalil.",
+    "base": "Frame to start from; default the robot's base.",
+    "tip": "Frame to end at; default the robot's tip. Of a tree in khalil: a joint or frame_k.",
+    "snap": "Axes tilted by less than this are taken as parallel, rad; default 1e-8.",
+    "explain": "true: how each frame was found, in words.",
+    "positive_a": "true: no negative a, at the price of larger offsets.",
+    "angle": "rad (default) or deg: angles of the answer (of CSV bodies, too).",
+    "format": f"json (default), text, yaml, csv, {', '.join(TABLE_TEXTS)}; or by Accept.",
+}
+
+
+def _parameters(*names: str, required: tuple[str, ...] = ()) -> list[dict[str, Any]]:
+    return [
+        {"name": name, "in": "query", "required": name in required,
+         "description": _DESCRIPTIONS[name], "schema": {"type": "string"}}
+        for name in names
+    ]  # fmt: skip

@@ -1,0 +1,63 @@
+"""Serial chains of robots, and of URDF texts from anyone, as joint axes."""
+
+from __future__ import annotations
+
+from dh_to_urdf import DHError
+from dh_to_urdf.axes import SerialChain
+from dh_to_urdf.urdf_chain import read_chain
+from robots.errors import InvalidURDF, UnknownFrame
+from robots.robot import Robot
+from robots.urdf import read_urdf
+
+
+def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None) -> SerialChain:
+    """The chain between two frames of a robot.
+
+    Args:
+        robot: The robot.
+        base: Frame to start from; default its base frame.
+        tip: Frame to end at; default its tip frame.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+        InvalidURDF: No joint moves between the two.
+    """
+    for role, name in (("base", base), ("tip", tip)):
+        if name is not None:
+            robot.frame_id(name, f"/{role}")
+    return _chain(robot.urdf, base or robot.base_frame, tip or robot.tip_frame)
+
+
+def chain_of_urdf(
+    text: str | bytes, base: str | None = None, tip: str | None = None
+) -> SerialChain:
+    """The chain between two links of a URDF, which is checked in full before.
+
+    Args:
+        text: The URDF.
+        base: Link to start from; default the root.
+        tip: Link to end at; default the leaf of the longest chain.
+
+    Raises:
+        InvalidURDF: See :func:`robots.urdf.read_urdf`; or no joint moves between the two.
+        RobotTooLarge: More links, joints or bytes than the service computes with.
+        UnknownFrame: base or tip is no link.
+    """
+    description = read_urdf(text)
+    for role, name in (("base", base), ("tip", tip)):
+        if name is not None and name not in description.links:
+            raise UnknownFrame(name, description.links, f"/{role}")
+    chain = _chain(
+        description.canonical, base or description.root, tip or description.default_tip()
+    )
+    on_way = {joint.name for joint in chain.joints}
+    mimics = tuple(w for w in description.warnings if any(f"{name!r}" in w for name in on_way))
+    return SerialChain(chain.name, chain.base, chain.tip, chain.joints, chain.tip_placement, mimics)
+
+
+def _chain(text: str, base: str, tip: str) -> SerialChain:
+    try:
+        return read_chain(text, base, tip)
+    except DHError as error:
+        problem = error.problems[0]
+        raise InvalidURDF(problem.message, problem.pointer) from None
