@@ -38,6 +38,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         app.state.services = Services(chosen)
         await run_sync(warm_up)
         yield
+        app.state.services.symbolic.close()
 
     app = FastAPI(
         title="Denavit",

@@ -30,6 +30,9 @@ JSON = "application/json"
 NPY = "application/x-npy"
 TEXT = "text/plain"
 NDJSON = "application/x-ndjson"
+LATEX = "application/x-latex"
+PYTHON_SOURCE = "text/x-python"
+C_SOURCE = "text/x-c"
 PIECE = 100_000
 """Bytes of JSON that are decoded at once."""
 LARGE = 20_000
@@ -43,7 +46,16 @@ _TYPE_NAMES = (
     ("array", "a list"),
     ("bool", "true or false"),
 )
-_FORMATS = {"json": JSON, "text": TEXT, "npy": NPY, "ndjson": NDJSON}
+FORMATS = {
+    "json": JSON,
+    "text": TEXT,
+    "npy": NPY,
+    "ndjson": NDJSON,
+    "latex": LATEX,
+    "python": PYTHON_SOURCE,
+    "c": C_SOURCE,
+}
+"""Names of media types in ``?format=``."""
 
 
 def media_type(request: Request) -> str:
@@ -59,9 +71,9 @@ def wanted_type(request: Request, *offers: str) -> str:
     """
     named = request.query_params.get("format") if request.scope["query_string"] else None
     if named is not None:
-        wanted = _FORMATS.get(named)
+        wanted = FORMATS.get(named)
         if wanted not in offers:
-            choices = ", ".join(key for key, value in _FORMATS.items() if value in offers)
+            choices = ", ".join(key for key, value in FORMATS.items() if value in offers)
             raise RequestProblem(
                 INVALID_REQUEST, f"format is {named[:32]!r}; give one of {choices}", "/format"
             )

@@ -7,7 +7,16 @@ from app.operations.inverse import IK
 from app.operations.jacobian import JACOBIAN
 from app.operations.singularity import SINGULARITY
 from app.operations.solutions import SOLUTIONS
+from app.operations.symbolic import SYMBOLIC
 
-OPERATIONS: tuple[Operation, ...] = (IK, FK, JACOBIAN, SINGULARITY, SOLUTIONS, DH_MATRICES)
+OPERATIONS: tuple[Operation, ...] = (
+    IK,
+    FK,
+    JACOBIAN,
+    SINGULARITY,
+    SOLUTIONS,
+    DH_MATRICES,
+    SYMBOLIC,
+)
 
 __all__ = ["OPERATIONS", "Answer", "Operation"]
