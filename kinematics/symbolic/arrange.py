@@ -32,7 +32,7 @@ def folded(p: Polynomial, names: Names) -> Polynomial:
     terms = []
     for monomial, coefficient in p:
         numbers, rest = split(monomial, values)
-        value = Fraction(coefficient)
+        value = coefficient
         for name, exponent in numbers:
             value *= values[name] ** exponent
         terms.append((rest, value))

@@ -43,64 +43,87 @@ class Sparse:
     joints: tuple[int, ...]
 
 
-def views(chain: Chain, rows: Sequence[int]) -> list[tuple[int, list[Pose]]]:
-    """Frames whose axes keep the task's rows among themselves, the middle ones first.
+class Views:
+    """J of a chain in the axes of all frames and at the origins of all."""
 
-    Args:
-        chain: From the base to the frame whose Jacobian is meant.
-        rows: Rows of the task.
+    def __init__(self, chain: Chain, rows: Sequence[int]) -> None:
+        """Writes nothing yet but the poses.
 
-    Returns:
-        For each the poses of all frames in its axes.
-    """
-    found = []
-    middle = (len(chain.frames) - 1) / 2
-    for axes in sorted(range(len(chain.frames)), key=lambda k: (abs(k - middle), k)):
-        try:
-            poses = chain.poses(axes)
-        except TooManyTerms:
-            continue
-        if _keeps(poses[0], rows):
-            found.append((axes, poses))
-    return found
+        Args:
+            chain: From the base to the frame whose Jacobian is meant.
+            rows: Rows of the task, of vx, vy, vz, wx, wy, wz.
+        """
+        self.chain = chain
+        self.rows = tuple(rows)
+        self._poses = _kept_poses(chain, self.rows)
+        self._columns: dict[tuple[int, int, int], Column | None] = {}
+        self._differences: dict[tuple[int, int, int, int], Column | None] = {}
 
+    def sparsest(self, joints: Sequence[int]) -> Sparse:
+        """The frame and the point where the square Jacobian of these joints is sparsest.
 
-def sparsest(
-    chain: Chain,
-    seen: Sequence[tuple[int, list[Pose]]],
-    rows: Sequence[int],
-    joints: Sequence[int],
-) -> Sparse:
-    """The frame and the point where the square Jacobian of these rows and joints is sparsest.
+        Args:
+            joints: Numbers of the joints, as many as rows.
 
-    Args:
-        chain: From the base to the frame whose Jacobian is meant.
-        seen: Its :func:`views`.
-        rows: Rows of the task, as many as joints.
-        joints: Numbers of the joints.
+        Raises:
+            TooManyTerms: It is beyond all limits in every frame.
+        """
+        used = [axis for axis in self.chain.axes if axis.joint in joints]
+        numbers = tuple(axis.joint for axis in used)
+        best: tuple[tuple[int, int], Sparse] | None = None
+        for axes, poses in self._poses.items():
+            for point in _points(self.chain, poses, self.rows):
+                columns = self._square(axes, point, used)
+                if columns is None:
+                    continue
+                matrix = tuple(tuple(column[i] for column in columns) for i in self.rows)
+                score = _cost(matrix)
+                if best is None or score < best[0]:
+                    where = self.chain.frames[axes], self.chain.frames[point]
+                    best = score, Sparse(*where, self.rows, matrix, numbers)
+        if best is None:
+            raise TooManyTerms("the Jacobian has too many terms in every frame")
+        return best[1]
 
-    Raises:
-        TooManyTerms: It is beyond all limits in every frame.
-    """
-    names = chain.names
-    used = [axis for axis in chain.axes if axis.joint in joints]
-    tip = len(chain.frames) - 1
-    best: tuple[tuple[int, int], Sparse] | None = None
-    for axes, poses in seen:
-        for point in _points(chain, poses, rows, tip):
+    def _square(self, axes: int, point: int, used: Sequence[Axis]) -> list[Column] | None:
+        """Columns of J, those of parallel axes as differences; None where they are too large."""
+        columns = []
+        for k, axis in enumerate(used):
+            following = used[k + 1] if k + 1 < len(used) else None
+            found = self._difference(axes, point, axis, following)
+            if found is None:
+                return None
+            columns.append(found)
+        return columns
+
+    def _difference(
+        self, axes: int, point: int, axis: Axis, following: Axis | None
+    ) -> Column | None:
+        one = self._column(axes, point, axis)
+        if one is None or following is None or not (axis.turns and following.turns):
+            return one
+        key = (axes, point, axis.joint, following.joint)
+        if key not in self._differences:
+            other = self._column(axes, point, following)
+            sign = _parallel(one, other) if other is not None else 0
+            found: Column | None = one
+            if other is not None and sign:
+                moved = (a - b.scaled(sign) for a, b in zip(one, other, strict=True))
+                found = _tidy(moved, self.chain.names)
+            self._differences[key] = found
+        return self._differences[key]
+
+    def _column(self, axes: int, point: int, axis: Axis) -> Column | None:
+        key = (axes, point, axis.joint)
+        if key not in self._columns:
+            poses = self._poses[axes]
             try:
-                columns = _columns(used, poses, point, names)
+                plain = column(axis, poses, poses[point].origin)
             except TooManyTerms:
-                continue
-            matrix = tuple(tuple(columns[j][i] for j in range(len(used))) for i in rows)
-            score = _cost(matrix)
-            if best is None or score < best[0]:
-                found = tuple(axis.joint for axis in used)
-                sparse = Sparse(chain.frames[axes], chain.frames[point], tuple(rows), matrix, found)
-                best = score, sparse
-    if best is None:
-        raise TooManyTerms("the Jacobian has too many terms in every frame")
-    return best[1]
+                self._columns[key] = None
+            else:
+                self._columns[key] = _tidy(plain, self.chain.names)
+        return self._columns[key]
 
 
 def determinant(sparse: Sparse, names: Names) -> list[Polynomial]:
@@ -121,6 +144,20 @@ def determinant(sparse: Sparse, names: Names) -> list[Polynomial]:
     return factors
 
 
+def _kept_poses(chain: Chain, rows: Sequence[int]) -> dict[int, list[Pose]]:
+    """Poses as seen from each frame whose axes keep the task's rows, the middle ones first."""
+    found = {}
+    middle = (len(chain.frames) - 1) / 2
+    for axes in sorted(range(len(chain.frames)), key=lambda k: (abs(k - middle), k)):
+        try:
+            poses = chain.poses(axes)
+        except TooManyTerms:
+            continue
+        if _keeps(poses[0], rows):
+            found[axes] = poses
+    return found
+
+
 def _keeps(base: Pose, rows: Sequence[int]) -> bool:
     """Whether turning from the base's axes mixes only rows of the task with each other.
 
@@ -136,13 +173,13 @@ def _keeps(base: Pose, rows: Sequence[int]) -> bool:
     )
 
 
-def _points(chain: Chain, poses: list[Pose], rows: Sequence[int], tip: int) -> list[int]:
+def _points(chain: Chain, poses: list[Pose], rows: Sequence[int]) -> list[int]:
     """Frames with different origins; only the tip where the task lacks rows to move the point."""
     angular = [i for i in range(3, 6) if i not in rows]
     turning = [poses[axis.node].axes[2] for axis in chain.axes if axis.turns]
     linear = {i for i in rows if i < 3}
     if any(z[i - 3] for z in turning for i in angular if linear != {i - 3}):
-        return [tip]
+        return [len(poses) - 1]
     found: list[int] = []
     for k in reversed(range(len(poses))):
         if all(poses[k].origin != poses[other].origin for other in found):
@@ -150,28 +187,21 @@ def _points(chain: Chain, poses: list[Pose], rows: Sequence[int], tip: int) -> l
     return found
 
 
-def _columns(used: Sequence[Axis], poses: list[Pose], point: int, names: Names) -> list[Column]:
-    """Columns of J, those of parallel axes as differences."""
-    plain = [column(axis, poses, poses[point].origin) for axis in used]
-    columns = [tuple(_tidy(entry, names) for entry in one) for one in plain]
-    for k in range(len(columns) - 1):
-        following = columns[k + 1]
-        if not (used[k].turns and used[k + 1].turns):
-            continue
-        for sign in (1, -1):
-            if all(a == b.scaled(sign) for a, b in zip(columns[k][3:], following[3:], strict=True)):
-                columns[k] = tuple(
-                    _tidy(a - b.scaled(sign), names)
-                    for a, b in zip(columns[k], following, strict=True)
-                )
-                break
-    return columns
+def _parallel(one: Column, other: Column) -> int:
+    """1 or -1 for axes with the same or the opposite direction, else 0."""
+    for sign in (1, -1):
+        if all(a == b.scaled(sign) for a, b in zip(one[3:], other[3:], strict=True)):
+            return sign
+    return 0
 
 
-def _tidy(p: Polynomial, names: Names) -> Polynomial:
-    if len(p) > MAX_ENTRY:
-        raise TooManyTerms("an entry of J is too large")
-    return combined(reduced(p, names), names)
+def _tidy(entries: Iterable[Polynomial], names: Names) -> Column | None:
+    found = []
+    for p in entries:
+        if len(p) > MAX_ENTRY:
+            return None
+        found.append(combined(reduced(p, names), names))
+    return tuple(found)
 
 
 def _cost(matrix: Sequence[Sequence[Polynomial]]) -> tuple[int, int]:

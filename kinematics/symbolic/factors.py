@@ -16,6 +16,8 @@ from kinematics.symbolic.names import Names
 from kinematics.symbolic.polynomial import Coefficient, Polynomial, content, divided
 from kinematics.symbolic.trigonometry import reduced, shortest
 
+MAX_VARIED = 12
+"""Terms above which only the shortest form is factored."""
 MAX_FACTORED = 40
 """Terms above which nothing that is linear in no symbol is factored."""
 
@@ -46,7 +48,9 @@ def factored(factors: Iterable[Polynomial], names: Names, *, deeply: bool = True
 
 
 def _forms(p: Polynomial, names: Names) -> list[Polynomial]:
-    forms = [shortest(p, names), reduced(p, names), reduced(p, names, keep="S")]
+    forms = [shortest(p, names)]
+    if len(forms[0]) <= MAX_VARIED:
+        forms += [reduced(p, names), reduced(p, names, keep="S")]
     return [form for k, form in enumerate(forms) if form not in forms[:k]]
 
 
@@ -62,14 +66,14 @@ def _factors(p: Polynomial, names: Names, deeply: bool) -> Product:
     rest = divided(p, shared)
     powers: list[tuple[Factor, int]] = []
     coefficient: Coefficient = 1
-    parts = _irreducible(rest) if deeply and len(rest) > 1 else [(rest, 1)]
+    parts = _irreducible(rest) if deeply and len(rest) > 1 and rest.exact else [(rest, 1)]
     for part, exponent in parts:
         sign = leading_sign(folded(part, names), names)
         coefficient *= sign**exponent
         body = shortest_form(part.scaled(sign), names)
         if len(body.terms) == 1:
             (term,) = body.terms
-            coefficient *= Fraction(term.coefficient) ** exponent
+            coefficient *= term.coefficient**exponent
             powers += [(factor, e * exponent) for factor, e in term.factors]
             continue
         powers.append((body, exponent))

@@ -5,7 +5,14 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from kinematics.symbolic.chain import Axis, Chain
-from kinematics.symbolic.polynomial import ZERO, Polynomial
+from kinematics.symbolic.names import Names
+from kinematics.symbolic.polynomial import (
+    ZERO,
+    Coefficient,
+    Monomial,
+    Polynomial,
+    multiplied,
+)
 from kinematics.symbolic.steps import NOWHERE, Pose, Vector, added, cross, negated
 
 Column: TypeAlias = tuple[Polynomial, ...]
@@ -43,5 +50,42 @@ def jacobian_columns(chain: Chain, dof: int, axes: int, point: int) -> list[Colu
     poses = chain.poses(axes)
     columns: list[Column] = [(ZERO,) * 6] * dof
     for axis in chain.axes:
-        columns[axis.joint - 1] = column(axis, poses, poses[point].origin)
+        if axes == 0:
+            columns[axis.joint - 1] = _derivative(axis, poses, poses[point].origin, chain.names)
+        else:
+            columns[axis.joint - 1] = column(axis, poses, poses[point].origin)
     return columns
+
+
+def _derivative(axis: Axis, poses: list[Pose], point: Vector, names: Names) -> Column:
+    """The same column in the base's axes, without products: ``[∂p/∂q; z]``."""
+    moved = tuple(derivative(entry, axis.joint, names) for entry in point)
+    z = poses[axis.node].axes[2]
+    return (*moved, *((z if axis.sign > 0 else negated(z)) if axis.turns else NOWHERE))
+
+
+def derivative(p: Polynomial, joint: int, names: Names) -> Polynomial:
+    """``∂p/∂q`` of one joint."""
+    terms: list[tuple[Monomial, Coefficient]] = []
+    for monomial, coefficient in p:
+        for name, exponent in monomial:
+            inner = _inner(name, joint, names)
+            if inner is None:
+                continue
+            other, factor = inner
+            rest = tuple((n, e - 1 if n == name else e) for n, e in monomial)
+            lowered = tuple(item for item in rest if item[1])
+            grown = multiplied(lowered, ((other, 1),)) if other else lowered
+            terms.append((grown, coefficient * exponent * factor))
+    return Polynomial.collected(terms)
+
+
+def _inner(name: str, joint: int, names: Names) -> tuple[str, int] | None:
+    """Derivative of one symbol as (symbol, factor); an empty symbol for 1."""
+    if names.variables.get(name) == joint:
+        return "", 1
+    angle = names.angle_of(name)
+    factor = dict(angle.multiples).get(joint, 0) if angle is not None else 0
+    if not factor:
+        return None
+    return (f"S{name[1:]}", -factor) if name[0] == "C" else (f"C{name[1:]}", factor)

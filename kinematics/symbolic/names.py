@@ -39,7 +39,18 @@ class Names:
         variables: Joint variables that are symbols themselves (prismatic ones).
     """
 
-    def __init__(self, dof: int, symbolic: bool, chosen: Mapping[str, str]) -> None:
+    def __init__(
+        self, dof: int, symbolic: bool, chosen: Mapping[str, str], *, rounded: bool = False
+    ) -> None:
+        """No symbols yet.
+
+        Args:
+            dof: Length of q.
+            symbolic: Whether lengths have names.
+            chosen: Names of lengths by their default names.
+            rounded: Whether numbers are multiplied out at once instead of being kept apart as
+                symbols, where there would be too many.
+        """
         self.lengths: dict[str, float] = {}
         self.numbers: dict[str, Fraction] = {}
         self.angles: dict[str, Angle] = {}
@@ -47,6 +58,7 @@ class Names:
         self._separator = "" if dof < 10 else "_"
         self._symbolic = symbolic
         self._chosen = chosen
+        self._rounded = rounded
         self._labels: dict[Angle, str] = {}
 
     def length(self, default: str, value: float) -> Polynomial:
@@ -68,6 +80,8 @@ class Names:
         """A number, kept apart as a symbol of its own until it is written."""
         if value == 0.0 or value == 1.0 or value == -1.0:
             return Polynomial.constant(int(value))
+        if self._rounded:
+            return Polynomial.constant(float(value))
         name = repr(abs(float(value)))
         self.numbers[name] = Fraction(name)
         return Polynomial.symbol(name).scaled(1 if value > 0 else -1)
@@ -79,10 +93,8 @@ class Names:
 
     def entry(self, value: float) -> Polynomial:
         """An entry of a rotation matrix; exact where it is the cosine of a known angle."""
-        for exact in map(_known_cosine, range(13)):
-            if abs(value - _evaluated(exact)) <= ENTRY:
-                return exact
-        return self.number(value)
+        exact = known_cosine(value)
+        return self.number(value) if exact is None else exact
 
     def cos_sin(self, angle: Angle) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of an angle."""
@@ -142,6 +154,8 @@ class Names:
         if steps is not None:
             known, shifted = _known_cosine(steps), _known_cosine((steps - 6) % 24)
             return known, shifted
+        if self._rounded:
+            return Polynomial.constant(math.cos(angle)), Polynomial.constant(math.sin(angle))
         sign = 1 if math.sin(angle) > 0 else -1
         values = (math.cos(angle), abs(math.sin(angle)))
         rest = math.remainder(angle, 2 * math.pi)
@@ -165,6 +179,12 @@ class Names:
         self.angles[label] = angle
         self._labels[key] = label
         return label
+
+
+def known_cosine(value: float) -> Polynomial | None:
+    """A number as the exact cosine of a multiple of π/12; None where it is none."""
+    exact = map(_known_cosine, range(13))
+    return next((p for p in exact if abs(value - _evaluated(p)) <= ENTRY), None)
 
 
 def _known_cosine(steps: int) -> Polynomial:

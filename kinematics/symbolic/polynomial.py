@@ -1,4 +1,4 @@
-"""Sparse polynomials in named symbols with exact coefficients.
+"""Sparse polynomials in named symbols, with exact coefficients wherever that is bearable.
 
 The cosine and sine of an angle are two symbols like any others; that ``S² = 1 - C²`` is known to
 :mod:`kinematics.symbolic.trigonometry`. SymPy's rings would fix the symbols beforehand, but sums of
@@ -11,10 +11,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from typing import TypeAlias
 
-Coefficient: TypeAlias = int | Fraction
+Coefficient: TypeAlias = int | Fraction | float
 Monomial: TypeAlias = tuple[tuple[str, int], ...]
 """Symbols with their exponents, sorted by name."""
 
+ROUNDING = 1e-15
+"""Floating coefficients are products of cosines; a smaller sum of them is zero."""
 MAX_TERMS = 4_000
 MAX_PRODUCTS = 200_000
 
@@ -49,7 +51,7 @@ class Polynomial:
         found: dict[Monomial, Coefficient] = {}
         for monomial, coefficient in terms:
             found[monomial] = found.get(monomial, 0) + coefficient
-        return cls({monomial: value for monomial, value in found.items() if value})
+        return cls({monomial: value for monomial, value in found.items() if not vanishes(value)})
 
     def __bool__(self) -> bool:
         return bool(self.terms)
@@ -93,6 +95,16 @@ class Polynomial:
     def symbols(self) -> set[str]:
         """Names that occur."""
         return {name for monomial in self.terms for name, _ in monomial}
+
+    @property
+    def exact(self) -> bool:
+        """Whether no coefficient is rounded."""
+        return not any(isinstance(coefficient, float) for coefficient in self.terms.values())
+
+
+def vanishes(value: Coefficient) -> bool:
+    """True for zero, and for what rounding leaves of it."""
+    return abs(value) < ROUNDING if isinstance(value, float) else value == 0
 
 
 ZERO = Polynomial({})

@@ -10,17 +10,21 @@ from typing import TypeAlias
 from dh_to_urdf.table import DHTable
 from kinematics.symbolic.arrange import expanded, folded, shortest_form
 from kinematics.symbolic.chain import Chain, Steps, chain_of
-from kinematics.symbolic.determinant import Sparse, determinant, sparsest, views
+from kinematics.symbolic.determinant import Sparse, Views, determinant
 from kinematics.symbolic.expressions import Sum
 from kinematics.symbolic.factors import factored
 from kinematics.symbolic.jacobian import Column, jacobian_columns
 from kinematics.symbolic.names import Names
+from kinematics.symbolic.parameters import unusual_angles
 from kinematics.symbolic.polynomial import Polynomial
 from kinematics.symbolic.request import Quantity, SymbolicRequest
 from kinematics.symbolic.steps import Pose, Walker
 from kinematics.symbolic.trigonometry import shortest
 
-MAX_MINORS = 64
+MAX_MINORS = 36
+
+MAX_UNUSUAL = 2
+"""Angles without exact cosines whose cosines are kept apart, so that their squares cancel."""
 
 Grid: TypeAlias = list[list[Polynomial]]
 
@@ -107,10 +111,12 @@ class Work:
         self.table = table
         self.request = request
         symbolic = request.parameters == "symbolic"
-        self.names = Names(table.dof, symbolic, dict(request.symbols))
+        rounded = unusual_angles(table) > MAX_UNUSUAL
+        self.names = Names(table.dof, symbolic, dict(request.symbols), rounded=rounded)
         self.chain: Chain = chain_of(table, self.names, request.base, request.frame)
         self._known: dict[tuple[Polynomial, bool], Sum] = {}
         self._tip: Pose | None = None
+        self._columns: dict[str, list[Column]] = {}
 
     def entries(self, quantity: Quantity) -> Entries:
         """The polynomials of a quantity, written as they come.
@@ -167,10 +173,12 @@ class Work:
 
     def look(self, found: Determinant) -> None:
         """Writes each square part of J where it is sparsest."""
-        seen = views(self.chain, found.rows) if found.minors else []
+        if not found.minors:
+            return
+        seen = Views(self.chain, found.rows)
         for minor in found.minors:
             kept = [joint for joint in found.joints if joint not in minor.without]
-            minor.sparse = sparsest(self.chain, seen, found.rows, kept)
+            minor.sparse = seen.sparsest(kept)
 
     def solve(self, minor: Minor) -> None:
         """Finds one determinant, up to the sign that :mod:`kinematics.symbolic.check` settles."""
@@ -182,11 +190,14 @@ class Work:
             minor.expression = Sum((product,)) if product.coefficient else Sum()
             minor.factored = deeply
 
-    def jacobian(self) -> list[Column]:
-        """Columns of J, where the request wants it."""
-        expressed_in = self.request.expressed_in or self.request.base
+    def jacobian(self, expressed_in: str) -> list[Column]:
+        """Columns of J in the axes of a frame."""
         tip = len(self.chain.frames) - 1
-        return jacobian_columns(self.chain, self.table.dof, self.chain.node(expressed_in), tip)
+        if expressed_in not in self._columns:
+            self._columns[expressed_in] = jacobian_columns(
+                self.chain, self.table.dof, self.chain.node(expressed_in), tip
+            )
+        return self._columns[expressed_in]
 
     def _rows(self, joints: int) -> tuple[tuple[int, ...], str]:
         if self.request.task is not None:
@@ -197,7 +208,7 @@ class Work:
                     f" {joints} rows"
                 )
             return rows, ""
-        columns = jacobian_columns(self.chain, self.table.dof, 0, len(self.chain.frames) - 1)
+        columns = self.jacobian(self.request.base)
         rows = tuple(i for i in range(6) if any(column[i] for column in columns))
         linear = tuple(i for i in rows if i < 3)
         if len(rows) <= joints:
@@ -242,5 +253,5 @@ class Work:
         return ["rotation"], [[[axis[i] for axis in axes] for i in range(3)]], False
 
     def _jacobian(self) -> tuple[list[str], list[Grid], bool]:
-        columns = self.jacobian()
+        columns = self.jacobian(self.request.expressed_in or self.request.base)
         return ["J"], [[[column[i] for column in columns] for i in range(6)]], False

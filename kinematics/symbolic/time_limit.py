@@ -12,6 +12,8 @@ from kinematics.symbolic.polynomial import TooManyTerms
 T = TypeVar("T")
 GRACE_SECONDS = 15
 """What a worker has beside its time budget: to start, and for what comes before and after."""
+HEADER = 8
+"""Bytes of a task's length, big-endian."""
 
 
 class Unfinished(Exception):

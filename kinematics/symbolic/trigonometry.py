@@ -8,7 +8,14 @@ from math import comb
 
 from kinematics.symbolic.angles import total
 from kinematics.symbolic.names import ROOTS, Kind, Names
-from kinematics.symbolic.polynomial import ZERO, Coefficient, Monomial, Polynomial, split
+from kinematics.symbolic.polynomial import (
+    ZERO,
+    Coefficient,
+    Monomial,
+    Polynomial,
+    split,
+    vanishes,
+)
 
 MAX_DEGREE = 6
 """Products of more sines and cosines of dependent angles than this are left alone."""
@@ -113,14 +120,15 @@ def _joined(terms: dict[Monomial, Coefficient], names: Names) -> Polynomial | No
     """As a sum of single sines and cosines; None where that needs multiples such as 2 q2."""
     if len(terms) < 2 or any(sum(e for _, e in monomial) > MAX_DEGREE for monomial in terms):
         return None
-    waves: dict[_Exponents, tuple[Fraction, Fraction]] = {}
+    waves: dict[_Exponents, tuple[Coefficient, Coefficient]] = {}
     for monomial, coefficient in terms.items():
-        for exponents, real, imaginary in _exponentials(monomial, Fraction(coefficient)):
-            before = waves.get(exponents, (Fraction(0), Fraction(0)))
+        exact = coefficient if isinstance(coefficient, float) else Fraction(coefficient)
+        for exponents, real, imaginary in _exponentials(monomial, exact):
+            before = waves.get(exponents, (0, 0))
             waves[exponents] = (before[0] + real, before[1] + imaginary)
     result = ZERO
     for exponents, (real, imaginary) in waves.items():
-        if not real and not imaginary:
+        if vanishes(real) and vanishes(imaginary):
             continue
         angle = total((names.angles[label], n) for label, n in exponents)
         if any(abs(n) > 1 for _, n in angle.multiples):
@@ -131,15 +139,16 @@ def _joined(terms: dict[Monomial, Coefficient], names: Names) -> Polynomial | No
     return result
 
 
-def _plain(value: Fraction) -> Coefficient:
-    return value.numerator if value.denominator == 1 else value
+def _plain(value: Coefficient) -> Coefficient:
+    whole = isinstance(value, Fraction) and value.denominator == 1
+    return value.numerator if whole and isinstance(value, Fraction) else value
 
 
 def _exponentials(
-    monomial: Monomial, coefficient: Fraction
-) -> list[tuple[_Exponents, Fraction, Fraction]]:
+    monomial: Monomial, coefficient: Coefficient
+) -> list[tuple[_Exponents, Coefficient, Coefficient]]:
     """``C = (E + 1/E)/2`` and ``S = (E - 1/E)/(2i)``, multiplied out."""
-    parts: list[tuple[dict[str, int], Fraction, Fraction]] = [({}, coefficient, Fraction(0))]
+    parts: list[tuple[dict[str, int], Coefficient, Coefficient]] = [({}, coefficient, Fraction(0))]
     for name, exponent in monomial:
         letter, label = name[0], name[1:]
         for _ in range(exponent):

@@ -21,7 +21,7 @@ from typing import Any
 from dh_to_urdf.table import DHTable
 from kinematics.errors import KinematicsError
 from kinematics.symbolic.request import SymbolicRequest, checked
-from kinematics.symbolic.time_limit import GRACE_SECONDS
+from kinematics.symbolic.time_limit import GRACE_SECONDS, HEADER
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 10.0
@@ -56,9 +56,9 @@ class WorkersBusy(KinematicsError):
 class SymbolicWorkers:
     """At most so many processes at a time, and the answers that were found.
 
-    Answers are kept by the content of table and request, the oldest dropped first. After the first
-    request a spare process, which has loaded everything, waits for the next; it ends with its
-    standard input, so with this process at the latest.
+    Answers are kept by the content of table and request, the oldest dropped first. A process that
+    has finished its task waits for the next; it ends with its standard input, so with this process
+    at the latest.
     """
 
     def __init__(self, workers: int = 1) -> None:
@@ -66,15 +66,15 @@ class SymbolicWorkers:
         self._places = threading.BoundedSemaphore(workers + WAITING)
         self._answers: OrderedDict[bytes, tuple[str, float]] = OrderedDict()
         self._lock = threading.Lock()
-        self._spare: subprocess.Popen[bytes] | None = None
+        self._idle: list[subprocess.Popen[bytes]] = []
 
     def close(self) -> None:
-        """Ends the spare process."""
+        """Ends the processes that wait for work."""
         with self._lock:
-            spare, self._spare = self._spare, None
-        if spare is not None:
-            with spare:
-                spare.kill()
+            idle, self._idle = self._idle, []
+        for process in idle:
+            with process:
+                process.kill()
 
     def run(self, table: DHTable, request: SymbolicRequest) -> dict[str, Any]:
         """Writes down what is asked; see :meth:`kinematics.symbolic.writing.Writing.answer`.
@@ -116,23 +116,35 @@ class SymbolicWorkers:
 
     def _work(self, table: DHTable, request: SymbolicRequest) -> str:
         """The last answer of a worker: all of it, or what it had when it was stopped."""
-        with self._lock:
-            spare, self._spare = self._spare, None
-        if spare is not None and spare.poll() is not None:
-            spare.communicate()
-            spare = None
-        with spare or _started() as process:
-            try:
-                lines = _lines(process, pickle.dumps((table, request)), request.time_budget)
-            finally:
-                process.kill()
-        with self._lock:
-            self._spare = self._spare or _started()
+        process = self._process()
+        finished = False
+        try:
+            task = pickle.dumps((table, request))
+            lines, finished = _lines(process, task, request.time_budget)
+        finally:
+            if finished:
+                with self._lock:
+                    self._idle.append(process)
+            else:
+                with process:
+                    process.kill()
         if not lines:
             raise WorkersBusy(
                 "the symbolic worker was stopped before it had an answer; ask again", 1.0
             )
         return lines[-1]
+
+    def _process(self) -> subprocess.Popen[bytes]:
+        """One that waits for work, or a new one."""
+        while True:
+            with self._lock:
+                if not self._idle:
+                    return _started()
+                process = self._idle.pop()
+            if process.poll() is None:
+                return process
+            with process:
+                pass
 
     def _known(self, key: bytes, budget: float) -> str | None:
         with self._lock:
@@ -180,23 +192,22 @@ def _started() -> subprocess.Popen[bytes]:
     )
 
 
-def _lines(process: subprocess.Popen[bytes], task: bytes, budget: float) -> list[str]:
-    """Complete lines that arrive before the deadline."""
+def _lines(process: subprocess.Popen[bytes], task: bytes, budget: float) -> tuple[list[str], bool]:
+    """Complete lines that arrive before the deadline, and whether the task is finished."""
     assert process.stdin is not None
     assert process.stdout is not None
     deadline = time.monotonic() + budget + GRACE_SECONDS
-    try:
-        process.stdin.write(task)
-        process.stdin.close()
-    except BrokenPipeError:
-        return []
     found = b""
-    while (left := deadline - time.monotonic()) > 0:
+    try:
+        process.stdin.write(len(task).to_bytes(HEADER) + task)
+        process.stdin.flush()
+    except BrokenPipeError:
+        return [], False
+    while not found.endswith(b"\n\n") and (left := deadline - time.monotonic()) > 0:
         ready, _, _ = select.select([process.stdout], [], [], left)
-        if not ready:
-            break
-        piece = os.read(process.stdout.fileno(), _READ)
+        piece = os.read(process.stdout.fileno(), _READ) if ready else b""
         if not piece:
             break
         found += piece
-    return [line.decode() for line in found.split(b"\n")[:-1]]
+    lines = [line.decode() for line in found.split(b"\n")[:-1] if line]
+    return lines, found.endswith(b"\n\n")

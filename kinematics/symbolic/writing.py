@@ -9,7 +9,7 @@ from typing import Any
 from dh_to_urdf.table import DHTable
 from kinematics.symbolic.check import Checker
 from kinematics.symbolic.listing import latex_listing, text_listing
-from kinematics.symbolic.parameters import Length, lengths_of
+from kinematics.symbolic.parameters import Length, lengths_of, nearly_right_angles
 from kinematics.symbolic.quantities import Determinant, Entries, Work
 from kinematics.symbolic.request import CODE, Notation, Quantity, SymbolicRequest
 from kinematics.symbolic.time_limit import Unfinished, limited
@@ -92,7 +92,7 @@ class Writing:
         }
         found |= self._quantities(joints)
         found["simplified"] = self._simplified()
-        found["notes"] = list(self.left_out.values())
+        found["notes"] = [*self.left_out.values(), *nearly_right_angles(self.table)]
         if self.determinant is not None:
             found["notes"] += [note for note in self.determinant.notes() if note]
         if request.notation in CODE:
