@@ -55,7 +55,7 @@ def test_random_tables(table, parameters):
     answer = written(table, parameters=parameters, time_budget=30.0)
     q = np.random.default_rng(1).uniform(-3, 3, (10, table.dof))
     value = evaluator(answer, q)
-    tolerance = {"atol": 1e-11, "rtol": 0}
+    tolerance = {"atol": 1e-12, "rtol": 0}
     numbers = dh_matrices(table, q)
     np.testing.assert_allclose(value(answer["A"]), numbers.A, **tolerance)
     np.testing.assert_allclose(value(answer["T0"]), numbers.T0, **tolerance)
@@ -68,4 +68,4 @@ def test_random_tables(table, parameters):
         square = J[:, rows]
         bound = np.prod(np.linalg.norm(square, axis=1), axis=1)
         difference = np.abs(value(found["expression"]) - np.linalg.det(square))
-        assert (difference <= 1e-11 * np.maximum(bound, 1.0)).all()
+        assert (difference <= 1e-12 * np.maximum(bound, 1.0)).all()
