@@ -17,6 +17,7 @@ from app.documents import robot_from_inline
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
 from app.wire import decode_json
+from kinematics.symbolic import SymbolicWorkers
 from robots.robot import Robot
 from robots.store import RobotStore, StoredRobot
 
@@ -24,6 +25,7 @@ T = TypeVar("T")
 INLINE_WEIGHT = 20_000
 """Bound on the sum of dof² of inline robots in memory; a working memory grows with its square."""
 LOADING_THREADS = 4
+WAITING_THREADS = 32
 
 
 class InlineRobots:
@@ -75,12 +77,18 @@ class Services:
         self.settings = settings
         self.store = RobotStore(settings.data_dir)
         self.inline = InlineRobots()
+        self.symbolic = SymbolicWorkers(settings.symbolic_workers)
         self._compute = anyio.CapacityLimiter(settings.compute_threads)
         self._load = anyio.CapacityLimiter(LOADING_THREADS)
+        self._wait = anyio.CapacityLimiter(WAITING_THREADS)
 
     async def computed(self, call: Callable[[], T]) -> T:
         """Runs a computation in one of the compute threads."""
         return await run_sync(call, limiter=self._compute)
+
+    async def waited(self, call: Callable[[], T]) -> T:
+        """Waits in a thread for a process that does the work; takes no compute thread."""
+        return await run_sync(call, limiter=self._wait)
 
     async def loaded(self, call: Callable[[], T]) -> T:
         """Reads or writes robots in a thread: a lane of its own, not held up by computations."""

@@ -41,6 +41,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         if chosen.preload:
             await rehearse(app, app.state.services)
         yield
+        app.state.services.symbolic.close()
 
     app = FastAPI(
         title="Denavit",

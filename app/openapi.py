@@ -10,7 +10,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from app.operations import OPERATIONS, Operation
-from app.wire import JSON, NPY, TEXT
+from app.wire import FORMATS, JSON, NPY
 
 REF = "#/components/schemas/{name}"
 _NUMBERS = {
@@ -42,6 +42,11 @@ _NUMBERS = {
     "time_budget_ms": ("Milliseconds.", False),
     "choose": ("closest, most_manipulable or farthest_from_limits.", False),
     "max_iterations": ("Steps of one start.", False),
+    "quantities": ("Comma-separated: A, T0, T, position, rotation, jacobian, det_jacobian.", False),
+    "parameters": ("numeric (default) or symbolic: names instead of lengths.", False),
+    "symbols": ("Names of lengths: a2:L1,a3:L2.", False),
+    "base": ("base_link (default) or frame_0.", False),
+    "expressed_in": ("Frame in whose axes the Jacobian is written.", False),
 }
 
 
@@ -92,7 +97,7 @@ def operation_docs(operation: Operation) -> dict[str, dict[str, Any]]:
     """What the docs say of a computation's routes, by path and method."""
     name = operation.name.replace("-", "_").replace("/", "_")
     answers = _answers(operation)
-    forms = ["text", "npy", "ndjson"] if operation.stream else ["text", "npy"]
+    forms = [key for key, value in FORMATS.items() if value in operation.offers[1:]]
     choices = [
         _parameter("angle", "rad (default) or deg: joint values, Euler angles.", ["rad", "deg"]),
         _parameter("format", f"json (default) or {', '.join(forms)}.", ["json", *forms]),
@@ -153,12 +158,16 @@ def _answers(operation: Operation) -> dict[str, Any]:
             "description": "The answer.",
             "content": {
                 JSON: {"schema": {"$ref": REF.format(name=operation.response.__name__)}},
-                TEXT: {"schema": {"type": "string"}},
-                NPY: {"schema": {"type": "string", "format": "binary"}},
+                **{form: {"schema": _form_schema(form)} for form in operation.offers[1:]},
             },
         },
         **{str(status): problem for status, problem in PROBLEMS.items()},
+        **({"501": PROBLEMS["4XX"], "503": PROBLEMS["4XX"]} if operation.apart else {}),
     }
+
+
+def _form_schema(form: str) -> dict[str, str]:
+    return {"type": "string", "format": "binary"} if form == NPY else {"type": "string"}
 
 
 PROBLEMS: dict[int | str, dict[str, Any]] = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from starlette.exceptions import HTTPException
 from dh_to_urdf import DHError, Problem
 from dh_to_urdf.errors import DHSyntaxError
 from kinematics import errors as kinematics
+from kinematics.symbolic import SymbolicUnavailable, WorkersBusy
 from robots import errors as robots
 
 MEDIA_TYPE = "application/problem+json"
@@ -85,6 +87,8 @@ BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     ),
     kinematics.InvalidTarget: ProblemType("invalid-target", 422, "The target is no pose"),
     kinematics.InvalidOption: ProblemType("invalid-option", 422, "An option is out of range"),
+    SymbolicUnavailable: ProblemType("symbolic-unavailable", 501, "SymPy is not installed"),
+    WorkersBusy: ProblemType("busy", 503, "The service has no room for this now"),
 }
 
 _GENERIC = (INVALID_REQUEST, MALFORMED_BODY, UNSUPPORTED_TYPE, NOT_ACCEPTABLE, TOO_LARGE, INTERNAL)
@@ -135,7 +139,9 @@ def _domain_handler(type_: ProblemType) -> Any:
         if isinstance(error, DHError):
             return problem_response(request, type_, error.problems)
         pointer = getattr(error, "pointer", "")
-        return problem_response(request, type_, [Problem(pointer, str(error))])
+        retry = getattr(error, "retry_after", None)
+        headers = {} if retry is None else {"Retry-After": str(math.ceil(retry))}
+        return problem_response(request, type_, [Problem(pointer, str(error))], headers)
 
     return handle
 

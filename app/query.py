@@ -173,6 +173,16 @@ def _frames(name: str, text: str, units: Units) -> list[str] | str:  # noqa: ARG
     return "all" if text == "all" else [part.strip() for part in text.split(",") if part.strip()]
 
 
+def _names(name: str, text: str, units: Units) -> dict[str, str]:  # noqa: ARG001
+    """``a2:L1,a3:L2``."""
+    pairs = [part.partition(":") for part in text.split(",")]
+    if any(not colon for _, colon, _ in pairs) or len(pairs) > MAX_QUERY_VALUES:
+        raise RequestProblem(
+            INVALID_REQUEST, f"{name} is {text[:32]!r}; write it as a2:L1,a3:L2", f"/{name}"
+        )
+    return {key.strip(): value.strip() for key, _, value in pairs}
+
+
 def _task(name: str, text: str, units: Units) -> list[int] | str:
     if "," not in text:
         return text
@@ -223,5 +233,7 @@ _READERS: dict[str, Callable[[str, str, Units], Any]] = {
     "random_seed": _integer,
     "frames": _frames,
     "task": _task,
+    "quantities": _frames,
+    "symbols": _names,
     "euler": _euler,
 }

@@ -44,3 +44,6 @@ class Settings(BaseSettings):
         ge=1,
         description="Threads for batches and for inverse kinematics.",
     )
+    symbolic_workers: int = Field(
+        default=1, ge=1, le=16, description="Processes for symbolic kinematics at a time."
+    )

@@ -33,6 +33,9 @@ TEXT = "text/plain"
 NDJSON = "application/x-ndjson"
 YAML = "application/yaml"
 CSV = "text/csv"
+LATEX = TABLE_TEXTS["latex"].media_type
+PYTHON_SOURCE = "text/x-python"
+C_SOURCE = "text/x-c"
 PIECE = 100_000
 """Bytes of JSON that are decoded at once."""
 LARGE = 20_000
@@ -46,9 +49,17 @@ _TYPE_NAMES = (
     ("array", "a list"),
     ("bool", "true or false"),
 )
-_FORMATS = {"json": JSON, "text": TEXT, "npy": NPY, "ndjson": NDJSON, "yaml": YAML, "csv": CSV} | {
-    name: form.media_type for name, form in TABLE_TEXTS.items()
-}
+FORMATS = {
+    "json": JSON,
+    "text": TEXT,
+    "npy": NPY,
+    "ndjson": NDJSON,
+    "yaml": YAML,
+    "csv": CSV,
+    "python": PYTHON_SOURCE,
+    "c": C_SOURCE,
+} | {name: form.media_type for name, form in TABLE_TEXTS.items()}
+"""Names of media types in ``?format=``."""
 
 
 def media_type(request: Request) -> str:
@@ -64,9 +75,9 @@ def wanted_type(request: Request, *offers: str) -> str:
     """
     named = request.query_params.get("format") if request.scope["query_string"] else None
     if named is not None:
-        wanted = _FORMATS.get(named)
+        wanted = FORMATS.get(named)
         if wanted not in offers:
-            choices = ", ".join(key for key, value in _FORMATS.items() if value in offers)
+            choices = ", ".join(key for key, value in FORMATS.items() if value in offers)
             raise RequestProblem(
                 INVALID_REQUEST, f"format is {named[:32]!r}; give one of {choices}", "/format"
             )

@@ -106,7 +106,7 @@ def table_to_matlab(table: DHTable) -> str:
 
 TABLE_TEXTS = {
     "par": TableText("text/x-symoro", table_to_par),
-    "latex": TableText("text/x-tex", table_to_latex),
+    "latex": TableText("application/x-latex", table_to_latex),
     "markdown": TableText("text/markdown", table_to_markdown),
     "tsv": TableText("text/tab-separated-values", table_to_tsv),
     "matlab": TableText("text/x-matlab", table_to_matlab),

@@ -10,6 +10,7 @@ from app.operations.nearest_singularity import NEAREST_SINGULARITY
 from app.operations.singularity import SINGULARITY
 from app.operations.solutions import SOLUTIONS
 from app.operations.statics import JOINT_TORQUES, WRENCH
+from app.operations.symbolic import SYMBOLIC
 from app.operations.velocity import JOINT_VELOCITIES, TWIST
 
 OPERATIONS: tuple[Operation, ...] = (
@@ -27,6 +28,7 @@ OPERATIONS: tuple[Operation, ...] = (
     HESSIAN,
     MANIPULABILITY_GRADIENT,
     NEAREST_SINGULARITY,
+    SYMBOLIC,
 )
 
 __all__ = ["OPERATIONS", "Answer", "Operation"]

@@ -12,10 +12,11 @@ import numpy as np
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
 from app.units import Units
-from app.wire import decode_json, decode_rows
+from app.wire import JSON, NDJSON, NPY, TEXT, decode_json, decode_rows
 from dh_to_urdf.errors import escaped, quoted
 from kinematics.configuration import configuration, configuration_by_name
 from kinematics.jacobian import ReferenceFrame
+from kinematics.symbolic import SymbolicWorkers
 from robots.robot import FloatArray, Robot
 
 _ONE_Q = {"type": "array", "items": {"type": "number"}}
@@ -65,19 +66,37 @@ Numbers: TypeAlias = list[Any]
 
 @dataclass(frozen=True)
 class Context:
-    """What a computation knows besides robot and request."""
+    """What a computation knows besides robot and request.
+
+    Attributes:
+        units: Of the request and its answer.
+        settings: What the deployment chose.
+        form: Media type of the answer.
+        symbolic: The processes for symbolic work.
+    """
 
     units: Units
     settings: Settings
+    form: str = JSON
+    symbolic: SymbolicWorkers | None = None
+
+    def symbolic_workers(self) -> SymbolicWorkers:
+        """The processes for symbolic work."""
+        assert self.symbolic is not None
+        return self.symbolic
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a computation gives: a payload for JSON and text, and the array that npy holds."""
+    """What a computation gives: a payload for JSON and text, and the array that npy holds.
+
+    A ``listing`` is the whole answer in any other form than JSON.
+    """
 
     payload: dict[str, Any]
     array: FloatArray | None = None
     headers: dict[str, str] | None = None
+    listing: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +117,9 @@ class Operation:
         stream: The answer in parts, each a list of rows, where it can be sent while it grows.
         rehearsed: Whether to send the example once as the service starts.
         array_field: Field that a body of type npy stands for, if there is one.
+        forms: Media types of the answer, JSON first, where they are not the usual ones.
+        apart: Whether another process does the work, so that waiting for it takes no compute
+            thread.
     """
 
     name: str
@@ -113,6 +135,13 @@ class Operation:
     stream: Callable[[Robot, Any, Context], Iterator[list[dict[str, Any]]]] | None = None
     quick: Callable[[Robot, Any, Context], Answer | None] | None = None
     rehearsed: bool = True
+    forms: tuple[str, ...] = ()
+    apart: bool = False
+
+    @property
+    def offers(self) -> tuple[str, ...]:
+        """Media types of the answer."""
+        return self.forms or ((JSON, TEXT, NPY, NDJSON) if self.stream else (JSON, TEXT, NPY))
 
     def run_quickly(self, robot: Robot, request: Any, context: Context) -> Answer | None:
         """The answer if it takes so little time that a thread would only cost; else None."""

@@ -21,7 +21,6 @@ from app.wire import (
     JSON,
     NDJSON,
     NPY,
-    TEXT,
     decode_json,
     decode_npy,
     json_lines,
@@ -62,7 +61,7 @@ class _Handlers:
         self.operation = operation
         self.max_body = max_body
         self.inline_type = inline_request_type(operation)
-        self.offers = (JSON, TEXT, NPY, NDJSON) if operation.stream else (JSON, TEXT, NPY)
+        self.offers = operation.offers
 
     async def post(self, request: Request) -> Response:
         """On a stored robot, from a JSON or npy body."""
@@ -119,9 +118,11 @@ async def _answer(
     size: int,
     read: Any,
 ) -> Response:
-    context = Context(units, services.settings)
+    context = Context(units, services.settings, wanted, services.symbolic)
 
     def written(answer: Answer) -> Response:
+        if answer.listing is not None and wanted != JSON:
+            return Response(answer.listing, media_type=f"{wanted}; charset=utf-8")
         return respond(answer.payload, wanted, array=answer.array, headers=answer.headers)
 
     def compute(request: msgspec.Struct) -> Response:
@@ -129,6 +130,8 @@ async def _answer(
 
     if wanted == NDJSON:
         return await _streamed(services, operation, robot, context, read)
+    if operation.apart:
+        return await services.waited(lambda: compute(read()))
     if size > INLINE_BYTES:
         return await services.computed(lambda: compute(read()))
     request = read()

@@ -123,7 +123,7 @@ def test_what_snapping_costs_is_told(poses, data):
     snapped = [finding.snapped for finding in found.findings[:-1] if finding.snapped > 1e-12]
     told = " ".join(found.table.warnings)
     assert told.count("taken as parallel") >= len(snapped)
-    cost = sum(snapped) * 4 * (1 + chain.size)
+    cost = sum(finding.snapped for finding in found.findings[:-1]) * 4 * (1 + chain.size)
     assert max(found.residual.position, found.residual.orientation) <= cost + 1e-12
     reported = max(found.residual.position, found.residual.orientation)
     # Limits bound what was measured, and what is measured here: no worse than a few times it.

@@ -1,0 +1,17 @@
+"""Closed forms: A_k, 0A_k, T, the Jacobian and its determinant in the short names of lectures.
+
+``SymbolicWorkers().run(table, SymbolicRequest(quantities=(Quantity.POSITION,)))`` works in a
+process of its own. SymPy is needed (``pip install 'denavit[symbolic]'``), but not to import this.
+"""
+
+from kinematics.symbolic.request import Notation, Quantity, SymbolicRequest
+from kinematics.symbolic.workers import SymbolicUnavailable, SymbolicWorkers, WorkersBusy
+
+__all__ = [
+    "Notation",
+    "Quantity",
+    "SymbolicRequest",
+    "SymbolicUnavailable",
+    "SymbolicWorkers",
+    "WorkersBusy",
+]

@@ -1,0 +1,152 @@
+"""Sparse polynomials in named symbols, with exact coefficients wherever that is bearable.
+
+The cosine and sine of an angle are two symbols like any others; that ``S² = 1 - C²`` is known to
+:mod:`kinematics.symbolic.trigonometry`. SymPy's rings would fix the symbols beforehand, but sums of
+angles such as C23 turn up on the way, and its expressions cost a hundred times as much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from fractions import Fraction
+from typing import TypeAlias
+
+Coefficient: TypeAlias = int | Fraction | float
+Monomial: TypeAlias = tuple[tuple[str, int], ...]
+"""Symbols with their exponents, sorted by name."""
+
+ROUNDING = 1e-15
+"""Floating coefficients are products of cosines; a smaller sum of them is zero."""
+MAX_TERMS = 4_000
+MAX_PRODUCTS = 200_000
+
+
+class TooManyTerms(ArithmeticError):
+    """A polynomial grew beyond what anyone would read."""
+
+
+class Polynomial:
+    """Immutable. ``terms`` maps monomials to coefficients other than zero."""
+
+    __slots__ = ("terms",)
+
+    def __init__(self, terms: Mapping[Monomial, Coefficient]) -> None:
+        if len(terms) > MAX_TERMS:
+            raise TooManyTerms(f"an entry has over {MAX_TERMS} terms")
+        self.terms = terms
+
+    @classmethod
+    def constant(cls, value: Coefficient) -> Polynomial:
+        """A number."""
+        return cls({(): value}) if value else cls({})
+
+    @classmethod
+    def symbol(cls, name: str) -> Polynomial:
+        """One symbol."""
+        return cls({((name, 1),): 1})
+
+    @classmethod
+    def collected(cls, terms: Iterable[tuple[Monomial, Coefficient]]) -> Polynomial:
+        """The sum of terms, in which a monomial may occur more than once."""
+        found: dict[Monomial, Coefficient] = {}
+        for monomial, coefficient in terms:
+            found[monomial] = found.get(monomial, 0) + coefficient
+        return cls({monomial: value for monomial, value in found.items() if not vanishes(value)})
+
+    def __bool__(self) -> bool:
+        return bool(self.terms)
+
+    def __len__(self) -> int:
+        return len(self.terms)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Polynomial) and self.terms == other.terms
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self.terms.items()))
+
+    def __iter__(self) -> Iterator[tuple[Monomial, Coefficient]]:
+        return iter(self.terms.items())
+
+    def __neg__(self) -> Polynomial:
+        return self.scaled(-1)
+
+    def __add__(self, other: Polynomial) -> Polynomial:
+        if not self or not other:
+            return self if self else other
+        return Polynomial.collected((*self, *other))
+
+    def __sub__(self, other: Polynomial) -> Polynomial:
+        return self + -other
+
+    def __mul__(self, other: Polynomial) -> Polynomial:
+        if len(self) * len(other) > MAX_PRODUCTS:
+            raise TooManyTerms(f"a product has over {MAX_PRODUCTS} terms")
+        return Polynomial.collected(
+            (multiplied(one, two), first * second) for one, first in self for two, second in other
+        )
+
+    def scaled(self, factor: Coefficient) -> Polynomial:
+        """Times a number."""
+        if factor == 1:
+            return self
+        return Polynomial({m: c * factor for m, c in self} if factor else {})
+
+    def symbols(self) -> set[str]:
+        """Names that occur."""
+        return {name for monomial in self.terms for name, _ in monomial}
+
+    @property
+    def exact(self) -> bool:
+        """Whether no coefficient is rounded."""
+        return not any(isinstance(coefficient, float) for coefficient in self.terms.values())
+
+
+def vanishes(value: Coefficient) -> bool:
+    """True for zero, and for what rounding leaves of it."""
+    return abs(value) < ROUNDING if isinstance(value, float) else value == 0
+
+
+ZERO = Polynomial({})
+ONE = Polynomial.constant(1)
+
+
+def multiplied(one: Monomial, two: Monomial) -> Monomial:
+    """The product of two monomials."""
+    if not one or not two:
+        return one if one else two
+    exponents = dict(one)
+    for name, exponent in two:
+        exponents[name] = exponents.get(name, 0) + exponent
+    return tuple(sorted(exponents.items()))
+
+
+def split(monomial: Monomial, names: Iterable[str]) -> tuple[Monomial, Monomial]:
+    """The part of a monomial in some symbols, and the rest."""
+    chosen = names if isinstance(names, (set, frozenset, dict)) else set(names)
+    inside = tuple(item for item in monomial if item[0] in chosen)
+    return inside, tuple(item for item in monomial if item[0] not in chosen)
+
+
+def content(p: Polynomial) -> Monomial:
+    """The largest monomial that divides every term."""
+    terms = iter(p.terms)
+    shared = dict(next(terms, ()))
+    for monomial in terms:
+        exponents = dict(monomial)
+        shared = {n: min(e, exponents[n]) for n, e in shared.items() if n in exponents}
+        if not shared:
+            break
+    return tuple(sorted(shared.items()))
+
+
+def divided(p: Polynomial, monomial: Monomial) -> Polynomial:
+    """``p`` by a monomial that divides every term of it."""
+    if not monomial:
+        return p
+    lowered = {name: -exponent for name, exponent in monomial}
+    terms: dict[Monomial, Coefficient] = {}
+    for other, coefficient in p:
+        rest = ((name, exponent + lowered.get(name, 0)) for name, exponent in other)
+        terms[tuple(item for item in rest if item[1])] = coefficient
+    return Polynomial(terms)

@@ -1,0 +1,190 @@
+"""What to write down symbolically, and how; checked before any work is done."""
+
+from __future__ import annotations
+
+import keyword
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from dh_to_urdf.errors import quoted
+from dh_to_urdf.table import DHTable
+from kinematics.errors import InvalidOption
+from kinematics.symbolic.chain import BASE, TOOL, path_to
+from kinematics.symbolic.parameters import lengths_of
+from kinematics.task import Task
+from robots.errors import UnknownFrame, hint
+
+
+class Quantity(StrEnum):
+    """What can be written down.
+
+    ``A``: the link matrices A_k. ``T0``: the products 0A_k in frame 0. ``T``: the pose of the
+    frame in the base, with its ``position`` and the columns of its ``rotation``. ``jacobian``: the
+    geometric Jacobian. ``det_jacobian``: its determinant in factors; for a redundant arm those of
+    its square parts.
+    """
+
+    A = "A"
+    T0 = "T0"
+    T = "T"
+    POSITION = "position"
+    ROTATION = "rotation"
+    JACOBIAN = "jacobian"
+    DET_JACOBIAN = "det_jacobian"
+
+
+class Notation(StrEnum):
+    """How expressions are written: short names as in lectures, LaTeX, or source of a function."""
+
+    TEXT = "text"
+    LATEX = "latex"
+    PYTHON = "python"
+    C = "c"
+
+
+CODE = (Notation.PYTHON, Notation.C)
+PARAMETERS = ("numeric", "symbolic")
+DEFAULT_BUDGET = 10.0
+MAX_SYMBOLS = 256
+_NAME = re.compile(r"[A-Za-z]{1,12}(?:_?\d{1,3})?")
+_TAKEN = re.compile(r"[CSqtx]_?\d+")
+_WORDS = frozenset(keyword.kwlist).union(
+    ("auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else"),
+    ("enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "register"),
+    ("restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch", "typedef"),
+    ("union", "unsigned", "void", "volatile", "while", "cos", "sin", "sqrt", "pi", "q", "out"),
+)
+
+
+@dataclass(frozen=True)
+class SymbolicRequest:
+    """What to write down.
+
+    Attributes:
+        quantities: What.
+        parameters: ``numeric``: lengths as numbers; ``symbolic``: by the names of
+            :func:`kinematics.symbolic.parameters.lengths_of`.
+        symbols: Other names, by those; with ``numeric`` only these lengths get a name.
+        frame: The frame whose pose and Jacobian are meant: ``tool`` or ``frame_k``.
+        base: In whose axes the pose is given: ``base_link`` or ``frame_0``.
+        expressed_in: In whose axes the Jacobian is written; None for the base.
+        task: Rows of the determinant, in base axes; None chooses: those that do not vanish.
+        notation: How expressions are written.
+        time_budget: Seconds for simplification.
+        listing: Whether the answer is also wanted as one text.
+    """
+
+    quantities: tuple[Quantity, ...] = (Quantity.T,)
+    parameters: str = "numeric"
+    symbols: tuple[tuple[str, str], ...] = ()
+    frame: str = TOOL
+    base: str = BASE
+    expressed_in: str | None = None
+    task: Task | None = None
+    notation: Notation = Notation.TEXT
+    time_budget: float = DEFAULT_BUDGET
+    listing: bool = False
+
+
+def checked(table: DHTable, request: SymbolicRequest) -> SymbolicRequest:
+    """The request, with the quantities in the order of :class:`Quantity`, each once.
+
+    Raises:
+        InvalidOption: An option is none, a name cannot be used, or the budget is no duration.
+        UnknownFrame: There is no such frame, or not between base and frame.
+    """
+    if not request.quantities:
+        raise InvalidOption(
+            f"quantities is empty; name some of {', '.join(Quantity)}, or all", "/quantities"
+        )
+    if request.parameters not in PARAMETERS:
+        raise InvalidOption(
+            f"parameters is {quoted(request.parameters)}; give numeric or symbolic", "/parameters"
+        )
+    if not (math.isfinite(request.time_budget) and request.time_budget > 0):
+        raise InvalidOption("time_budget_ms is not above 0; give milliseconds", "/time_budget_ms")
+    if request.base not in (BASE, "frame_0"):
+        raise UnknownFrame(request.base, (BASE, "frame_0"), "/base")
+    frames = (TOOL, *(f"frame_{k}" for k in range(1, len(table.rows) + 1)))
+    if request.frame not in frames:
+        raise UnknownFrame(request.frame, frames, "/frame")
+    between = frames_between(table, request.base, request.frame)
+    if request.expressed_in is not None and request.expressed_in not in between:
+        raise UnknownFrame(request.expressed_in, between, "/expressed_in")
+    check_symbols(table, request)
+    found = tuple(quantity for quantity in Quantity if quantity in request.quantities)
+    return replace(request, quantities=found)
+
+
+def quantity_from(name: str, pointer: str) -> Quantity:
+    """A quantity by name.
+
+    Raises:
+        InvalidOption: There is none of this name.
+    """
+    if name not in list(Quantity):
+        raise InvalidOption(
+            f"quantity {quoted(name)} is unknown; {hint(name, tuple(Quantity))}", pointer
+        )
+    return Quantity(name)
+
+
+def notation_from(name: str, pointer: str) -> Notation:
+    """A notation by name.
+
+    Raises:
+        InvalidOption: There is none of this name.
+    """
+    if name not in list(Notation):
+        raise InvalidOption(f"format is {quoted(name)}; give {', '.join(Notation)}", pointer)
+    return Notation(name)
+
+
+def frames_between(table: DHTable, base: str, frame: str) -> tuple[str, ...]:
+    """Names of the frames from the base to a frame."""
+    last = table.tip_row if frame == TOOL else int(frame.removeprefix("frame_"))
+    start = (base,) if base == "frame_0" else (base, "frame_0")
+    path = (f"frame_{k + 1}" for k in path_to(table, last))
+    return (*start, *path, *((TOOL,) if frame == TOOL else ()))
+
+
+def check_symbols(table: DHTable, request: SymbolicRequest) -> None:
+    """Refuses names that cannot be used.
+
+    Raises:
+        InvalidOption: With the pointer of the name.
+    """
+    if len(request.symbols) > MAX_SYMBOLS:
+        raise InvalidOption(f"symbols holds over {MAX_SYMBOLS} names", "/symbols")
+    values = {length.name: length.value for length in lengths_of(table)}
+    chosen = dict(request.symbols)
+    for default, name in request.symbols:
+        pointer = f"/symbols/{default[:64].replace('~', '~0').replace('/', '~1')}"
+        if default not in values:
+            known = hint(default, tuple(values)) if values else "every length of the table is 0"
+            raise InvalidOption(f"the table has no length {quoted(default)}; {known}", pointer)
+        if not _NAME.fullmatch(name) or name in _WORDS or _TAKEN.fullmatch(name):
+            raise InvalidOption(
+                f"{quoted(name)} cannot name {default}; give letters and a number such as L1"
+                " (C1, S1, q1, t1, x1 and words of Python and C are taken)",
+                pointer,
+            )
+    _check_shared(values, chosen, request.parameters == "symbolic")
+
+
+def _check_shared(values: Mapping[str, float], chosen: Mapping[str, str], symbolic: bool) -> None:
+    named: dict[str, tuple[str, float]] = {}
+    for default, value in values.items():
+        name = chosen.get(default, default if symbolic else None)
+        if name is None:
+            continue
+        other, known = named.setdefault(name, (default, value))
+        if known != value:
+            raise InvalidOption(
+                f"{name} would name both {other} = {known:g} and {default} = {value:g}; give each"
+                " its own name",
+                f"/symbols/{default if default in chosen else other}",
+            )

@@ -1,0 +1,186 @@
+"""One request from start to end: everything plain first, then simplified while there is time."""
+
+from __future__ import annotations
+
+import time
+from functools import partial
+from typing import Any
+
+from dh_to_urdf.table import DHTable
+from kinematics.symbolic.check import Checker
+from kinematics.symbolic.listing import latex_listing, text_listing
+from kinematics.symbolic.parameters import Length, lengths_of, nearly_right_angles
+from kinematics.symbolic.quantities import Determinant, Entries, Work
+from kinematics.symbolic.request import CODE, Notation, Quantity, SymbolicRequest
+from kinematics.symbolic.time_limit import Unfinished, limited
+from kinematics.symbolic.views import (
+    characters,
+    definitions,
+    determinant_view,
+    source,
+    used_symbols,
+    view,
+    writer_of,
+)
+from kinematics.task import ROWS
+
+PLAIN_SECONDS = 6.0
+"""For writing everything down as it comes."""
+CODE_SHARE = 0.3
+"""Of the time budget: for finding common subexpressions."""
+MAX_CHARACTERS = 1_000_000
+"""Of one quantity."""
+
+
+class Writing:
+    """The answer to one request, as it grows."""
+
+    def __init__(self, table: DHTable, request: SymbolicRequest) -> None:
+        self.table = table
+        self.request = request
+        self.work = Work(table, request)
+        self.checker = Checker(table, self.work.chain)
+        self.entries: list[Entries] = []
+        self.determinant: Determinant | None = None
+        self.left_out: dict[Quantity, str] = {}
+        self.code: str | None = None
+        self._shared = False
+
+    def plain(self) -> None:
+        """Writes everything down as it comes; what is too large is left out and said so."""
+        end = time.monotonic() + PLAIN_SECONDS
+        for quantity in self.request.quantities:
+            left = end - time.monotonic()
+            try:
+                if quantity is Quantity.DET_JACOBIAN:
+                    self.determinant = limited(left, self.work.determinant)
+                else:
+                    self.entries.append(limited(left, partial(self._plain, quantity)))
+            except Unfinished as reason:
+                self.left_out[quantity] = f"{quantity} is left out: {reason}"
+        if self.request.notation in CODE:
+            self._write_code(end - time.monotonic(), share=False)
+
+    def simplify(self) -> None:
+        """Simplifies one quantity after the other until the time budget is spent."""
+        coding = self.request.notation in CODE
+        end = time.monotonic() + self.request.time_budget
+        simplified_by = end - (CODE_SHARE * self.request.time_budget if coding else 0.0)
+        for entries in self.entries:
+            self._simplify(entries, simplified_by)
+        if self.determinant is not None:
+            self._solve(self.determinant, simplified_by)
+        if coding:
+            self._write_code(PLAIN_SECONDS, share=False)
+            self._write_code(end - time.monotonic(), share=True)
+
+    def answer(self) -> dict[str, Any]:
+        """What is known so far, ready for JSON."""
+        request, names = self.request, self.work.names
+        used = used_symbols(self.entries, self.determinant)
+        joints = [self.table.rows[k].name for k in self.table.moving_rows]
+        found: dict[str, Any] = {
+            "convention": self.table.convention.value,
+            "parameters": request.parameters,
+            "values": {name: names.lengths[name] for name in self._in_order(used)},
+            "definitions": definitions(used, names),
+            "columns": joints,
+            "frame": request.frame,
+            "base": request.base,
+            "expressed_in": request.expressed_in or request.base,
+            "notation": request.notation.value,
+        }
+        found |= self._quantities(joints)
+        found["simplified"] = self._simplified()
+        found["notes"] = [*self.left_out.values(), *nearly_right_angles(self.table)]
+        if self.determinant is not None:
+            found["notes"] += [note for note in self.determinant.notes() if note]
+        if request.notation in CODE:
+            found["code"] = self.code
+        if request.listing:
+            found["listing"] = self._listing(found)
+        return found
+
+    def _plain(self, quantity: Quantity) -> Entries:
+        entries = self.work.entries(quantity)
+        if not self._holds(entries):
+            raise AssertionError(f"{quantity} disagrees with the table")
+        return entries
+
+    def _holds(self, entries: Entries) -> bool:
+        return self.checker.holds(entries, self.request.expressed_in or self.request.base)
+
+    def _simplify(self, entries: Entries, end: float) -> None:
+        before = [[list(row) for row in grid] for grid in entries.written]
+        try:
+            limited(end - time.monotonic(), partial(self.work.simplify, entries))
+        except Unfinished:
+            entries.simplified = False
+        if not self._holds(entries):
+            entries.written, entries.simplified = before, False
+
+    def _solve(self, determinant: Determinant, end: float) -> None:
+        try:
+            limited(end - time.monotonic(), partial(self.work.look, determinant))
+            for minor in determinant.minors:
+                limited(end - time.monotonic(), partial(self.work.solve, minor))
+        except Unfinished as reason:
+            self.left_out[Quantity.DET_JACOBIAN] = f"det_jacobian is not finished: {reason}"
+        self.checker.settle_signs(determinant)
+
+    def _write_code(self, seconds: float, *, share: bool) -> None:
+        try:
+            self.code = limited(seconds, partial(self._source, share=share))
+        except Unfinished:
+            self._shared = False
+        else:
+            self._shared = share
+
+    def _source(self, *, share: bool) -> str:
+        return source(
+            self.table, self.request, self.entries, self.determinant, self.work.names, share=share
+        )
+
+    def _quantities(self, joints: list[str]) -> dict[str, Any]:
+        if self.request.notation in CODE:
+            return {}
+        write = writer_of(self.request.notation)
+        found: dict[str, Any] = {}
+        for entries in self.entries:
+            if characters(entries, write) > MAX_CHARACTERS:
+                reason = f"{entries.quantity} is left out: over {MAX_CHARACTERS} characters"
+                self.left_out[entries.quantity] = reason
+                found[entries.quantity.value] = None
+                continue
+            found[entries.quantity.value] = view(entries, write)
+        if found.get("jacobian"):
+            found["jacobian"] = {
+                "matrix": found["jacobian"], "rows": list(ROWS), "columns": joints
+            }  # fmt: skip
+        for quantity in self.left_out:
+            found.setdefault(quantity.value, None)
+        if self.determinant is not None:
+            view_of = determinant_view(self.determinant, joints, write, self.work)
+            found["det_jacobian"] = view_of
+        return found
+
+    def _simplified(self) -> dict[str, bool]:
+        found = {one.quantity.value: one.simplified for one in self.entries}
+        if self.determinant is not None:
+            found["det_jacobian"] = self.determinant.simplified
+        found |= {q.value: False for q in self.left_out}
+        if self.request.notation in CODE:
+            found["code"] = self._shared
+        return found
+
+    def _in_order(self, used: set[str]) -> list[str]:
+        lengths: list[Length] = lengths_of(self.table)
+        chosen = dict(self.request.symbols)
+        names = (chosen.get(length.name, length.name) for length in lengths)
+        return [name for name in dict.fromkeys(names) if name in used]
+
+    def _listing(self, answer: dict[str, Any]) -> str:
+        if self.request.notation in CODE:
+            return self.code or ""
+        latex = self.request.notation is Notation.LATEX
+        return latex_listing(answer) if latex else text_listing(answer)

@@ -1,0 +1,199 @@
+"""Closed forms over HTTP: every form of the answer, refusals, and the service meanwhile."""
+
+import asyncio
+import os
+import re
+import shutil
+import signal
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import httpx
+import numpy as np
+import pytest
+from fastapi import Request
+
+from app.problems import BY_EXCEPTION, _domain_handler
+from kinematics.symbolic import SymbolicUnavailable, WorkersBusy
+
+PA10 = "/v1/robots/pa10/symbolic"
+
+
+def test_position_as_a_student_asks_for_it(client):
+    query = {"quantities": "position", "parameters": "symbolic", "base": "frame_0",
+             "frame": "frame_7"}  # fmt: skip
+    answer = client.get(PA10, params={**query, "format": "text"})
+    assert answer.headers["content-type"].startswith("text/plain")
+    lines = answer.text.splitlines()
+    assert "X = R5*(C1*C2*C3*S4 - S1*S3*S4 + C1*S2*C4) + R3*C1*S2" in lines
+    assert "R5 = 0.48" in lines
+    assert "C1 = cos(q1)" in lines
+    same = client.get(PA10, params=query, headers={"Accept": "text/plain"})
+    assert same.text == answer.text
+    posted = client.post(PA10, json={**query, "quantities": ["position"]}).json()
+    assert posted["position"]["X"] in answer.text
+    assert posted["values"] == {"R3": 0.45, "R5": 0.48}
+    assert posted["units"] == {"angle": "rad", "length": "m"}
+
+
+def test_text_is_python(client):
+    scope = {"cos": np.cos, "sin": np.sin, "sqrt": np.sqrt}
+    scope |= {f"q{k}": 0.1 * k for k in range(1, 7)}
+    path = "/v1/robots/puma560/symbolic?quantities=all&format=text&parameters=symbolic"
+    exec(client.get(path).text, scope)
+    q = [0.1 * k for k in range(1, 7)]
+    T = client.post("/v1/robots/puma560/fk", json={"q": q}).json()["poses"]["tool"]["matrix"]
+    assert scope["X"] == pytest.approx(T[0][3], abs=1e-12)
+    assert scope["T_31"] == pytest.approx(T[2][0], abs=1e-12)
+    J = client.post("/v1/robots/puma560/jacobian", json={"q": q}).json()["jacobian"]
+    assert scope["J_12"] == pytest.approx(J[0][1], abs=1e-12)
+    assert scope["det_J"] == pytest.approx(np.linalg.det(J), abs=1e-12)
+
+
+def test_python_and_c_as_files(client, tmp_path):
+    code = client.get("/v1/robots/scara/symbolic?format=python")
+    assert code.headers["content-type"].startswith("text/x-python")
+    scope = {}
+    exec(code.text, scope)
+    T = client.get("/v1/robots/scara/fk?q=0.1,0.2,0.1,0.4").json()["poses"]["tool"]["matrix"]
+    np.testing.assert_allclose(scope["fk"]([0.1, 0.2, 0.1, 0.4]), T, atol=1e-12)
+    source = client.get("/v1/robots/scara/symbolic?format=c")
+    assert source.headers["content-type"].startswith("text/x-c")
+    if compiler := shutil.which("cc"):
+        (tmp_path / "fk.c").write_text(source.text)
+        subprocess.run([compiler, "-c", "fk.c"], cwd=tmp_path, check=True)
+    body = client.post("/v1/robots/scara/symbolic", json={"format": "python"}).json()
+    assert body["code"] == code.text
+    assert "T" not in body
+
+
+def test_latex(client):
+    text = client.get("/v1/robots/planar_2r/symbolic?quantities=position,T&format=latex").text
+    assert r"X &= C_{1} + 0.8 \, C_{12}" in text
+    assert text.count(r"\begin{bmatrix}") == text.count(r"\end{bmatrix}") == 1
+    body = {"format": "latex", "quantities": "position", "parameters": "symbolic"}
+    answer = client.post("/v1/robots/planar_2r/symbolic", json=body).json()
+    assert answer["position"]["X"] == r"a_{1} \, C_{1} + a_{2} \, C_{12}"
+
+
+def test_inline_tables_and_names(client):
+    table = client.get("/v1/robots/planar_2r/dh").json()
+    body = {"robot": table, "quantities": ["det_jacobian"], "symbols": {"a1": "L1", "a2": "L2"}}
+    answer = client.post("/v1/symbolic", json=body).json()
+    assert answer["det_jacobian"]["expression"] == "L1*L2*S2"
+    query = "quantities=det_jacobian&symbols=a1:L1,a2:L2"
+    assert client.get(f"/v1/robots/planar_2r/symbolic?{query}").json()["values"] == {
+        "L1": 1.0, "L2": 0.8
+    }  # fmt: skip
+
+
+def test_a_robot_from_a_urdf_is_written_by_its_extracted_table(client):
+    q = [0.3, -0.7, 1.1, 0.4, -0.9, 0.2]
+    body = {"quantities": ["T"], "format": "python"}
+    answer = client.post("/v1/robots/ur5_urdf/symbolic", json=body)
+    assert answer.json()["convention"] == "modified"
+    scope: dict = {}
+    exec(answer.json()["code"], scope)
+    tip = client.get("/v1/robots/ur5_urdf").json()["tip_frame"]
+    T = client.post("/v1/robots/ur5_urdf/fk", json={"q": q}).json()["poses"][tip]["matrix"]
+    np.testing.assert_allclose(scope["fk"](q), T, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("robot", "body", "status", "message"),
+    [
+        ("pa10", {"quantities": ["det_jacob"]}, 422, "did you mean"),
+        ("pa10", {"quantities": []}, 422, "quantities is empty"),
+        ("pa10", {"quantities": 3}, 422, "quantities"),
+        ("pa10", {"parameters": "maybe"}, 422, "numeric or symbolic"),
+        ("pa10", {"symbols": {"R3": "os.system('x')"}}, 422, "cannot name R3"),
+        ("pa10", {"symbols": {"R4": "L"}}, 422, "no length 'R4'"),
+        ("pa10", {"frame": "frame_8"}, 422, "frame 'frame_8' is unknown"),
+        ("pa10", {"format": "word"}, 422, "format is 'word'"),
+        ("pa10", {"time_budget_ms": -1}, 422, "time_budget_ms"),
+        ("pa10", {"task": "everything"}, 422, "task"),
+        ("pa10", {"q": [0] * 7}, 422, "unknown field 'q'"),
+    ],
+)
+def test_refusals(client, robot, body, status, message):
+    answer = client.post(f"/v1/robots/{robot}/symbolic", json=body)
+    assert answer.status_code == status, answer.text
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert message in answer.json()["detail"]
+
+
+@pytest.mark.parametrize("query", ["format=npy", "q=0", "symbols=a1", "time_budget_ms=x"])
+def test_refused_queries(client, query):
+    assert client.get(f"{PA10}?{query}").status_code == 422
+
+
+def test_problems_of_the_work_itself():
+    assert BY_EXCEPTION[SymbolicUnavailable].status == 501
+    request = Request({"type": "http", "method": "GET", "path": "/", "headers": []})
+    handle = _domain_handler(BY_EXCEPTION[WorkersBusy])
+    answer = asyncio.run(handle(request, WorkersBusy("busy", 2.5)))
+    assert answer.status_code == 503
+    assert answer.headers["retry-after"] == "3"
+
+
+def wild_body(seed, budget=2000):
+    values = np.random.default_rng(seed).uniform(0.1, 1, (6, 3)).tolist()
+    joints = [{"type": "R", "alpha": alpha, "a": a, "d": d} for alpha, a, d in values]
+    table = {"name": "wild", "convention": "modified", "joints": joints}
+    return {"robot": table, "quantities": ["T", "det_jacobian"], "time_budget_ms": budget}
+
+
+def children_at_work(parent):
+    """Processes of symbolic work below a server; Linux only."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            command = (folder / "cmdline").read_bytes()
+            fields = (folder / "stat").read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            continue
+        if b"kinematics.symbolic.worker" in command and int(fields[1]) == parent:
+            found.append(int(folder.name))
+    return found
+
+
+def test_the_service_answers_meanwhile_and_survives_its_workers(start_server, tmp_path):
+    with start_server(tmp_path) as (address, process):
+        answers = []
+
+        def ask(seed):
+            answers.append(httpx.post(f"{address}/v1/symbolic", json=wild_body(seed), timeout=90))
+
+        thread = threading.Thread(target=ask, args=(0,))
+        thread.start()
+        slowest, polls = 0.0, 0
+        with httpx.Client(base_url=address) as polling:
+            while thread.is_alive():
+                started = time.perf_counter()
+                assert polling.get("/health/live").status_code == 200
+                fk = polling.get("/v1/robots/pa10/fk?q=0,0,0,0,0,0,0")
+                assert fk.status_code == 200
+                slowest = max(slowest, time.perf_counter() - started)
+                polls += 1
+                time.sleep(0.01)
+        assert polls > 50
+        assert slowest < 0.5
+        assert answers[0].status_code == 200
+        assert answers[0].json()["simplified"]["det_jacobian"] is False
+
+        thread = threading.Thread(target=ask, args=(1,))
+        thread.start()
+        while not answers[1:] and thread.is_alive():
+            time.sleep(0.2)
+            for pid in children_at_work(process.pid):
+                os.kill(pid, signal.SIGKILL)
+        thread.join()
+        assert answers[1].status_code in (200, 503)
+        if answers[1].status_code == 503:
+            assert int(answers[1].headers["retry-after"]) > 0
+            assert re.search("stopped|worker", answers[1].json()["detail"])
+        again = httpx.get(f"{address}/v1/robots/scara/symbolic", timeout=60)
+        assert again.status_code == 200
+        assert again.json()["simplified"] == {"T": True}

@@ -1,0 +1,182 @@
+"""Processes for symbolic work: answers kept, time and memory bounded, killed when late."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from contextlib import closing
+
+import numpy as np
+import pytest
+from formulas import evaluator
+
+from dh_to_urdf import read_mapping
+from kinematics.forward import fk
+from kinematics.symbolic import Quantity, SymbolicRequest, SymbolicWorkers, WorkersBusy, workers
+from kinematics.symbolic.polynomial import TooManyTerms
+from kinematics.symbolic.time_limit import Unfinished, limited
+from robots.shipped import shipped_robot
+
+
+@pytest.fixture
+def pool():
+    with closing(SymbolicWorkers()) as made:
+        yield made
+
+
+def wild_table(n, seed=0):
+    """An arm whose formulas are too long for anyone."""
+    values = np.random.default_rng(seed).uniform(0.1, 1, (n, 3)).tolist()
+    rows = [{"type": "R", "alpha": alpha, "a": a, "d": d} for alpha, a, d in values]
+    return read_mapping({"name": "wild", "convention": "standard", "joints": rows})
+
+
+def test_the_whole_pa10_in_time_then_from_memory(pool):
+    robot = shipped_robot("pa10")
+    request = SymbolicRequest(quantities=tuple(Quantity), time_budget=18.0)
+    started = time.monotonic()
+    answer = pool.run(robot.table, request)
+    first = time.monotonic() - started
+    assert first < 20
+    assert all(answer["simplified"].values())
+    q = np.random.default_rng(0).uniform(-3, 3, (100, 7))
+    np.testing.assert_allclose(
+        evaluator(answer, q)(answer["T"]), fk(robot, q)["tool"], atol=1e-12, rtol=0
+    )
+    started = time.monotonic()
+    assert pool.run(robot.table, request) == answer
+    assert time.monotonic() - started < first / 5
+
+
+def test_out_of_time_gives_what_holds_and_says_so(pool):
+    robot = shipped_robot("pa10")
+    request = SymbolicRequest(quantities=tuple(Quantity), time_budget=1e-6)
+    answer = pool.run(robot.table, request)
+    assert not any(answer["simplified"].values())
+    assert "not finished: out of time" in answer["notes"][0]
+    q = np.random.default_rng(0).uniform(-3, 3, (10, 7))
+    T = evaluator(answer, q)(answer["T"])
+    np.testing.assert_allclose(T, fk(robot, q)["tool"], atol=1e-12, rtol=0)
+    longer = pool.run(robot.table, SymbolicRequest(quantities=tuple(Quantity)))
+    assert all(longer["simplified"].values()), "a larger budget is not served from memory"
+
+
+def test_a_determinant_without_time_gives_its_matrix(pool):
+    request = SymbolicRequest(quantities=(Quantity.DET_JACOBIAN,), time_budget=1.0)
+    answer = pool.run(wild_table(6), request)
+    found = answer["det_jacobian"]
+    assert found["expression"] is None
+    assert "not finished" in answer["notes"][0]
+    if "determinant_of" in found:
+        assert np.shape(found["determinant_of"]["matrix"]) == (6, 6)
+
+
+def test_a_worker_that_is_killed_is_replaced(pool, monkeypatch):
+    table = wild_table(6)
+    request = SymbolicRequest(quantities=(Quantity.DET_JACOBIAN,), time_budget=30.0)
+    started = []
+    original = workers._started
+
+    def recorded():
+        process = original()
+        started.append(process)
+        return process
+
+    monkeypatch.setattr(workers, "_started", recorded)
+
+    def kill():
+        while not started:
+            time.sleep(0.01)
+        time.sleep(0.3)
+        os.kill(started[0].pid, signal.SIGKILL)
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    with pytest.raises(WorkersBusy) as caught:
+        pool.run(table, request)
+    killer.join()
+    assert caught.value.retry_after > 0
+    answer = pool.run(shipped_robot("planar_2r").table, SymbolicRequest())
+    assert answer["simplified"] == {"T": True}
+
+
+def test_a_late_worker_is_killed(monkeypatch):
+    monkeypatch.setattr(workers, "GRACE_SECONDS", 0.2)
+    sleeping = subprocess.Popen(
+        [sys.executable, "-c", "import time; print('{}', flush=True); time.sleep(600)"],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+    )  # fmt: skip
+    with sleeping:
+        assert workers._lines(sleeping, b"task", 1.0) == (["{}"], False)
+        sleeping.kill()
+    assert sleeping.returncode == -signal.SIGKILL
+
+
+def test_too_many_requests_are_turned_away(pool, monkeypatch):
+    busy, release = threading.Event(), threading.Event()
+
+    def work(self, table, request):
+        busy.set()
+        release.wait(30)
+        return '{"simplified": {}}'
+
+    monkeypatch.setattr(SymbolicWorkers, "_work", work)
+    table = shipped_robot("scara").table
+    budgets = range(1, 2 + workers.WAITING)
+    threads = [
+        threading.Thread(target=pool.run, args=(table, SymbolicRequest(time_budget=float(b))))
+        for b in budgets
+    ]
+    for thread in threads:
+        thread.start()
+    busy.wait(10)
+    while pool._places._value:
+        time.sleep(0.01)
+    with pytest.raises(WorkersBusy) as caught:
+        pool.run(table, SymbolicRequest(time_budget=50.0))
+    assert caught.value.retry_after > 0
+    release.set()
+    for thread in threads:
+        thread.join(10)
+    assert pool.run(table, SymbolicRequest(time_budget=60.0)) == {"simplified": {}}
+
+
+def test_without_sympy_it_says_how_to_get_it(pool, monkeypatch):
+    monkeypatch.setattr(workers, "find_spec", lambda name: None)
+    with pytest.raises(workers.SymbolicUnavailable, match=r"pip install 'denavit\[symbolic\]'"):
+        pool.run(shipped_robot("scara").table, SymbolicRequest())
+
+
+def test_a_worker_ends_with_its_input():
+    with workers._started() as process:
+        process.stdin.close()
+        assert process.wait(30) == 0
+
+
+def test_one_process_does_task_after_task(pool, monkeypatch):
+    started = []
+    original = workers._started
+    monkeypatch.setattr(workers, "_started", lambda: started.append(1) or original())
+    for name in ("planar_2r", "scara", "planar_2r", "stanford"):
+        table = shipped_robot(name).table
+        found = pool.run(table, SymbolicRequest(quantities=(Quantity.POSITION,)))
+        assert found["simplified"] == {"position": True}
+        assert len(found["columns"]) == table.dof
+    assert len(started) == 1
+
+
+def test_limited_ends_a_call():
+    def forever():
+        while True:
+            pass
+
+    def large():
+        raise TooManyTerms("too large")
+
+    with pytest.raises(Unfinished, match="out of time"):
+        limited(0.05, forever)
+    with pytest.raises(Unfinished, match="too large"):
+        limited(1.0, large)
+    assert limited(5.0, lambda: 3) == 3
