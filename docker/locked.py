@@ -1,6 +1,6 @@
 """Prints the lines of requirements.lock that one table of pyproject.toml needs.
 
-``locked.py run`` means the service itself, ``locked.py build`` the build backend. The lock also
+``locked.py run`` means the service itself with closed forms, ``locked.py build`` the build backend. The lock also
 holds what only developers need, and pip accepts no hashed constraints for what a requirement
 depends on; so pip resolves the table against the lock's versions, without installing anything,
 and the lock's entries of what it found are printed for ``pip install --require-hashes --no-deps``.
@@ -41,7 +41,8 @@ def main() -> None:
     """Prints the entries for the table that the command line names."""
     project = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))
     wanted = {
-        "run": project["project"]["dependencies"],
+        "run": project["project"]["dependencies"]
+        + project["project"]["optional-dependencies"]["symbolic"],
         "build": project["build-system"]["requires"],
     }[sys.argv[1]]
     entries = re.split(r"\n(?=\S)", Path("requirements.lock").read_text(encoding="utf-8").strip())
