@@ -232,7 +232,7 @@ _PLACEMENT = {
 
 
 def table_schemas() -> dict[str, Any]:
-    """Schemas of robot documents, which ``dh_to_urdf.readers`` reads."""
+    """Schemas of robot documents, which ``dh_to_urdf.documents.readers`` reads."""
     cell = {"$ref": "#/components/schemas/DHCell"}
     columns = ("alpha", "a", "d", "theta", "offset", "r", "gamma", "b")
     row: dict[str, Any] = {

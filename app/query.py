@@ -11,7 +11,7 @@ from fastapi import Request
 
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.units import Units
-from dh_to_urdf.expressions import CellError, Quantity, parse_cell
+from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
 from robots.errors import hint
 from robots.robot import Robot
 

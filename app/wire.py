@@ -22,7 +22,7 @@ from app.problems import (
     RequestProblem,
 )
 from app.text import render_text
-from dh_to_urdf.table_texts import TABLE_TEXTS
+from dh_to_urdf.pasted.writer import TABLE_TEXTS
 from robots.robot import FloatArray
 
 T = TypeVar("T")

@@ -3,22 +3,22 @@
 ``table_to_urdf(read_yaml(text))``; ``extract(read_chain(urdf), Convention.STANDARD).table``.
 """
 
-from dh_to_urdf.axes import SerialChain
-from dh_to_urdf.axes_document import read_axes
-from dh_to_urdf.comparison import compare
-from dh_to_urdf.conversion import to_convention
+from dh_to_urdf.cells.values import split_values
+from dh_to_urdf.documents.mapping import read_mapping
+from dh_to_urdf.documents.readers import read_csv, read_json, read_yaml
 from dh_to_urdf.errors import DHError, Problem
-from dh_to_urdf.explanation import explain
-from dh_to_urdf.extraction import Extraction, extract
-from dh_to_urdf.mapping import read_mapping
+from dh_to_urdf.extraction.axes import SerialChain
+from dh_to_urdf.extraction.axes_document import read_axes
+from dh_to_urdf.extraction.comparison import compare
+from dh_to_urdf.extraction.conversion import to_convention
+from dh_to_urdf.extraction.explanation import explain
+from dh_to_urdf.extraction.extract import Extraction, extract
+from dh_to_urdf.extraction.urdf_chain import read_chain
 from dh_to_urdf.matrices import DHMatrices, dh_matrices, link_matrix
-from dh_to_urdf.par import read_par
-from dh_to_urdf.par_writer import table_to_par
-from dh_to_urdf.pasted import read_pasted
-from dh_to_urdf.readers import read_csv, read_json, read_yaml
+from dh_to_urdf.par.reader import read_par
+from dh_to_urdf.par.writer import table_to_par
+from dh_to_urdf.pasted.reader import read_pasted
 from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType, Limits
-from dh_to_urdf.urdf_chain import read_chain
-from dh_to_urdf.values import split_values
 from dh_to_urdf.writer import table_to_urdf
 
 __all__ = [

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import click
 
+from dh_to_urdf.cells.values import split_values
+from dh_to_urdf.documents.readers import read_csv, read_json, read_yaml
 from dh_to_urdf.errors import DHError
-from dh_to_urdf.par import read_par
-from dh_to_urdf.pasted import read_pasted
-from dh_to_urdf.readers import read_csv, read_json, read_yaml
+from dh_to_urdf.par.reader import read_par
+from dh_to_urdf.pasted.reader import read_pasted
+from dh_to_urdf.pasted.writer import TABLE_TEXTS
 from dh_to_urdf.table import DHTable
-from dh_to_urdf.table_texts import TABLE_TEXTS
-from dh_to_urdf.values import split_values
 from dh_to_urdf.writer import table_to_urdf
 
 PASTED = (".tex", ".md", ".tsv", ".m", ".py", ".txt")

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import click
 
+from dh_to_urdf.documents.layouts import document, to_csv, to_text, to_yaml
+from dh_to_urdf.documents.mapping import CONVENTION_ALIASES
 from dh_to_urdf.errors import DHError
-from dh_to_urdf.extraction import MAX_SNAP, SNAP, extract
-from dh_to_urdf.layouts import document, to_csv, to_text, to_yaml
-from dh_to_urdf.mapping import CONVENTION_ALIASES
-from dh_to_urdf.table_texts import TABLE_TEXTS
-from dh_to_urdf.urdf_chain import read_chain
+from dh_to_urdf.extraction.extract import MAX_SNAP, SNAP, extract
+from dh_to_urdf.extraction.urdf_chain import read_chain
+from dh_to_urdf.pasted.writer import TABLE_TEXTS
 
 FORMATS = ("text", "yaml", "json", "csv", *TABLE_TEXTS)
 

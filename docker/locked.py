@@ -1,9 +1,10 @@
 """Prints the lines of requirements.lock that one table of pyproject.toml needs.
 
-``locked.py run`` means the service itself with closed forms, ``locked.py build`` the build backend. The lock also
-holds what only developers need, and pip accepts no hashed constraints for what a requirement
-depends on; so pip resolves the table against the lock's versions, without installing anything,
-and the lock's entries of what it found are printed for ``pip install --require-hashes --no-deps``.
+``locked.py run`` means the service itself with closed forms, ``locked.py build`` the build backend.
+The lock also holds what only developers need, and pip accepts no hashed constraints for what a
+requirement depends on; so pip resolves the table against the lock's versions, without installing
+anything, and the lock's entries of what it found are printed for ``pip install --require-hashes
+--no-deps``.
 """
 
 from __future__ import annotations

@@ -36,6 +36,7 @@ UNUSED = {
     "fastapi_offline": "static/redoc*",
     "numba": "**/tests",
     "llvmlite": "**/tests",
+    "sympy": "**/tests **/benchmarks",
 }
 
 

@@ -83,6 +83,8 @@ def ask(url: str) -> None:
     post(f"{robot}/jacobian", {"q": q})
     post(f"{robot}/singularity", {"q": q})
     post(f"{robot}/ik", {"target": {"matrix": pose["matrix"]}})
+    post(f"{robot}/singularity/nearest", {"q": q})
+    post(f"{robot}/symbolic", {"quantities": "all"})
 
 
 def post(url: str, body: dict[str, Any]) -> Any:

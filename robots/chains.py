@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dh_to_urdf import DHError
-from dh_to_urdf.axes import SerialChain
-from dh_to_urdf.urdf_chain import read_chain
+from dh_to_urdf.extraction.axes import SerialChain
+from dh_to_urdf.extraction.urdf_chain import read_chain
 from robots.errors import InvalidURDF, UnknownFrame
 from robots.robot import Robot
 from robots.urdf import read_urdf

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from dh_to_urdf import DHTable, read_mapping
-from dh_to_urdf.documents import table_to_mapping
+from dh_to_urdf.documents.writing import table_to_mapping
 from robots.errors import (
     DamagedRobot,
     InvalidRobotId,

@@ -14,7 +14,7 @@ from app.query import check_query, units_of
 from app.units import Units
 from app.wire import JSON, TEXT, decode_json, read_body, require_type, respond, wanted_type
 from dh_to_urdf import DHError, Problem
-from dh_to_urdf.comparison import Comparison, Difference, compare
+from dh_to_urdf.extraction.comparison import Comparison, Difference, compare
 from robots.chains import chain_of_robot
 from robots.robot import Robot
 

@@ -26,13 +26,13 @@ from app.wire import (
     wanted_type,
 )
 from dh_to_urdf import Convention, DHTable
-from dh_to_urdf.axes import SerialChain
-from dh_to_urdf.axes_document import read_axes
-from dh_to_urdf.conversion import to_convention
-from dh_to_urdf.extraction import MAX_SNAP, SNAP, Extraction, extract
-from dh_to_urdf.layouts import document, to_csv, to_text, to_yaml
-from dh_to_urdf.mapping import CONVENTION_ALIASES
-from dh_to_urdf.table_texts import TABLE_TEXTS
+from dh_to_urdf.documents.layouts import document, to_csv, to_text, to_yaml
+from dh_to_urdf.documents.mapping import CONVENTION_ALIASES
+from dh_to_urdf.extraction.axes import SerialChain
+from dh_to_urdf.extraction.axes_document import read_axes
+from dh_to_urdf.extraction.conversion import to_convention
+from dh_to_urdf.extraction.extract import MAX_SNAP, SNAP, Extraction, extract
+from dh_to_urdf.pasted.writer import TABLE_TEXTS
 from robots.chains import chain_of_robot, chain_of_urdf
 from robots.robot import Robot
 

@@ -14,7 +14,7 @@ from dh_to_urdf import (
     table_to_par,
     table_to_urdf,
 )
-from dh_to_urdf.table_texts import TABLE_TEXTS
+from dh_to_urdf.pasted.writer import TABLE_TEXTS
 
 COMMAND = Path(sys.executable).parent / "dh-to-urdf"
 YAML = """\

@@ -155,7 +155,7 @@ def test_fixed_rows_are_drawn_in_the_standard_convention_as_in_the_modified():
 
 @pytest.mark.parametrize("cell", ["1,234mm", "1,234deg", "(1,234)"])
 def test_thousands_are_ambiguous_with_a_unit_too(cell):
-    from dh_to_urdf.expressions import CellError, Quantity, parse_cell
+    from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
 
     with pytest.raises(CellError, match="two numbers"):
         parse_cell(cell, Quantity.LENGTH if "m" in cell else Quantity.ANGLE)

@@ -1,0 +1,1 @@
+"""Cells of tables: numbers as people write them, names, sums and variables."""

@@ -1,0 +1,152 @@
+"""Cells of a D-H table as people write them: ``pi/2``, ``-90deg``, ``0,4``, ``q2 - pi/2``.
+
+A cell is a number, or a short text with numbers, ``+ - * /``, parentheses, ``sqrt``, ``sin``,
+``cos``, ``tan``, ``atan2``, ``pi`` (or ``π``), unit suffixes (``deg``, ``°``, ``rad``, ``m``,
+``cm``, ``mm``), names that were given a value, and at most one joint variable with coefficient ±1.
+A plain number is in the units of its table; ``pi`` and suffixed numbers carry their own unit
+whatever the table says.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field, replace
+from enum import Enum
+
+from dh_to_urdf.cells.arithmetic import CellError, Lookup, parse_sum, variable_of
+from dh_to_urdf.errors import quoted
+
+__all__ = ["Cell", "CellError", "Quantity", "parse_cell"]
+
+MAX_CELL_LENGTH = 64
+MAX_MAGNITUDE = 1e6
+
+_SIGNS = str.maketrans({"−": "-", "–": "-", "×": "*", "·": "*", "⋅": "*", "\u00a0": " "})
+DECIMAL_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d+)(?![\d.,])")
+_THOUSANDS = re.compile(r"(?<![\d.,])[1-9]\d{0,2},\d{3}(?![\d.,])")
+_RADIANS_AFTER_PI = re.compile(r"^([^a-z]*(?:pi|π)[^a-z]*?)\s*rad\s*$", re.IGNORECASE)
+
+
+class Quantity(Enum):
+    """What a cell measures."""
+
+    ANGLE = "angle"
+    LENGTH = "length"
+    NUMBER = "number"
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A cell in SI units.
+
+    Attributes:
+        value: The constant part, in rad, m or as it stands.
+        variable: Letter of the joint variable in the cell (``q``, ``theta``, ``d``, …) or None.
+        index: Number written after the letter, if any.
+        sign: Coefficient of the variable, +1 or -1.
+        plain: The part of the constant that carried no unit, in the units of the table.
+        text: The cell as it was written.
+    """
+
+    value: float
+    variable: str | None = None
+    index: int | None = None
+    sign: int = 1
+    plain: float = field(default=0.0, compare=False)
+    text: str = field(default="", compare=False)
+
+    @property
+    def name(self) -> str:
+        """The joint variable as it is written in the cell, such as ``D3``."""
+        words = re.findall(r"[^\W\d_]\w*", self.text)
+        return next((word for word in words if variable_of(word.lower())), "")
+
+
+def parse_cell(
+    raw: object,
+    quantity: Quantity,
+    unit: float = 1.0,
+    values: Lookup | None = None,
+    angle: float = 1.0,
+) -> Cell:
+    """Reads one cell of a table.
+
+    Args:
+        raw: A number, a text as described at the head of this module, or a cell already read.
+        quantity: What the cell measures.
+        unit: Value of one table unit in SI (``pi/180`` for degrees, ``1e-3`` for millimetres).
+        values: What names in the cell stand for, without underscores.
+        angle: Value of one unit of the table's angles in rad, for ``sin``, ``cos`` and ``tan``.
+
+    Returns:
+        The cell in rad, m or (for a plain number) unchanged.
+
+    Raises:
+        CellError: The cell is not finite, too large, of another quantity or not readable.
+    """
+    if isinstance(raw, Cell):
+        return raw
+    if isinstance(raw, bool) or raw is None or not isinstance(raw, (int, float, str)):
+        raise CellError(f'is {quoted(raw)}; give a number or a text such as "pi/2"')
+    if isinstance(raw, str):
+        return _checked(_parse_text(raw, quantity, unit, values, angle), raw)
+    try:
+        number = float(raw)
+    except OverflowError:
+        raise CellError("is too large; give a finite number") from None
+    return _checked(Cell(_in_si(number, quantity, unit), plain=number, text=str(raw)), raw)
+
+
+def _in_si(number: float, quantity: Quantity, unit: float) -> float:
+    if quantity is Quantity.ANGLE and unit != 1.0:
+        return math.radians(number)
+    if quantity is Quantity.LENGTH and unit != 1.0:
+        return number / round(1.0 / unit)
+    return number
+
+
+def _checked(cell: Cell, raw: object) -> Cell:
+    if math.isnan(cell.value):
+        raise CellError("is NaN; give a finite number")
+    if math.isinf(cell.value):
+        raise CellError("is infinite; give a finite number")
+    if abs(cell.value) > MAX_MAGNITUDE:
+        raise CellError(f"is {quoted(raw)}, beyond ±{MAX_MAGNITUDE:g}; check its unit")
+    # -0.0 would not survive being written as nothing at all.
+    return replace(cell, value=cell.value + 0.0)
+
+
+def _parse_text(
+    raw: str, quantity: Quantity, unit: float, values: Lookup | None, angle: float
+) -> Cell:
+    shown = quoted(raw)
+    if len(raw) > MAX_CELL_LENGTH:
+        raise CellError(f"is longer than {MAX_CELL_LENGTH} characters")
+    if not raw.strip():
+        raise CellError("is empty; give a number")
+    if raw.strip().lstrip("+-").lower() in {"nan", "inf", "infinity", ".nan", ".inf"}:
+        raise CellError(f"is {shown}; give a finite number")
+    text = raw.translate(_SIGNS)
+    if _THOUSANDS.search(text):
+        raise CellError(f"is {shown}, which reads as two numbers; write a decimal point")
+    text = _RADIANS_AFTER_PI.sub(r"\1", text)
+    try:
+        total = parse_sum(DECIMAL_COMMA.sub(r"\1.\2", text), values, angle)
+    except CellError as error:
+        raise CellError(f"is {shown}, which {error}") from None
+    except (OverflowError, RecursionError):
+        raise CellError(f"is {shown}, which is not a finite number") from None
+    if quantity is not Quantity.LENGTH and total.has_length:
+        raise CellError(f"is {shown}, a length; an {quantity.value} is needed")
+    if quantity is Quantity.LENGTH and total.has_angle:
+        raise CellError(f"is {shown}, an angle; a length is needed")
+    if quantity is Quantity.ANGLE and unit != 1.0 and total.has_angle and total.plain != 0.0:
+        raise CellError(f"is {shown}, which mixes π or an explicit unit with plain degrees")
+    value = _in_si(total.plain, quantity, unit) + total.angle + total.length
+    if total.variable is None:
+        return Cell(value, plain=total.plain, text=raw)
+    if total.coefficient not in (1.0, -1.0):
+        raise CellError(f"is {shown}; the joint variable must have coefficient +1 or -1")
+    letter, index = total.variable
+    return Cell(value, letter, index, int(total.coefficient), total.plain, raw)

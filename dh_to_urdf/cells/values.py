@@ -1,0 +1,152 @@
+"""Numbers for the names in a table's cells: ``D3:0.45, RL4:450mm``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from dh_to_urdf.cells.arithmetic import FUNCTIONS, CellError, Sum, parse_sum, variable_of
+from dh_to_urdf.cells.expressions import DECIMAL_COMMA, MAX_CELL_LENGTH, MAX_MAGNITUDE
+from dh_to_urdf.documents.checks import Report
+from dh_to_urdf.errors import DHError, escaped, quoted
+
+MAX_VALUES = 300
+MAX_VALUES_LENGTH = 20_000
+VALUES_RULE = "write values as D3:0.45,RL4:450mm"
+_NAME = re.compile(r"[^\W\d_]\w{0,31}")
+_NEXT = re.compile(r"[,;](?=\s*[^\W\d_]\w*\s*[:=])")
+_RESERVED = {"pi", "π", *FUNCTIONS}
+
+
+class Values:
+    """What names stand for, by their spelling without underscores: ``l_1`` and ``l1`` are one.
+
+    A plain number is in the units of the table, like a plain number in a cell.
+    """
+
+    def __init__(self, sums: Mapping[str, Sum] | None = None, used: set[str] | None = None) -> None:
+        self._sums = dict(sums or {})
+        self._used: set[str] = set() if used is None else used
+
+    def get(self, name: str) -> Sum | None:
+        """What a name stands for, None for a name without a value."""
+        found = self._sums.get(name)
+        if found is not None:
+            self._used.add(name)
+        return found
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._sums
+
+    def with_value(self, name: str, value: Sum) -> Values:
+        """The values and one more."""
+        return Values({**self._sums, name: value}, self._used)
+
+    def without_variable(self, letters: tuple[str, ...], index: int) -> Values:
+        """The values but for the names of a row's own joint variable, such as ``r3`` of row 3."""
+        hidden = [
+            name
+            for name in self._sums
+            if (variable := variable_of(name)) is not None
+            and variable[0] in letters
+            and variable[1] in (None, index)
+        ]
+        if not hidden:
+            return self
+        kept = {name: value for name, value in self._sums.items() if name not in hidden}
+        return Values(kept, self._used)
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """The names that no cell asked for."""
+        return tuple(name for name in self._sums if name not in self._used)
+
+
+def split_values(text: str) -> dict[str, str]:
+    """``D3:0.45,RL4:0,45`` -> the texts by name; ``=`` and ``;`` are read too.
+
+    Raises:
+        DHError: Not pairs of names and numbers.
+    """
+    if len(text) > MAX_VALUES_LENGTH:
+        raise DHError.single("/values", f"values is longer than {MAX_VALUES_LENGTH} characters")
+    pairs: dict[str, str] = {}
+    for part in _NEXT.split(text):
+        name, colon, value = part.replace("=", ":", 1).partition(":")
+        name = name.strip()
+        if not colon:
+            raise DHError.single("/values", f"values holds {quoted(part)}; {VALUES_RULE}")
+        if name in pairs:
+            raise DHError.single(f"/values/{escaped(name)}", f"values has {name} twice; keep one")
+        pairs[name] = value.strip()
+    return pairs
+
+
+def read_values(raw: object, known: Values | None = None) -> Values:
+    """Reads the mapping from names to numbers or short texts; later ones may use earlier ones.
+
+    Args:
+        raw: The mapping.
+        known: Values to go on from.
+
+    Raises:
+        DHError: With a pointer below ``/values``.
+    """
+    values = known or Values()
+    if isinstance(raw, Values):
+        return raw
+    if raw is None:
+        return values
+    if not isinstance(raw, Mapping):
+        raise DHError.single("/values", f'values is {quoted(raw)}; give {{"D3": 0.45}}')
+    if len(raw) > MAX_VALUES:
+        raise DHError.single("/values", f"values has over {MAX_VALUES} names")
+    keys: set[str] = set()
+    for name, item in raw.items():
+        pointer = f"/values/{escaped(name)}"
+        if not isinstance(name, str) or not _NAME.fullmatch(name) or name.lower() in _RESERVED:
+            raise DHError.single(
+                pointer,
+                f"values names {quoted(name)}; give a letter with letters and digits after it,"
+                " as it stands in the cells",
+            )
+        key = name.replace("_", "")
+        if key in keys:
+            raise DHError.single(pointer, f"values has {quoted(name)} twice; keep one")
+        try:
+            values = values.with_value(key, _value(item, values))
+        except (CellError, OverflowError, RecursionError) as error:
+            reason = str(error) if isinstance(error, CellError) else "is not a finite number"
+            raise DHError.single(
+                pointer, f"values: {name} is {quoted(item)}, which {reason}"
+            ) from None
+        keys.add(key)
+    return values
+
+
+def refuse_unused(values: Values, report: Report) -> None:
+    """Reports values that stand for nothing: a misspelt name, or a joint variable."""
+    for name in values.unused:
+        joint = ", since a joint variable takes none" if variable_of(name) else ""
+        report.add(
+            f"/values/{escaped(name)}",
+            f"values has {name}, which stands for no constant in the table{joint}; leave it out",
+        )
+
+
+def _value(item: Any, values: Values) -> Sum:
+    if isinstance(item, bool) or not isinstance(item, (int, float, str)):
+        raise CellError("is no number")
+    if isinstance(item, str) and len(item) > MAX_CELL_LENGTH:
+        raise CellError(f"is longer than {MAX_CELL_LENGTH} characters")
+    total = (
+        parse_sum(DECIMAL_COMMA.sub(r"\1.\2", item.replace("−", "-")), values)
+        if isinstance(item, str)
+        else Sum(plain=float(item))
+    )
+    if total.variable is not None:
+        raise CellError("holds a joint variable; give a number")
+    if not all(abs(part) <= MAX_MAGNITUDE for part in (total.plain, total.angle, total.length)):
+        raise CellError(f"is not a finite number within ±{MAX_MAGNITUDE:g}")
+    return total

@@ -1,0 +1,61 @@
+"""What the readers of documents share: names, units, and the report of what is wrong."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from dh_to_urdf.cells.expressions import Quantity
+from dh_to_urdf.errors import DHError, Problem, escaped, quoted
+
+NAME = re.compile(r"\w(?:[\w .:+-]{0,62}[\w.+-])?", re.UNICODE)
+NAME_RULE = "use letters, digits and . _ - + : (at most 64, starting with a letter or digit)"
+
+
+@dataclass(frozen=True)
+class Units:
+    """Units of the plain numbers of a document, as factors to rad and m."""
+
+    angle: float = 1.0
+    length: float = 1.0
+
+    def of(self, quantity: Quantity) -> float:
+        """Factor for one quantity."""
+        if quantity is Quantity.ANGLE:
+            return self.angle
+        return self.length if quantity is Quantity.LENGTH else 1.0
+
+
+@dataclass
+class Report:
+    """Collects problems, so that one answer names several cells."""
+
+    problems: list[Problem] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def add(self, pointer: str, message: str) -> None:
+        """Notes one problem."""
+        self.problems.append(Problem(pointer, message))
+
+    def raise_if_any(self) -> None:
+        """Ends the reading where something was noted.
+
+        Raises:
+            DHError: With all problems so far.
+        """
+        if self.problems:
+            raise DHError(self.problems)
+
+
+def refuse_unknown(
+    data: Mapping[Any, Any], known: tuple[str, ...], pointer: str, where: str, report: Report
+) -> None:
+    """Reports keys that would be ignored."""
+    for key in data:
+        if key not in known:
+            report.add(
+                f"{pointer}/{escaped(key)}",
+                f"{where} has an unknown field {quoted(key)}; known are {', '.join(known)}",
+            )

@@ -1,0 +1,135 @@
+"""The mapping that JSON, YAML and CSV documents hold -> :class:`DHTable`.
+
+Every refusal carries a JSON pointer to the cell, the joint's name and what to write instead.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from dh_to_urdf.cells.values import read_values, refuse_unused
+from dh_to_urdf.documents.checks import NAME, NAME_RULE, Report, Units, refuse_unknown
+from dh_to_urdf.documents.placements import read_placement
+from dh_to_urdf.documents.rows import RowReader, check_names, check_tree
+from dh_to_urdf.errors import DHError, quoted
+from dh_to_urdf.table import Convention, DHTable
+
+MAX_ROWS = 300
+DEFAULT_NAME = "robot"
+
+CONVENTION_ALIASES = {
+    "standard": Convention.STANDARD,
+    "dh": Convention.STANDARD,
+    "sdh": Convention.STANDARD,
+    "distal": Convention.STANDARD,
+    "paul": Convention.STANDARD,
+    "modified": Convention.MODIFIED,
+    "mdh": Convention.MODIFIED,
+    "craig": Convention.MODIFIED,
+    "proximal": Convention.MODIFIED,
+    "khalil": Convention.KHALIL,
+    "khalil-kleinfinger": Convention.KHALIL,
+}
+_ANGLE_UNITS = {"rad": 1.0, "deg": math.pi / 180}
+_LENGTH_UNITS = {"m": 1.0, "mm": 1e-3}
+_TABLE_FIELDS = ("name", "convention", "units", "base", "tool", "joints", "values")
+_NOTE_FIELDS = ("title", "description", "source")
+_FINDING_FIELDS = ("residual", "warnings", "explanation")
+"""What a table that was worked out says of itself; not read, so that it can be sent back."""
+
+
+def read_mapping(
+    data: object,
+    default_name: str | None = DEFAULT_NAME,
+    columns: tuple[str, ...] | None = None,
+) -> DHTable:
+    """Reads a table from the mapping that JSON and YAML documents hold.
+
+    Args:
+        data: The mapping; README and the OpenAPI schema ``DHTable`` describe it.
+        default_name: Name for a table that gives none; None requires one.
+        columns: Column names of a CSV document, to tell a missing column from an empty cell.
+
+    Returns:
+        The table, in SI units.
+
+    Raises:
+        DHError: With a pointer to each of the first ten problems.
+    """
+    if not isinstance(data, Mapping):
+        raise DHError.single("", "the document is not a mapping with convention and joints")
+    report = Report()
+    refuse_unknown(data, (*_TABLE_FIELDS, *_NOTE_FIELDS, *_FINDING_FIELDS), "", "the table", report)
+    name = data.get("name", default_name)
+    if name is None:
+        report.add("/name", f"name is missing; {NAME_RULE}")
+        name = DEFAULT_NAME
+    elif not isinstance(name, str) or NAME.fullmatch(name) is None:
+        report.add("/name", f"name is {quoted(name)}; {NAME_RULE}")
+        name = DEFAULT_NAME
+    convention = _convention(data, report)
+    for key in _NOTE_FIELDS:
+        if not isinstance(data.get(key, ""), str):
+            report.add(f"/{key}", f"{key} is {quoted(data[key])}; give a text")
+    units = read_units(data.get("units"), report)
+    warnings = report.warnings
+    base = read_placement(
+        data.get("base"), "/base", units.angle, units.length, report.add, warnings
+    )
+    tool = read_placement(
+        data.get("tool"), "/tool", units.angle, units.length, report.add, warnings
+    )
+    values = read_values(data.get("values"))
+    joints = data.get("joints")
+    if not isinstance(joints, list) or not joints:
+        report.add("/joints", "joints is missing or empty; give a list with one entry a joint")
+        joints = []
+    if len(joints) > MAX_ROWS:
+        raise DHError.single(
+            "/joints", f"joints has {len(joints)} rows; at most {MAX_ROWS} are read"
+        )
+    report.raise_if_any()
+    assert convention is not None
+    reader = RowReader(convention, units, report, columns, values)
+    rows = [row for k, item in enumerate(joints) if (row := reader.read(k, item)) is not None]
+    check_names(rows, report)
+    report.raise_if_any()
+    check_tree(rows, report)
+    report.raise_if_any()
+    refuse_unused(values, report)
+    report.raise_if_any()
+    return DHTable(name, convention, tuple(rows), base, tool, tuple(warnings))
+
+
+def _convention(data: Mapping[Any, Any], report: Report) -> Convention | None:
+    raw = data.get("convention")
+    choices = "standard (distal, Paul), modified (proximal, Craig) or khalil (Khalil-Kleinfinger)"
+    if raw is None:
+        report.add("/convention", f"convention is missing; give {choices}")
+        return None
+    convention = CONVENTION_ALIASES.get(raw.strip().lower()) if isinstance(raw, str) else None
+    if convention is None:
+        report.add("/convention", f"convention {quoted(raw)} is unknown; give {choices}")
+    return convention
+
+
+def read_units(raw: object, report: Report) -> Units:
+    """Reads ``{"angle": "rad" | "deg", "length": "m" | "mm"}``; problems go to the report."""
+    if raw is None:
+        return Units()
+    if not isinstance(raw, Mapping):
+        report.add("/units", 'units is not a mapping; give {"angle": "deg", "length": "mm"}')
+        return Units()
+    refuse_unknown(raw, ("angle", "length"), "/units", "units", report)
+    found = []
+    for key, choices in (("angle", _ANGLE_UNITS), ("length", _LENGTH_UNITS)):
+        unit = raw.get(key, next(iter(choices)))
+        if not isinstance(unit, str) or unit not in choices:
+            report.add(
+                f"/units/{key}", f"units.{key} is {quoted(unit)}; give {' or '.join(choices)}"
+            )
+            unit = next(iter(choices))
+        found.append(choices[unit])
+    return Units(*found)

@@ -1,0 +1,181 @@
+"""Placements and inertials of a document -> matrices and :class:`Inertial`, in m, rad and kg."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
+from dh_to_urdf.errors import quoted
+from dh_to_urdf.poses import (
+    Matrix,
+    from_xyz_quaternion,
+    from_xyz_rpy,
+    is_mended,
+    rigid_transform,
+)
+from dh_to_urdf.table import Inertial
+
+AddProblem = Callable[[str, str], None]
+
+_INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def read_placement(
+    raw: object,
+    pointer: str,
+    angle: float,
+    length: float,
+    add: AddProblem,
+    warnings: list[str],
+) -> Matrix:
+    """Reads ``{"matrix": …}``, ``{"xyz", "rpy"}`` or ``{"xyz", "quaternion_xyzw"}``.
+
+    Args:
+        raw: The value in the document; None is the identity.
+        pointer: JSON pointer to it.
+        angle: Factor of the document's angles to rad.
+        length: Factor of the document's lengths to m; it applies to a matrix' last column too.
+        add: Receives problems.
+        warnings: Receives what had to be mended.
+
+    Returns:
+        A 4x4 matrix, the identity where there is a problem.
+    """
+    name = pointer.rsplit("/", 1)[-1]
+    if raw is None:
+        return np.eye(4)
+    forms = 'give {"xyz": [x, y, z], "rpy": [r, p, y]} or {"matrix": 4x4}'
+    if isinstance(raw, list):
+        raw = {"matrix": raw}
+    if not isinstance(raw, Mapping):
+        add(pointer, f"{name} is {quoted(raw)}; {forms}")
+        return np.eye(4)
+    unknown = [key for key in raw if key not in ("matrix", "xyz", "rpy", "quaternion_xyzw")]
+    if unknown:
+        add(pointer, f"{name} has an unknown field {quoted(unknown[0])}; {forms}")
+        return np.eye(4)
+    if "matrix" in raw and len(raw) > 1:
+        add(pointer, f"{name} has a matrix and {len(raw) - 1} other field(s); give one form")
+        return np.eye(4)
+    if "rpy" in raw and "quaternion_xyzw" in raw:
+        add(pointer, f"{name} has rpy and quaternion_xyzw; give one of them")
+        return np.eye(4)
+    try:
+        if "matrix" in raw:
+            return _from_matrix(raw["matrix"], pointer, length, warnings)
+        xyz = read_vector(raw.get("xyz", [0, 0, 0]), "xyz", 3, Quantity.LENGTH, length)
+        if "quaternion_xyzw" in raw:
+            quaternion = read_vector(
+                raw["quaternion_xyzw"], "quaternion_xyzw", 4, Quantity.NUMBER, 1.0
+            )
+            return from_xyz_quaternion(xyz, quaternion)
+        rpy = read_vector(raw.get("rpy", [0, 0, 0]), "rpy", 3, Quantity.ANGLE, angle)
+        return from_xyz_rpy(xyz, rpy)
+    except ValueError as error:
+        add(pointer, f"{name}: {error}")
+        return np.eye(4)
+
+
+def _from_matrix(raw: object, pointer: str, length: float, warnings: list[str]) -> Matrix:
+    if not (isinstance(raw, list) and len(raw) == 4 and all(isinstance(r, list) for r in raw)):
+        raise ValueError("matrix is not four rows of four numbers")
+    rows = [read_vector(row, "matrix", 4, Quantity.NUMBER, 1.0) for row in raw]
+    matrix = np.array(rows) + 0.0
+    if length != 1.0:
+        matrix[:3, 3] /= round(1.0 / length)
+    try:
+        T = rigid_transform(matrix)
+    except ValueError as error:
+        raise ValueError(f"matrix {error}") from None
+    if is_mended(matrix):
+        name = pointer.rsplit("/", 1)[-1]
+        change = float(np.abs(T - matrix).max())
+        warnings.append(
+            f"{name}: the matrix is rounded; its nearest rotation is used ({change:.1e})"
+        )
+    return T
+
+
+def read_vector(raw: object, what: str, size: int, quantity: Quantity, unit: float) -> list[float]:
+    """Reads a list of numbers, or of texts such as ``pi/2``.
+
+    Args:
+        raw: The value in the document.
+        what: Its name, for the message.
+        size: How many numbers it must hold.
+        quantity: What they measure.
+        unit: Factor of the document's unit to rad or m.
+
+    Raises:
+        ValueError: Not such a list.
+    """
+    if not isinstance(raw, list) or len(raw) != size:
+        raise ValueError(f"{what} is not a list of {size} numbers")
+    values = []
+    for item in raw:
+        try:
+            cell = parse_cell(item, quantity, unit)
+        except CellError as error:
+            raise ValueError(f"{what} {error}") from None
+        if cell.variable is not None:
+            raise ValueError(f"{what} holds a joint variable; give numbers")
+        values.append(cell.value)
+    return values
+
+
+def read_inertial(
+    raw: object, pointer: str, label: str, length: float, add: AddProblem
+) -> Inertial | None:
+    """Reads ``{"mass": kg, "com": [x, y, z], "inertia": {"ixx": …} or 3x3}``.
+
+    ``com`` is in the document's length unit, ``inertia`` always in kg m², about the centre of
+    mass; both in the axes of frame k.
+
+    Returns:
+        The inertial, or None where there is a problem.
+    """
+    if not isinstance(raw, Mapping) or set(raw) - {"mass", "com", "inertia"} or "mass" not in raw:
+        add(pointer, f"{label}: inertial is not a mapping with mass, com and inertia")
+        return None
+    try:
+        mass = read_vector([raw["mass"]], "mass", 1, Quantity.NUMBER, 1.0)[0]
+        com = read_vector(raw.get("com", [0, 0, 0]), "com", 3, Quantity.LENGTH, length)
+        inertia = _inertia(raw.get("inertia"))
+    except ValueError as error:
+        add(pointer, f"{label}: inertial: {error}")
+        return None
+    if mass < 0:
+        add(f"{pointer}/mass", f"{label}: inertial: mass is negative")
+        return None
+    moments = np.linalg.eigvalsh(inertia)
+    if moments[0] < -1e-12 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6) + 1e-12:
+        add(
+            f"{pointer}/inertia",
+            f"{label}: inertial: no body has this inertia (its principal moments must be ≥ 0 and"
+            " none above the sum of the others)",
+        )
+        return None
+    rows = [tuple(float(value) for value in row) for row in inertia]
+    return Inertial(mass, (com[0], com[1], com[2]), ((*rows[0],), (*rows[1],), (*rows[2],)))  # type: ignore[arg-type]
+
+
+def _inertia(raw: object) -> Matrix:
+    if raw is None:
+        return np.zeros((3, 3))
+    if isinstance(raw, Mapping):
+        unknown = [key for key in raw if key not in _INERTIA_KEYS]
+        if unknown:
+            raise ValueError(f"inertia has an unknown field {quoted(unknown[0])}")
+        values = {
+            key: read_vector([raw.get(key, 0)], f"inertia.{key}", 1, Quantity.NUMBER, 1.0)[0]
+            for key in _INERTIA_KEYS
+        }
+        return np.array([[values["i" + "".join(sorted(r + c))] for c in "xyz"] for r in "xyz"])
+    if isinstance(raw, list) and len(raw) == 3:
+        matrix = np.array([read_vector(row, "inertia", 3, Quantity.NUMBER, 1.0) for row in raw])
+        if np.abs(matrix - matrix.T).max() > 1e-12:
+            raise ValueError("inertia is not symmetric")
+        return matrix
+    raise ValueError("inertia is neither a 3x3 matrix nor ixx, ixy, ixz, iyy, iyz, izz")

@@ -1,0 +1,1 @@
+"""SYMORO ``.par`` files, in and out."""

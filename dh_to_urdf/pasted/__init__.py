@@ -1,0 +1,1 @@
+"""Tables as text: LaTeX, Markdown, TSV, MATLAB and Python, in and out."""

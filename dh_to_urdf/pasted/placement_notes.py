@@ -1,0 +1,64 @@
+"""Lines beside a pasted table that place it: ``tool = [1 0 0 0; 0 1 0 0; 0 0 1 0.1; 0 0 0 1]``."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from dh_to_urdf.errors import DHError, quoted
+from dh_to_urdf.pasted.source_tokens import closing, matrix_rows, text_of, tokens_of
+
+_NOTE = re.compile(
+    r"^[ \t%#<>!*|\-]{0,20}(?:[^\W\d]\w{0,30}[ \t]?\.[ \t]?)?"
+    r"(base|tool)[ \t]{0,20}[=:][ \t]{0,20}(?=\S)",
+    re.IGNORECASE | re.MULTILINE,
+)
+_REST = re.compile(r"[ \t;>|\-]{0,20}$", re.MULTILINE)
+
+
+def placement_notes(text: str) -> tuple[str, dict[str, Any]]:
+    """Takes ``base = [4x4]`` and ``tool = [4x4]`` out of a text.
+
+    Returns:
+        The text with these lines blanked, and the fields of the document.
+
+    Raises:
+        DHError: A base or tool in another form, or twice.
+    """
+    placements: dict[str, Any] = {}
+    parts: list[str] = []
+    kept = 0
+    for match in _NOTE.finditer(text):
+        if match.start() < kept:
+            continue
+        key, line = match[1].lower(), text.count("\n", 0, match.start()) + 1
+        if key in placements:
+            raise DHError.single(f"/{key}", f"line {line}: {key} stands twice; keep one")
+        rows, end = _matrix(text, match.end())
+        if [len(row) for row in rows] != [4, 4, 4, 4]:
+            shown = text[match.end() : match.end() + 60].partition("\n")[0]
+            raise DHError.single(
+                f"/{key}",
+                f"line {line}: {key} is {quoted(shown)}; write its 4x4 matrix on one line, as"
+                f" {key} = [1 0 0 0; 0 1 0 0; 0 0 1 0.1; 0 0 0 1]",
+            )
+        placements[key] = {"matrix": rows}
+        parts += [text[kept : match.start()], "\n" * text.count("\n", match.start(), end)]
+        rest = _REST.match(text, end)
+        kept = rest.end() if rest else end
+    parts.append(text[kept:])
+    return "".join(parts), placements
+
+
+def _matrix(text: str, start: int) -> tuple[list[list[str]], int]:
+    """Rows of the bracket that starts here, and its end; no rows if there is none."""
+    if text[start] != "[":
+        return [], start
+    depth = 0
+    for end in range(start, min(len(text), start + 2000)):
+        depth += (text[end] == "[") - (text[end] == "]")
+        if depth == 0:
+            tokens = tokens_of(text[start : end + 1])
+            inside = tokens[1 : closing(tokens, 0)]
+            return [[text_of(element) for element in row] for row in matrix_rows(inside)], end + 1
+    return [], start
