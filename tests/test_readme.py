@@ -54,7 +54,8 @@ def test_commands_print_what_is_shown(server, tmp_path):
         ran += 1
     assert ran >= 8
     assert (tmp_path / "pa10.urdf").stat().st_size > 1000
-    httpx.delete(f"{server}/v1/robots/my-pa10")
+    for name in ("my-pa10", "my-arm"):
+        assert httpx.delete(f"{server}/v1/robots/{name}").status_code == 204
 
 
 def test_python_block(capsys):
