@@ -34,6 +34,15 @@ class Score:
     def median(self) -> float:
         return statistics.median(self.times)
 
+    def ratio(self, ours: Score) -> float:
+        """The median over turns of this solver's median against ours in the same turn."""
+        turns = range(0, len(self.times), BLOCK)
+        return statistics.median(
+            statistics.median(self.times[k : k + BLOCK])
+            / statistics.median(ours.times[k : k + BLOCK])
+            for k in turns
+        )
+
     @property
     def success(self) -> float:
         return self.solved / len(self.times)

@@ -15,14 +15,13 @@ HEAD = ("solver", "success %", "median µs", "peer / ours", "targets")
 
 
 def rows(scores: list[Score]) -> list[tuple[str, ...]]:
-    """One line a peer that was measured; the ratio is the peer's median over ours."""
-    ours = scores[0].median
+    """One line a peer that was measured."""
     return [
         (
             score.peer.name,
             f"{100 * score.success:.1f}",
             f"{score.median * 1e6:.1f}",
-            f"{score.median / ours:.2f}",
+            f"{score.ratio(scores[0]):.2f}",
             str(len(score.times)),
         )
         for score in scores
@@ -66,7 +65,8 @@ class Run:
             " kinematics of the canonical URDF is within 1e-6 m and 1e-6 rad of the target; what a"
             " solver says of itself does"
             f" not count. Solvers took turns of {BLOCK} targets in a rotating order, so that load"
-            " hits all alike: read the ratios, not the microseconds. A solve includes what is"
+            " hits all alike: read the ratios, taken turn by turn, not the microseconds. A solve"
+            " includes what is"
             " converted for the solver, its restarts, and its failures. A solver that used"
             f" {self.seconds:g} s on an arm stopped there; `targets` is how many it was given."
             " Where a peer wants limits, a joint without any has ±π; where it knows only whole"
@@ -82,7 +82,8 @@ class Run:
             "",
             f"Solvers whose interface has no restarts get up to {RESTARTS} random ones.",
         ]
-        made += ["", "## Summary", "", "Success in %, and the peer's median over ours.", ""]
+        summary = "Success in %, and how many times our time the peer takes (median over turns)."
+        made += ["", "## Summary", "", summary, ""]
         made += ["| solver | " + " | ".join(self.arms) + " |"]
         made += ["| --- |" + " ---: |" * len(self.arms)]
         for k, peer in enumerate(peers):
@@ -101,7 +102,7 @@ class Run:
 def _cell(score: Score, ours: Score) -> str:
     if score.skipped:
         return "–"
-    return f"{100 * score.success:.1f}, {score.median / ours.median:.2f}×"
+    return f"{100 * score.success:.1f}, {score.ratio(ours):.2f}×"
 
 
 def _version(distribution: str) -> str:

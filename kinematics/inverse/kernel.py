@@ -100,7 +100,8 @@ def residual(
     """Task error at q into the workspace; returns the squared position and rotation errors."""
     K = len(q)
     T, e = W[K], W[K + 1, 0:6]
-    forward(C, turns, q, W[0:K, 0:3], W[0:K, 3:6], T)
+    trig = W[K + 2 :].reshape(-1)[2 * K : 4 * K]
+    forward(C, turns, q, trig, W[0:K, 0:3], W[0:K, 3:6], T)
     if mask[6] != 0.0:
         axis_error(T, G, e)
     else:
@@ -347,7 +348,8 @@ def descend(
 ) -> tuple[int, int]:
     """One start from q, which it moves. Returns its steps and CONVERGED or GIVEN_UP.
 
-    best holds q, then energy; limits the squared tolerances and the most steps.
+    best holds q, its energy and its squared errors; limits the squared tolerances and the most
+    steps.
     """
     K = len(q)
     lower, upper, turns, wraps = bounds[0], bounds[1], bounds[6], bounds[7]
@@ -358,7 +360,7 @@ def descend(
         energy = 0.5 * (position + rotation)
         converged = position <= limits[0] and rotation <= limits[1]
         if converged or energy < best[K]:
-            best[K] = energy
+            best[K], best[K + 1], best[K + 2] = energy, position, rotation
             for k in range(K):
                 best[k] = q[k]
         if converged:
@@ -391,7 +393,7 @@ def settle(
         energy = 0.5 * (position + rotation)
         if energy < best[K]:
             settled = energy > SETTLED * best[K]
-            best[K] = energy
+            best[K], best[K + 1], best[K + 2] = energy, position, rotation
             for k in range(K):
                 best[k] = q[k]
             if settled or (position <= limits[0] and rotation <= limits[1]):
@@ -438,8 +440,8 @@ def proceed(
         budget: Steps after which no new start is begun.
         limits: Squared tolerances, most steps of a start.
         most: Most restarts.
-        answer: Filled: q, its position and rotation error, then the best q of all starts and
-            its energy; shape (2 K + 3,).
+        answer: Filled: q, its position and rotation error, then the best q of all starts, its
+            energy and squared errors; shape (2 K + 5,).
         W: Workspace.
 
     Returns:
@@ -447,7 +449,7 @@ def proceed(
     """
     K, _, mask, bounds, C = unpacked(P)
     lower, upper, turns, wraps = bounds[0], bounds[1], bounds[6], bounds[7]
-    best, q = answer[K + 2 : 2 * K + 3], W[K + 2 :].reshape(-1)[K : 2 * K]
+    best, q = answer[K + 2 : 2 * K + 5], W[K + 2 :].reshape(-1)[K : 2 * K]
     unreachable = _beyond(P, G, limits)
     last = min(most, UNREACHABLE_RESTARTS) if unreachable else most
     if first == 0:
@@ -467,9 +469,12 @@ def proceed(
     over = code == CONVERGED or s >= last
     if code != CONVERGED and over and limits[2] > 0:
         steps += settle(C, bounds, mask, G, best, limits, W, q)
+    position, rotation, turned = best[K + 1], best[K + 2], False
     for k in range(K):
         answer[k] = nearest_turn(best[k], seed[k], lower[k], upper[k], wraps[k])
-    position, rotation = residual(C, turns, mask, G, answer[:K], W)
+        turned = turned or answer[k] != best[k]
+    if turned:
+        position, rotation = residual(C, turns, mask, G, answer[:K], W)
     answer[K], answer[K + 1] = math.sqrt(position), math.sqrt(rotation)
     if position <= limits[0] and rotation <= limits[1]:
         return steps, s, CONVERGED
@@ -522,4 +527,4 @@ def unpacked(P: Array) -> tuple[int, float, Array, Array, Array]:
 @jit
 def workspace(K: int) -> Array:
     """Memory for chains of K joints; one a thread."""
-    return np.empty((K + 2 + (2 * K + 11) // 12, 12))
+    return np.empty((K + 2 + (4 * K + 11) // 12, 12))

@@ -73,7 +73,7 @@ def _closed(P: Array, target: Array, seed: Array, limits: Array, answer: Array) 
                 answer[k] = min(max(candidate[k], bounds[0, k]), bounds[1, k])
                 moved = moved or answer[k] != candidate[k]
             if moved:
-                W = work[: 2 * K + 8].reshape((K + 4, 12))
+                W = work[: 2 * K + 12].reshape((K + 6, 12))
                 position, rotation = residual(C, turns, mask, target.reshape(16), answer[:K], W)
             if position <= limits[0] and rotation <= limits[1]:
                 answer[K], answer[K + 1] = math.sqrt(position), math.sqrt(rotation)
@@ -122,7 +122,7 @@ def solve_one(
         first: The start to begin with.
         budget: Steps after which no new start is begun.
         limits: Squared tolerances, most steps of a start, most restarts.
-        answer: Filled: q, its two errors, what the next call needs; shape (2 K + 3,).
+        answer: Filled: q, its two errors, what the next call needs; shape (2 K + 5,).
 
     Returns:
         Steps, the start that came last, and a code of :mod:`kinematics.inverse.kernel`.
@@ -142,7 +142,7 @@ def solve_many(
         seed: Of all, shape (K,).
         budget: Steps of each target.
         limits: Squared tolerances, most steps of a start, most restarts.
-        answers: Filled as ``answer`` of :func:`solve_one`; shape (n, 2 K + 3).
+        answers: Filled as ``answer`` of :func:`solve_one`; shape (n, 2 K + 5).
         ends: Filled: steps, last start, code; shape (n, 3).
     """
     W = workspace(int(P[0]))

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from time import perf_counter
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -31,6 +30,8 @@ STEP_SECONDS = 0.5e-6
 PART = 128
 """Targets that one thread works on between two looks at the clock."""
 
+KEPT = 512
+"""Solvers that are kept."""
 MAX_SEEDS = 8
 """Random seeds whose starts are kept."""
 
@@ -117,7 +118,7 @@ class Solver:
             start = self.bounds.inside(seed)
             origin = start if self._whole else start[self.chain.columns]
         K = len(origin)
-        P, limits, answer = self.constants(options.random_seed), options.limits, np.empty(2 * K + 3)
+        P, limits, answer = self.constants(options.random_seed), options.limits, np.empty(2 * K + 5)
         steps, last, code = solve_one(P, target, origin, 0, SLICE, limits, answer)
         while code == kernel.OUT_OF_STEPS and perf_counter() - started < options.time_budget:
             more, last, code = solve_one(P, target, origin, last + 1, SLICE, limits, answer)
@@ -147,7 +148,7 @@ class Solver:
         n, columns = len(targets), self.chain.columns
         K = len(columns)
         start = self.middle if seed is None else self.bounds.inside(seed)
-        answers, ends = np.empty((n, 2 * K + 3)), np.empty((n, 3), np.int64)
+        answers, ends = np.empty((n, 2 * K + 5)), np.empty((n, 3), np.int64)
         elapsed, origin = np.zeros(n), start[columns]
         P = self.constants(options.random_seed)
         budget = int(min(max(options.time_budget / STEP_SECONDS, 1), 2**40))
@@ -176,22 +177,15 @@ class Solver:
         return IKBatch(codes, q, start, position, rotation, ends[:, 0], ends[:, 1], elapsed)
 
 
-_SOLVERS: WeakKeyDictionary[Robot, dict[tuple[str, tuple[int, ...], bool], Solver]] = (
-    WeakKeyDictionary()
-)
-
-
 def solver_of(robot: Robot, frame: str, task: Task) -> Solver:
-    """The solver of a frame and task, kept as long as the robot is.
+    """The solver of a frame and task, from memory if it was asked for before.
 
     Raises:
         UnknownFrame: The robot has no such frame.
     """
-    solvers = _SOLVERS.get(robot)
-    if solvers is None:
-        solvers = _SOLVERS[robot] = {}
-    key = (frame, task.rows, task.own_axes)
-    found = solvers.get(key)
-    if found is None:
-        found = solvers[key] = Solver(robot, chain_of(robot, frame), task)
-    return found
+    return _made(robot, frame, task.name, task.rows, task.own_axes)
+
+
+@lru_cache(maxsize=KEPT)
+def _made(robot: Robot, frame: str, name: str, rows: tuple[int, ...], own_axes: bool) -> Solver:
+    return Solver(robot, chain_of(robot, frame), Task(name, rows, own_axes))

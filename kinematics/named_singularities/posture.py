@@ -81,10 +81,11 @@ class Posture:
 def posture(chain: Chain, q: FloatArray) -> Posture:
     """The axes at q of shape (n, dof)."""
     n, K = len(q), chain.length
-    memory, poses = np.empty((n, K, 6)), np.empty((n, 12))
+    memory, trig, poses = np.empty((n, K, 6)), np.empty(2 * K), np.empty((n, 12))
     own = np.ascontiguousarray(q[:, chain.columns])
     for k in range(n):
-        forward(chain.placements, chain.turns, own[k], memory[k, :, :3], memory[k, :, 3:], poses[k])
+        axes, origins = memory[k, :, :3], memory[k, :, 3:]
+        forward(chain.placements, chain.turns, own[k], trig, axes, origins, poses[k])
     T = poses.reshape(n, 3, 4)
     return Posture(memory[:, :, :3], memory[:, :, 3:], T[:, :, :3], T[:, :, 3])
 

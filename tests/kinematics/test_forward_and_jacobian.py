@@ -7,6 +7,7 @@ import pytest
 from kinematics.errors import WrongConfiguration
 from kinematics.forward import fk
 from kinematics.jacobian import ReferenceFrame, analytic_jacobian, jacobian
+from kinematics.kernels import sines_and_cosines
 from kinematics.orientation import euler_angles
 from robots.errors import UnknownFrame
 from robots.robot import robot_from_urdf
@@ -137,3 +138,14 @@ def test_unknown_frames_name_the_valid_ones():
         fk(robot, np.zeros(2), ["frame_9"])
     with pytest.raises(UnknownFrame):
         jacobian(robot, np.zeros(2), "nothing")
+
+
+def test_sines_and_cosines_keep_their_digits():
+    rng = np.random.default_rng(8)
+    quarters = np.arange(-20, 21) * (np.pi / 4)
+    near = (quarters[:, None] + np.array([0.0, 1e-15, -1e-15, 1e-9, -1e-9])).ravel()
+    for q in (rng.uniform(-7, 7, 100_000), rng.uniform(-1e6, 1e6, 100_000), near):
+        sines, cosines = np.empty(len(q)), np.empty(len(q))
+        sines_and_cosines(q, sines, cosines)
+        np.testing.assert_allclose(sines, np.sin(q), atol=3e-16, rtol=0)
+        np.testing.assert_allclose(cosines, np.cos(q), atol=3e-16, rtol=0)

@@ -52,7 +52,7 @@ def improve(
         Whether q reaches the target within ``ACCEPTED``.
     """
     K = len(q)
-    W, kept = work[: 2 * K + 8].reshape((K + 4, 12)), work[WORK - 2 :].reshape(-1)
+    W, kept = work[: 2 * K + 12].reshape((K + 6, 12)), work[WORK - 2 :].reshape(-1)
     J, e, y = W[0:K, 6:12], W[K + 1, 0:6], W[K + 1, 6:12]
     best = np.inf
     for attempt in range(STEPS + 1):
