@@ -10,7 +10,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from app.operations import OPERATIONS, Operation
-from app.wire import JSON, NPY, TEXT
+from app.wire import FORMATS, JSON, NPY
 
 REF = "#/components/schemas/{name}"
 _NUMBERS = {
@@ -36,6 +36,14 @@ _NUMBERS = {
     "time_budget_ms": ("Milliseconds.", False),
     "choose": ("closest, most_manipulable or farthest_from_limits.", False),
     "max_iterations": ("Steps of one start.", False),
+    "delta_x": ("Wanted motion, comma-separated, one value a task row.", True),
+    "z": ("Wanted joint motion, of which the part in the null space is added.", False),
+    "damping": ("0 (none), or such as 0.01.", False),
+    "method": ("Name of a method, such as qp.", False),
+    "methods": ("Names of methods, comma-separated.", False),
+    "time_law": ("linear, cubic, quintic or trapezoidal.", False),
+    "tf": ("Duration, s.", False),
+    "samples": ("Number of samples, the start included.", False),
 }
 
 
@@ -86,7 +94,7 @@ def operation_docs(operation: Operation) -> dict[str, dict[str, Any]]:
     """What the docs say of a computation's routes, by path and method."""
     name = operation.name.replace("-", "_").replace("/", "_")
     answers = _answers(operation)
-    forms = ["text", "npy", "ndjson"] if operation.stream else ["text", "npy"]
+    forms = [key for key, value in FORMATS.items() if value in operation.offers[1:]]
     choices = [
         _parameter("angle", "rad (default) or deg: joint values, Euler angles.", ["rad", "deg"]),
         _parameter("format", f"json (default) or {', '.join(forms)}.", ["json", *forms]),
@@ -147,12 +155,15 @@ def _answers(operation: Operation) -> dict[str, Any]:
             "description": "The answer.",
             "content": {
                 JSON: {"schema": {"$ref": REF.format(name=operation.response.__name__)}},
-                TEXT: {"schema": {"type": "string"}},
-                NPY: {"schema": {"type": "string", "format": "binary"}},
+                **{form: {"schema": _form_schema(form)} for form in operation.offers[1:]},
             },
         },
         **{str(status): problem for status, problem in PROBLEMS.items()},
     }
+
+
+def _form_schema(form: str) -> dict[str, str]:
+    return {"type": "string", "format": "binary"} if form == NPY else {"type": "string"}
 
 
 PROBLEMS: dict[int | str, dict[str, Any]] = {

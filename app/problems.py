@@ -84,6 +84,10 @@ BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     ),
     kinematics.InvalidTarget: ProblemType("invalid-target", 422, "The target is no pose"),
     kinematics.InvalidOption: ProblemType("invalid-option", 422, "An option is out of range"),
+    kinematics.RankDeficient: ProblemType("rank-deficient", 422, "The Jacobian has lost rank"),
+    kinematics.MethodUnavailable: ProblemType(
+        "method-unavailable", 501, "The method needs a package that is not installed"
+    ),
 }
 
 _GENERIC = (INVALID_REQUEST, MALFORMED_BODY, UNSUPPORTED_TYPE, NOT_ACCEPTABLE, TOO_LARGE, INTERNAL)

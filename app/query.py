@@ -18,7 +18,7 @@ from robots.robot import Robot
 COMMON = ("angle", "format")
 MAX_QUERY_VALUES = 1024
 MAX_VALUE = 1e15
-_JOINTS = ("q", "seed")
+_JOINTS = ("q", "z", "seed")
 _TARGET = ("position", "rpy", "quaternion_xyzw", "euler", "phi", "direction", "matrix")
 
 
@@ -54,15 +54,21 @@ def units_of(request: Request) -> Units:
     return Units(angle == "deg")
 
 
-def body_from_query(request: Request, units: Units, robot: Robot) -> bytes:
+def body_from_query(request: Request, units: Units, robot: Robot, known: tuple[str, ...]) -> bytes:
     """The JSON body that a GET request's parameters stand for.
+
+    Args:
+        request: The request.
+        units: Its units.
+        robot: The robot.
+        known: Parameters of the computation; one with ``position`` takes a target.
 
     Raises:
         RequestProblem: A number cannot be read.
     """
     body: dict[str, Any] = {}
     target: dict[str, Any] = {}
-    inverse = "q" not in request.query_params
+    inverse = "position" in known
     for name, text in request.query_params.items():
         if name in COMMON:
             continue
@@ -195,6 +201,11 @@ _READERS: dict[str, Callable[[str, str, Units], Any]] = {
     "tolerance": _scalar,
     "time_budget_ms": _scalar,
     "max_iterations": _integer,
+    "damping": _scalar,
+    "delta_x": _plain,
+    "tf": _scalar,
+    "samples": _integer,
+    "methods": _frames,
     "max_restarts": _integer,
     "random_seed": _integer,
     "frames": _frames,

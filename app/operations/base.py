@@ -12,7 +12,7 @@ import numpy as np
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
 from app.units import Units
-from app.wire import decode_json, decode_rows
+from app.wire import CSV, JSON, NDJSON, NPY, TEXT, decode_json, decode_rows
 from dh_to_urdf.errors import escaped, quoted
 from kinematics.configuration import configuration, configuration_by_name
 from robots.robot import FloatArray, Robot
@@ -59,11 +59,12 @@ class Context:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a computation gives: a payload for JSON and text, and the array that npy holds."""
+    """What a computation gives: a payload for JSON and text, and what npy and CSV hold."""
 
     payload: dict[str, Any]
     array: FloatArray | None = None
     headers: dict[str, str] | None = None
+    rows: list[dict[str, Any]] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +85,7 @@ class Operation:
         stream: The answer in parts, each a list of rows, where it can be sent while it grows.
         rehearsed: Whether to send the example once as the service starts.
         array_field: Field that a body of type npy stands for, if there is one.
+        tabular: Whether the answer is a table that CSV can hold, and no array.
     """
 
     name: str
@@ -99,6 +101,14 @@ class Operation:
     stream: Callable[[Robot, Any, Context], Iterator[list[dict[str, Any]]]] | None = None
     quick: Callable[[Robot, Any, Context], Answer | None] | None = None
     rehearsed: bool = True
+    tabular: bool = False
+
+    @property
+    def offers(self) -> tuple[str, ...]:
+        """Media types of the answer, JSON first."""
+        if self.tabular:
+            return (JSON, TEXT, CSV)
+        return (JSON, TEXT, NPY, NDJSON) if self.stream else (JSON, TEXT, NPY)
 
     def run_quickly(self, robot: Robot, request: Any, context: Context) -> Answer | None:
         """The answer if it takes so little time that a thread would only cost; else None."""

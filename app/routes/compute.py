@@ -21,7 +21,6 @@ from app.wire import (
     JSON,
     NDJSON,
     NPY,
-    TEXT,
     decode_json,
     decode_npy,
     json_lines,
@@ -62,7 +61,7 @@ class _Handlers:
         self.operation = operation
         self.max_body = max_body
         self.inline_type = inline_request_type(operation)
-        self.offers = (JSON, TEXT, NPY, NDJSON) if operation.stream else (JSON, TEXT, NPY)
+        self.offers = operation.offers
 
     async def post(self, request: Request) -> Response:
         """On a stored robot, from a JSON or npy body."""
@@ -74,7 +73,7 @@ class _Handlers:
             check_query(request, *(operation.query if kind == NPY else ()))
             units = units_of(request)
             if kind == NPY:
-                parameters = body_from_query(request, units, stored.robot)
+                parameters = body_from_query(request, units, stored.robot, operation.query)
         wanted = wanted_type(request, *self.offers)
         body = await read_body(request, self.max_body)
         decode = _npy_decoder if kind == NPY else _json_decoder
@@ -89,7 +88,7 @@ class _Handlers:
         stored = await services.robot(request.path_params["robot_id"])
         check_query(request, *operation.query)
         units, wanted = units_of(request), wanted_type(request, *self.offers)
-        body = body_from_query(request, units, stored.robot)
+        body = body_from_query(request, units, stored.robot, operation.query)
         return await _answer(
             services, operation, stored.robot, units, wanted, len(body),
             lambda: decode_json(body, operation.request),
@@ -122,7 +121,13 @@ async def _answer(
     context = Context(units, services.settings)
 
     def written(answer: Answer) -> Response:
-        return respond(answer.payload, wanted, array=answer.array, headers=answer.headers)
+        return respond(
+            answer.payload,
+            wanted,
+            array=answer.array,
+            rows=answer.rows,
+            headers=answer.headers,
+        )
 
     def compute(request: msgspec.Struct) -> Response:
         return written(operation.run(robot, request, context))

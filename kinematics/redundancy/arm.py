@@ -89,7 +89,9 @@ class Arm:
         return e, J, W[self.K].copy()
 
     @cached_property
-    def constants(self) -> tuple[FloatArray, NDArray[np.bool_], FloatArray, NDArray[np.int64], bool]:
+    def constants(
+        self,
+    ) -> tuple[FloatArray, NDArray[np.bool_], FloatArray, NDArray[np.int64], bool]:
         """What compiled functions take first: C, turns, mask, rows, own axes."""
         return (
             self.chain.placements,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import daqp
 import numpy as np
+from numpy.typing import NDArray
 
 from kinematics.redundancy.linearised import SOFT, Linearised
 from robots.robot import FloatArray
@@ -72,7 +73,7 @@ def solved(
     A: FloatArray,
     upper: FloatArray,
     lower: FloatArray,
-    sense: FloatArray,
+    sense: NDArray[np.int32],
 ) -> FloatArray | None:
     """The minimum of ½ δᵀHδ + fᵀδ; where nothing is feasible, with soft clearances; else None."""
     delta, _, flag, _ = daqp.solve(H, f, A, upper, lower, sense)

@@ -44,16 +44,16 @@ def pair_distance(A: Array, B: Array, obstacle: Array, out: Array) -> float:
     """
     kind = obstacle[0]
     if kind <= 1.0:
-        return _to_point(A, B, obstacle[1:4], kind == 1.0, out) - obstacle[4]
+        return float(_to_point(A, B, obstacle[1:4], kind == 1.0, out) - obstacle[4])
     if kind == 2.0:
-        return _to_segment(A, B, obstacle[1:4], obstacle[4:7], out) - obstacle[7]
+        return float(_to_segment(A, B, obstacle[1:4], obstacle[4:7], out) - obstacle[7])
     if kind == 3.0:
         n = obstacle[1:4]
         a = n[0] * A[0] + n[1] * A[1] + n[2] * A[2]
         b = n[0] * B[0] + n[1] * B[1] + n[2] * B[2]
         out[0] = 0.0 if a < b else 1.0
         out[1], out[2], out[3] = n[0], n[1], n[2]
-        return min(a, b) - obstacle[4]
+        return float(min(a, b) - obstacle[4])
     return _to_box(A, B, obstacle, out)
 
 
@@ -243,9 +243,7 @@ def link_gradient(W: Array, turns: Array, K: int, k: int, out: Array, half: bool
             g[j] = 0.0
         elif turns[j]:
             rx, ry, rz = px - W[j, 3], py - W[j, 4], pz - W[j, 5]
-            g[j] = (
-                nx * (zy * rz - zz * ry) + ny * (zz * rx - zx * rz) + nz * (zx * ry - zy * rx)
-            )
+            g[j] = nx * (zy * rz - zz * ry) + ny * (zz * rx - zx * rz) + nz * (zx * ry - zy * rx)
         else:
             g[j] = along if j <= k else t * along
 

@@ -43,7 +43,7 @@ class PathResult:
 
     @property
     def drift(self) -> FloatArray | None:
-        """q at the end minus q at the start, where the path is closed and was run to its end."""
+        """Q at the end minus q at the start, where the path is closed and was run to its end."""
         if not self.problem.path.closed or len(self.q) < self.problem.path.samples:
             return None
         return np.asarray(self.q[-1] - self.q[0])
@@ -73,29 +73,29 @@ def follow(
     """
     Q = np.empty((problem.path.samples, problem.arm.K))
     Q[0] = problem.first
-    yield Progress(0, 1, Q[:1])
     work = method.follow(problem, options, Q)
-    done, elapsed = 1, 0.0
+    told, done, elapsed = 0, 1, 0.0
     stop: Stop | None = None
     while True:
         started = time.perf_counter()
         try:
-            now = next(work)
+            done = next(work)
         except StopIteration as end:
             stop = end.value
-            elapsed += time.perf_counter() - started
             break
-        elapsed += time.perf_counter() - started
-        if now > done:
-            yield Progress(done, now, Q[:now])
-        done = now
+        finally:
+            elapsed += time.perf_counter() - started
+        if done > told:
+            yield Progress(told, done, Q[:done])
+        told = done
         if elapsed > options.seconds and done < len(Q):
             stop = Stop(StopReason.TIME, done)
             break
-    if stop is not None and stop.sample > done:
-        yield Progress(done, stop.sample, Q[: stop.sample])
+    if stop is not None:
         done = stop.sample
-    return _result(problem, method, options, Q[:done], stop, elapsed)
+    if done > told:
+        yield Progress(told, done, Q[:done])
+    return _result(problem, method, Q[:done], stop, elapsed)
 
 
 def followed(problem: Problem, method: Method, options: PathOptions) -> PathResult:
@@ -112,13 +112,12 @@ def followed(problem: Problem, method: Method, options: PathOptions) -> PathResu
 def _result(
     problem: Problem,
     method: Method,
-    options: PathOptions,
     Q: FloatArray,
     stop: Stop | None,
     elapsed: float,
 ) -> PathResult:
     measures = measure(problem, Q)
-    verdict = judge(problem, Q, measures, stop, method.constrained, options)
+    verdict = judge(problem, Q, measures, stop, method.constrained)
     q = problem.arm.expanded(Q, problem.start)
     velocity, acceleration = rates(q, problem.path.dt)
     return PathResult(problem, method.name, q, velocity, acceleration, measures, verdict, elapsed)

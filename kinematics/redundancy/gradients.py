@@ -84,7 +84,9 @@ def obstacle_potential(
 
 
 @jit
-def manipulability_potential(turns: Array, rows: Array, own: bool, K: int, W: Array, g: Array) -> float:
+def manipulability_potential(
+    turns: Array, rows: Array, own: bool, K: int, W: Array, g: Array
+) -> float:
     """``−w = −sqrt det(J Jᵀ)`` of the task's rows; gradient into g, 0 where J loses rank.
 
     ``∂w/∂q_j = w tr(J† ∂J/∂q_j)``, with the derivatives of the geometric Jacobian in closed form:
@@ -156,7 +158,7 @@ def _cross(a: float, b: float, c: float, x: float, y: float, z: float) -> Array:
 @jit
 def _component(v: Array, o: Array, row: int, own: bool, T: Array) -> float:
     if row < 3:
-        return v[row]
+        return float(v[row])
     if own:
-        return T[row - 3] * o[0] + T[row + 1] * o[1] + T[row + 5] * o[2]
-    return o[row - 3]
+        return float(T[row - 3] * o[0] + T[row + 1] * o[1] + T[row + 5] * o[2])
+    return float(o[row - 3])

@@ -127,7 +127,7 @@ def orthonormal_rows(J: Array, Q: Array, L: Array, order: Array) -> int:
             L[r, i] = s
             for k in range(K):
                 Q[r, k] -= s * Q[i, k]
-    return m
+    return int(m)
 
 
 @jit

@@ -146,9 +146,7 @@ class Linearised:
         """Squared task error at the last configuration, m² + rad²."""
         return self.position + self.rotation
 
-    def rows(
-        self, task: bool
-    ) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.int32]]:
+    def rows(self, task: bool) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.int32]]:
         """A, upper, lower (bounds first), sense of a QP in δ, with the task's rows or without."""
         K, used, count = len(self.low), self.used, self.count
         total = K + used + count

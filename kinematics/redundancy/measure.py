@@ -1,4 +1,4 @@
-"""What a followed path is like: errors, clearances, steps; measured on the model, never believed."""
+"""What a followed path is like: errors, clearances and steps, measured on the model."""
 
 from __future__ import annotations
 

@@ -228,7 +228,8 @@ def _path(targets: FloatArray, rates: FloatArray, task: Task, sampling: Sampling
         away = max(away, np.abs((last - first)[:, 2]).max())
     elif task.rotations:
         away = max(away, np.abs((last - first)[:, :3]).max())
-    return Path(targets, t, *np.ascontiguousarray(rates.T), closed=bool(away <= CLOSED))
+    r, r_dot, r_ddot = np.ascontiguousarray(rates.T)
+    return Path(targets, t, r, r_dot, r_ddot, bool(away <= CLOSED))
 
 
 def _flat(poses: FloatArray) -> FloatArray:

@@ -25,7 +25,7 @@ MAX_VISITS = 20_000
 
 
 @jit
-def reaches(W: Array, turns: Array, K: int, R: Array) -> None:
+def reaches(W: Array, K: int, R: Array) -> None:
     """R[j, k] ≥ the distance of joint j from every point of link k: the lengths between, added."""
     for j in range(K):
         total = 0.0
@@ -74,10 +74,10 @@ def swept_clearance(
     d, q, out = b - a, np.empty(K), np.empty(4)
     R = np.zeros((K, K))
     link_points(C, turns, a, W)
-    reaches(W, turns, K, R)
+    reaches(W, K, R)
     attained = _least(W, K, obstacles, out)
     link_points(C, turns, b, W)
-    reaches(W, turns, K, R)
+    reaches(W, K, R)
     attained = min(attained, _least(W, K, obstacles, out)) - radius
     spin = 0.0
     for j in range(K):

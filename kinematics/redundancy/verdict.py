@@ -11,11 +11,13 @@ from kinematics.inverse import IKOptions, IKStatus, Tolerance, solve_ik
 from kinematics.redundancy.kernel import RANK_TOLERANCE
 from kinematics.redundancy.measure import Measures
 from kinematics.redundancy.methods.stop import Stop, StopReason
-from kinematics.redundancy.problem import TOUCH, PathOptions, Problem
+from kinematics.redundancy.problem import TOUCH, Problem
 from robots.robot import FloatArray
 
 JUMP = 1.0
 """A joint that moves farther than this in one sample while the path is lost has diverged."""
+STUCK = 1e-6
+"""An arm that moved less than this, rad or m, has not left its start."""
 REACH_SECONDS = 0.2
 REACH_RESTARTS = 100
 
@@ -73,7 +75,6 @@ def judge(
     measures: Measures,
     stop: Stop | None,
     constrained: bool,
-    options: PathOptions,
 ) -> Verdict:
     """Judges joint values of shape (n, K), as measured.
 
@@ -83,7 +84,6 @@ def judge(
         measures: Of Q.
         stop: Why the method stopped before the end, if it did.
         constrained: Whether the method keeps limits and clearance where it can.
-        options: What the method was told.
     """
     N, tolerance = problem.path.samples, problem.tolerance
     lost = (measures.position_error > tolerance.position) | (
@@ -95,9 +95,7 @@ def judge(
     if not violations:
         return Verdict(True, None, "the path is followed", (), 1.0, None)
     tracked = 1.0 if first_lost is None else float(problem.path.r[max(0, first_lost - 1)])
-    reason, message = _reason(
-        problem, Q, measures, stop, constrained, options, violations, first_lost
-    )
+    reason, message = _reason(problem, Q, measures, stop, constrained, violations, first_lost)
     return Verdict(False, reason, message, violations, tracked, first_lost)
 
 
@@ -120,7 +118,6 @@ def _reason(
     measures: Measures,
     stop: Stop | None,
     constrained: bool,
-    options: PathOptions,
     violations: tuple[str, ...],
     first_lost: int | None,
 ) -> tuple[Reason, str]:
@@ -132,7 +129,7 @@ def _reason(
         )
     if stop is not None and stop.reason is StopReason.RANK:
         way = "use damped, or leave the start with perturb" if stop.sample <= 1 else "use damped"
-        if problem.arm.K < m or rank < m and _never(problem):
+        if m > problem.arm.K or (rank < m and _never(problem)):
             way = f"task {name} has {m} rows, more than this arm can move; choose xy or another"
         message = (
             f"refused: rank(J) = {stop.rank} < {m} before sample {stop.sample}, J† = Jᵀ(JJᵀ)⁻¹"
@@ -141,13 +138,13 @@ def _reason(
         return (Reason.SINGULAR_START if stop.sample <= 1 else Reason.SINGULAR), message
     moved = float(np.abs(Q - Q[0]).max())
     if first_lost is not None:
-        if rank < m and first_lost < len(Q) and np.abs(Q[first_lost] - Q[0]).max() < 1e-6:
-            if _reachable(problem, first_lost):
-                return Reason.SINGULAR_START, (
-                    f"rank(J) = {rank} < {m} at the start, and no step leads towards sample"
-                    f" {first_lost}: the arm moved by {moved:.2g}; leave the start with perturb,"
-                    " such as 0.05"
-                )
+        stuck = first_lost < len(Q) and np.abs(Q[first_lost] - Q[0]).max() < STUCK
+        if rank < m and stuck and _reachable(problem, first_lost):
+            return Reason.SINGULAR_START, (
+                f"rank(J) = {rank} < {m} at the start, and no step leads towards sample"
+                f" {first_lost}: the arm moved by {moved:.2g}; leave the start with perturb,"
+                " such as 0.05"
+            )
         away = _unreachable(problem, first_lost)
         if stop is not None or (not constrained and measures.largest_step > JUMP):
             beyond = "" if away is None else f"; sample {away} is out of reach within the limits"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from kinematics.errors import InvalidOption
-from kinematics.redundancy.methods import damped, null_space, pseudo_inverse, qp
+from kinematics.redundancy.methods import damped, null_space, pseudo_inverse, qp, sqp, task_priority
 from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import PathOptions, Problem
 from robots.errors import hint
@@ -38,6 +38,8 @@ METHODS = {
         Method("pseudo_inverse", pseudo_inverse.follow),
         Method("damped", damped.follow),
         Method("null_space", null_space.follow),
+        Method("task_priority", task_priority.follow),
+        Method("sqp", sqp.follow, constrained=True),
         Method("qp", qp.follow, constrained=True),
     )
 }

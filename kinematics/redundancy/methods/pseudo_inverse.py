@@ -40,9 +40,7 @@ def follow(
     leaving, W = departure(problem, options), workspace(arm.K)
     for first in range(1, len(Q), BLOCK):
         last = min(first + BLOCK, len(Q))
-        done, rank = _follow(
-            *arm.constants, G, Q, leaving, first, last, options.closed_loop, W
-        )
+        done, rank = _follow(*arm.constants, G, Q, leaving, first, last, options.closed_loop, W)
         if done < last:
             reason = StopReason.RANK if rank < arm.m else StopReason.DIVERGED
             return Stop(reason, done, rank)

@@ -9,7 +9,8 @@ Axehill, IEEE Trans. Automatic Control 67(8), 2022). Where nothing is feasible, 
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
+from typing import TypeAlias
 
 import daqp
 import numpy as np
@@ -28,6 +29,8 @@ WIDER = 4
 """Times a sample is solved again with more margin, where the arm comes too near in between."""
 BLOCK = 8
 
+Solve: TypeAlias = Callable[[Linearised, FloatArray, FloatArray, float], FloatArray | None]
+
 
 def follow(
     problem: Problem, options: PathOptions, Q: FloatArray
@@ -44,7 +47,9 @@ def follow(
     return None
 
 
-def advance(model: Linearised, previous: FloatArray, target: FloatArray, solve: object) -> FloatArray:
+def advance(
+    model: Linearised, previous: FloatArray, target: FloatArray, solve: Solve
+) -> FloatArray:
     """The next sample: solved, else the best effort; with more margin where it is swept too near.
 
     Args:
@@ -56,9 +61,8 @@ def advance(model: Linearised, previous: FloatArray, target: FloatArray, solve: 
     model.bound(previous)
     need, d_safe = model.need, model.problem.d_safe
     for attempt in range(WIDER + 1):
-        q = solve(model, previous, target, need)  # type: ignore[operator]
-        if q is None:
-            q = best_effort(model, previous, target, need)
+        found = solve(model, previous, target, need)
+        q = best_effort(model, previous, target, need) if found is None else found
         if not len(model.problem.obstacles):
             break
         near = model.swept(previous, q)
