@@ -30,7 +30,7 @@ class PathResponse(msgspec.Struct, kw_only=True):
 
     ``success`` is measured: errors, limits, clearance (swept) and speeds hold at every sample, to
     the end. Otherwise ``reason`` names what stands in the way: singular_start, singular,
-    unreachable, diverged, infeasible, collision, clearance, limits, velocity, drift or timeout.
+    unreachable, diverged, infeasible, collision, clearance, limits, velocity, tracking or timeout.
     ``tracked`` is the part of the path, 0 to 1, that was followed within the tolerance. Lists have
     a leading axis over the samples that were computed. ``clearance_swept`` belongs to a sample
     and the next one, a lower bound. Errors are in m and rad; speeds come from differences of the

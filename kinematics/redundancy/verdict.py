@@ -30,8 +30,8 @@ class Reason(StrEnum):
     within the limits. ``diverged``: the steps grew without bound. ``infeasible``: the targets are
     within reach, but not together with limits, speeds and clearance. ``collision``: a link meets
     an obstacle. ``clearance``: it comes nearer than d_safe. ``limits``: a joint leaves its
-    limits. ``velocity``: a joint is faster than it may be. ``drift``: the error grew over the
-    tolerance. ``timeout``: the time was over.
+    limits. ``velocity``: a joint is faster than it may be. ``tracking``: the error is
+    over the tolerance, as that of an open loop that drifts. ``timeout``: the time was over.
     """
 
     SINGULAR_START = "singular_start"
@@ -43,7 +43,7 @@ class Reason(StrEnum):
     CLEARANCE = "clearance"
     LIMITS = "limits"
     VELOCITY = "velocity"
-    DRIFT = "drift"
+    TRACKING = "tracking"
     TIMEOUT = "timeout"
 
 
@@ -166,7 +166,7 @@ def _reason(
     if "limits" in violations:
         return Reason.LIMITS, _limits(problem, Q)
     if first_lost is not None:
-        return Reason.DRIFT, (
+        return Reason.TRACKING, (
             f"the error is over the tolerance from sample {first_lost} on; the end is missed by"
             f" {_missed(measures)}"
         )

@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from kinematics.errors import InvalidOption
-from kinematics.redundancy.methods import damped, null_space, pseudo_inverse, qp, sqp, task_priority
+from kinematics.redundancy.methods import (
+    damped,
+    null_space,
+    pseudo_inverse,
+    qp,
+    sqp,
+    task_priority,
+    whole_path,
+)
 from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import PathOptions, Problem
 from robots.errors import hint
@@ -41,6 +49,7 @@ METHODS = {
         Method("task_priority", task_priority.follow),
         Method("sqp", sqp.follow, constrained=True),
         Method("qp", qp.follow, constrained=True),
+        Method("whole_path", whole_path.follow, constrained=True),
     )
 }
 

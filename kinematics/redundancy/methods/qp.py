@@ -25,6 +25,8 @@ EXACT = 1e-9
 """Error, and missing clearance, at which a sample is done, m and rad."""
 PROGRAMS = 12
 """Most programs in a sample before the best effort is taken."""
+NEARLY = 1e-3
+"""Error, m and rad, from which on the best effort is taken for a way to the path."""
 WIDER = 4
 """Times a sample is solved again with more margin, where the arm comes too near in between."""
 BLOCK = 8
@@ -62,7 +64,7 @@ def advance(
     need, d_safe = model.need, model.problem.d_safe
     for attempt in range(WIDER + 1):
         found = solve(model, previous, target, need)
-        q = best_effort(model, previous, target, need) if found is None else found
+        q = _otherwise(model, previous, target, need) if found is None else found
         if not len(model.problem.obstacles):
             break
         near = model.swept(previous, q)
@@ -72,17 +74,35 @@ def advance(
     return q
 
 
+def _otherwise(
+    model: Linearised, previous: FloatArray, target: FloatArray, need: float
+) -> FloatArray:
+    """The best effort; from there the path, where it is near after all."""
+    q = best_effort(model, previous, target, need)
+    model.at(q, target, need)
+    if model.error > NEARLY * NEARLY:
+        return q
+    found = _from(model, previous, target, need, q)
+    return q if found is None else found
+
+
 def step(
     model: Linearised, previous: FloatArray, target: FloatArray, need: float
 ) -> FloatArray | None:
     """The nearest configuration on the path, by linearising again and again; None: not found."""
-    q = previous
+    return _from(model, previous, target, need, previous)
+
+
+def _from(
+    model: Linearised, previous: FloatArray, target: FloatArray, need: float, q: FloatArray
+) -> FloatArray | None:
+    start = q
     eye = np.eye(len(q))
     value = np.inf
     for _ in range(PROGRAMS):
         model.at(q, target, need)
         reached = model.error <= EXACT * EXACT
-        if reached and model.least >= need - EXACT and q is not previous:
+        if reached and model.least >= need - EXACT and q is not start:
             return q
         now = merit(model, need)
         if now > 4 * value:
