@@ -47,6 +47,13 @@ _NUMBERS = {
     "symbols": ("Names of lengths: a2:L1,a3:L2.", False),
     "base": ("base_link (default) or frame_0.", False),
     "expressed_in": ("Frame in whose axes the Jacobian is written.", False),
+    "delta_x": ("Wanted motion, comma-separated, one value a task row.", True),
+    "z": ("Wanted joint motion, of which the part in the null space is added.", False),
+    "method": ("Name of a method, such as qp.", False),
+    "methods": ("Names of methods, comma-separated.", False),
+    "time_law": ("linear, cubic, quintic or trapezoidal.", False),
+    "tf": ("Duration, s.", False),
+    "samples": ("Number of samples, the start included.", False),
 }
 
 

@@ -89,6 +89,10 @@ BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     kinematics.InvalidOption: ProblemType("invalid-option", 422, "An option is out of range"),
     SymbolicUnavailable: ProblemType("symbolic-unavailable", 501, "SymPy is not installed"),
     WorkersBusy: ProblemType("busy", 503, "The service has no room for this now"),
+    kinematics.RankDeficient: ProblemType("rank-deficient", 422, "The Jacobian has lost rank"),
+    kinematics.MethodUnavailable: ProblemType(
+        "method-unavailable", 501, "The method needs a package that is not installed"
+    ),
 }
 
 _GENERIC = (INVALID_REQUEST, MALFORMED_BODY, UNSUPPORTED_TYPE, NOT_ACCEPTABLE, TOO_LARGE, INTERNAL)

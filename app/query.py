@@ -18,7 +18,7 @@ from robots.robot import Robot
 COMMON = ("angle", "format")
 MAX_QUERY_VALUES = 1024
 MAX_VALUE = 1e15
-_JOINTS = ("q", "qd", "seed")
+_JOINTS = ("q", "qd", "z", "seed")
 _TARGET = ("position", "rpy", "quaternion_xyzw", "euler", "phi", "direction", "matrix")
 
 
@@ -61,14 +61,14 @@ def body_from_query(request: Request, units: Units, robot: Robot, known: tuple[s
         request: The request.
         units: Its units.
         robot: The robot.
-        known: Parameters of the computation; one without ``q`` takes a target.
+        known: Parameters of the computation; one with ``position`` takes a target.
 
     Raises:
         RequestProblem: A number cannot be read.
     """
     body: dict[str, Any] = {}
     target: dict[str, Any] = {}
-    inverse = "q" not in known
+    inverse = "position" in known
     for name, text in request.query_params.items():
         if name in COMMON:
             continue
@@ -229,6 +229,10 @@ _READERS: dict[str, Callable[[str, str, Units], Any]] = {
     "tau": _plain,
     "time_budget_ms": _scalar,
     "max_iterations": _integer,
+    "delta_x": _plain,
+    "tf": _scalar,
+    "samples": _integer,
+    "methods": _frames,
     "max_restarts": _integer,
     "random_seed": _integer,
     "frames": _frames,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import msgspec
@@ -312,6 +313,21 @@ def json_lines(rows: Iterable[Mapping[str, Any]]) -> bytes:
     return b"".join(_dumps(row) + b"\n" for row in rows)
 
 
+_CELLS = {None: "", True: "true", False: "false"}
+"""Values of a table that CSV writes otherwise than Python."""
+
+
+def csv_bytes(rows: Sequence[Mapping[str, Any]]) -> bytes:
+    """A table as CSV (RFC 4180): a header, nothing where a value is null."""
+    stream = io.StringIO()
+    writer = csv.writer(stream)
+    if rows:
+        writer.writerow(rows[0])
+    for row in rows:
+        writer.writerow([_CELLS.get(value, value) for value in row.values()])
+    return stream.getvalue().encode()
+
+
 def npy_bytes(array: FloatArray) -> bytes:
     """An npy file."""
     stream = io.BytesIO()
@@ -324,6 +340,7 @@ def respond(
     wanted: str = JSON,
     *,
     array: FloatArray | None = None,
+    rows: Sequence[Mapping[str, Any]] | None = None,
     status: int = 200,
     headers: Mapping[str, str] | None = None,
 ) -> Response:
@@ -333,12 +350,16 @@ def respond(
         payload: What JSON and text show.
         wanted: Media type from :func:`wanted_type`.
         array: What npy holds.
+        rows: What CSV holds: a table, with the columns of its first row.
         status: HTTP status.
         headers: Further headers.
     """
     if wanted == TEXT:
         content = render_text(payload).encode()
         return Response(content, status, dict(headers or {}), "text/plain; charset=utf-8")
+    if wanted == CSV:
+        content = csv_bytes(rows or [])
+        return Response(content, status, dict(headers or {}), "text/csv; charset=utf-8")
     if wanted == NPY:
         if array is None:
             raise RequestProblem(NOT_ACCEPTABLE, "this answer has no npy form; ask for JSON")

@@ -41,3 +41,20 @@ class InvalidTarget(KinematicsError):
 
 class InvalidOption(KinematicsError):
     """An option of a solver out of its range."""
+
+
+class RankDeficient(KinematicsError):
+    """A Jacobian without full row rank, where the pseudo-inverse Jᵀ(JJᵀ)⁻¹ does not exist.
+
+    Attributes:
+        rank: Its rank.
+        wanted: Its number of rows.
+    """
+
+    def __init__(self, message: str, pointer: str, rank: int, wanted: int) -> None:
+        self.rank, self.wanted = rank, wanted
+        super().__init__(message, pointer)
+
+
+class MethodUnavailable(KinematicsError):
+    """A method that needs a package that is not installed."""

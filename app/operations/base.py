@@ -12,7 +12,7 @@ import numpy as np
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
 from app.units import Units
-from app.wire import JSON, NDJSON, NPY, TEXT, decode_json, decode_rows
+from app.wire import CSV, JSON, NDJSON, NPY, TEXT, decode_json, decode_rows
 from dh_to_urdf.errors import escaped, quoted
 from kinematics.configuration import configuration, configuration_by_name
 from kinematics.jacobian import ReferenceFrame
@@ -88,7 +88,7 @@ class Context:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a computation gives: a payload for JSON and text, and the array that npy holds.
+    """What a computation gives: a payload for JSON and text, and what npy and CSV hold.
 
     A ``listing`` is the whole answer in any other form than JSON.
     """
@@ -97,6 +97,7 @@ class Answer:
     array: FloatArray | None = None
     headers: dict[str, str] | None = None
     listing: str | None = None
+    rows: list[dict[str, Any]] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +121,7 @@ class Operation:
         forms: Media types of the answer, JSON first, where they are not the usual ones.
         apart: Whether another process does the work, so that waiting for it takes no compute
             thread.
+        tabular: Whether the answer is a table that CSV can hold, and no array.
     """
 
     name: str
@@ -137,11 +139,16 @@ class Operation:
     rehearsed: bool = True
     forms: tuple[str, ...] = ()
     apart: bool = False
+    tabular: bool = False
 
     @property
     def offers(self) -> tuple[str, ...]:
-        """Media types of the answer."""
-        return self.forms or ((JSON, TEXT, NPY, NDJSON) if self.stream else (JSON, TEXT, NPY))
+        """Media types of the answer, JSON first."""
+        if self.forms:
+            return self.forms
+        if self.tabular:
+            return (JSON, TEXT, CSV)
+        return (JSON, TEXT, NPY, NDJSON) if self.stream else (JSON, TEXT, NPY)
 
     def run_quickly(self, robot: Robot, request: Any, context: Context) -> Answer | None:
         """The answer if it takes so little time that a thread would only cost; else None."""

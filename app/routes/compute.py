@@ -123,7 +123,13 @@ async def _answer(
     def written(answer: Answer) -> Response:
         if answer.listing is not None and wanted != JSON:
             return Response(answer.listing, media_type=f"{wanted}; charset=utf-8")
-        return respond(answer.payload, wanted, array=answer.array, headers=answer.headers)
+        return respond(
+            answer.payload,
+            wanted,
+            array=answer.array,
+            rows=answer.rows,
+            headers=answer.headers,
+        )
 
     def compute(request: msgspec.Struct) -> Response:
         return written(operation.run(robot, request, context))

@@ -1,0 +1,198 @@
+"""path: an arm follows a path by one method, sample by sample, and is judged by what it did."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Annotated, Any
+
+import msgspec
+import numpy as np
+
+from app.operations.base import UNITS_SCHEMA, Answer, Context, Numbers, Operation
+from app.operations.path_fields import PathScenario, read_options, read_problem
+from kinematics.configuration import joint_names
+from kinematics.redundancy.follow import PathResult, follow, followed
+from kinematics.redundancy.measure import clearances_at, errors_at
+from kinematics.redundancy.methods import METHODS, method_from
+from kinematics.redundancy.summary import summary
+from robots.robot import FloatArray, Robot
+
+
+class PathRequest(PathScenario, forbid_unknown_fields=True, kw_only=True):
+    """A path and a method."""
+
+    method: Annotated[str, msgspec.Meta(description=", ".join(METHODS) + ".")] = "qp"
+
+
+class PathResponse(msgspec.Struct, kw_only=True):
+    """The followed path, and whether the task was done.
+
+    ``success`` is measured: errors, limits, clearance (swept) and speeds hold at every sample, to
+    the end. Otherwise ``reason`` names what stands in the way: singular_start, singular,
+    unreachable, diverged, infeasible, collision, clearance, limits, velocity, tracking or timeout.
+    ``tracked`` is the part of the path, 0 to 1, that was followed within the tolerance. Lists have
+    a leading axis over the samples that were computed. ``clearance_swept`` belongs to a sample
+    and the next one, a lower bound. Errors are in m and rad; speeds come from differences of the
+    samples.
+    """
+
+    units: UNITS_SCHEMA
+    method: str
+    success: bool
+    reason: str | None
+    message: str
+    violations: list[str]
+    tracked: float
+    first_lost: int | None
+    samples: int
+    samples_done: int
+    summary: dict[str, float | None]
+    velocity_limits_respected: bool
+    closed: bool
+    drift: list[float] | None
+    frame: str
+    task: str
+    time_law: str
+    tf: float
+    columns: list[str]
+    t: list[float]
+    r: list[float]
+    q: Numbers
+    velocity: Numbers
+    acceleration: Numbers
+    position_error: list[float]
+    orientation_error: list[float]
+    clearance: list[float] | None
+    clearance_swept: list[float] | None
+
+
+def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
+    method = method_from(request.method)
+    problem = read_problem(robot, request, context)
+    seconds = context.settings.max_request_seconds
+    options = read_options(robot, request, problem, seconds, context)
+    result = followed(problem, method, options)
+    q = context.units.joints_out(robot, result.q)
+    measures, done = result.measures, len(q)
+    payload = {
+        "units": {**context.units.named, "time": "s"},
+        **judged(robot, result, context),
+        "frame": problem.arm.frame,
+        "task": problem.arm.task.name,
+        "time_law": request.time_law,
+        "tf": request.tf,
+        "columns": list(joint_names(robot)),
+        "t": problem.path.t[:done],
+        "r": problem.path.r[:done],
+        "q": q,
+        "velocity": context.units.joints_out(robot, result.velocity),
+        "acceleration": context.units.joints_out(robot, result.acceleration),
+        "position_error": measures.position_error,
+        "orientation_error": measures.orientation_error,
+        "clearance": measures.clearance if request.obstacles else None,
+        "clearance_swept": measures.swept if request.obstacles else None,
+    }
+    return Answer(payload, q)
+
+
+def judged(robot: Robot, result: PathResult, context: Context) -> dict[str, Any]:
+    """Verdict and figures of a result."""
+    verdict, drift = result.verdict, result.drift
+    return {
+        "method": result.method,
+        "success": verdict.success,
+        "reason": verdict.reason,
+        "message": verdict.message,
+        "violations": list(verdict.violations),
+        "tracked": verdict.tracked,
+        "first_lost": verdict.first_lost,
+        "samples": result.problem.path.samples,
+        "samples_done": len(result.q),
+        "summary": asdict(summary(result, joint_units(robot, context))),
+        "velocity_limits_respected": "velocity" not in verdict.violations,
+        "closed": result.problem.path.closed,
+        "drift": None if drift is None else context.units.joints_out(robot, drift),
+    }
+
+
+def joint_units(robot: Robot, context: Context) -> FloatArray:
+    """What each joint's value is multiplied with for the answer."""
+    return context.units.joints_out(robot, np.ones(robot.dof))
+
+
+def _stream(robot: Robot, request: PathRequest, context: Context) -> Iterator[list[dict[str, Any]]]:
+    """Samples as they are computed; at last one line with verdict and figures."""
+    method = method_from(request.method)
+    problem = read_problem(robot, request, context)
+    seconds = context.settings.max_request_seconds
+    options = read_options(robot, request, problem, seconds, context)
+    work = follow(problem, method, options)
+    while True:
+        try:
+            part = next(work)
+        except StopIteration as end:
+            yield [judged(robot, end.value, context)]
+            return
+        Q = part.q[part.first : part.last]
+        q = context.units.joints_out(robot, problem.arm.expanded(Q, problem.start))
+        position, orientation = errors_at(problem, Q, part.first)
+        clearance, _ = clearances_at(problem, Q)
+        yield [
+            {
+                "sample": part.first + k,
+                "t": problem.path.t[part.first + k],
+                "q": q[k],
+                "position_error": position[k],
+                "orientation_error": orientation[k],
+                "clearance": clearance[k] if request.obstacles else None,
+            }
+            for k in range(len(Q))
+        ]
+
+
+PATH = Operation(
+    name="path",
+    summary="Follow a path with a redundant arm",
+    description="From q along a straight line to a target, through waypoints or around a circle,"
+    " by a time law, with one of the methods " + ", ".join(METHODS) + ". Links are capsules between"
+    " successive joint origins. The verdict comes from measured errors, limits, clearances"
+    " (swept between samples) and speeds. As npy: q of each sample. As ndjson: one line a"
+    " sample while it is computed, and one with the verdict.",
+    request=PathRequest,
+    response=PathResponse,
+    run=_run,
+    example={
+        "q": [1.9, -0.25, -0.45, -0.5, -0.5, -0.35, 0, 0.2],
+        "target": {"position": [1.15, -0.15]},
+        "task": "xy",
+        "obstacles": [
+            {"type": "circle", "center": [0.73, 0.22], "radius": 0.08},
+            {"type": "circle", "center": [0.91, -0.04], "radius": 0.08},
+        ],
+        "link_radius": 0.02,
+        "d_safe": 0.02,
+    },
+    example_robot="planar_8r",
+    query=(
+        "q",
+        "position",
+        "rpy",
+        "quaternion_xyzw",
+        "euler",
+        "phi",
+        "direction",
+        "matrix",
+        "frame",
+        "task",
+        "method",
+        "time_law",
+        "tf",
+        "samples",
+        "damping",
+        "tolerance",
+    ),
+    quick=lambda robot, request, context: None,  # noqa: ARG005
+    stream=_stream,
+    rehearsed=False,
+)

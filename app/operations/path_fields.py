@@ -1,0 +1,328 @@
+"""The fields of a path: geometry, obstacles, options; read into what kinematics takes."""
+
+from __future__ import annotations
+
+from typing import Annotated, TypeAlias
+
+import msgspec
+import numpy as np
+
+from app.operations.base import Context, SingleConfiguration, TaskField, read_single
+from app.operations.inverse import NOT_GIVEN, EulerField, Target, not_given, read_target
+from app.problems import INVALID_REQUEST, RequestProblem
+from dh_to_urdf.errors import quoted
+from kinematics.errors import InvalidOption
+from kinematics.forward import fk
+from kinematics.redundancy import obstacles as solids
+from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.path import Circle, Path, Sampling, circle, polyline
+from kinematics.redundancy.problem import (
+    Gains,
+    PathOptions,
+    PathTolerance,
+    Problem,
+    SecondaryTask,
+)
+from kinematics.redundancy.time_law import TimeLaw
+from kinematics.task import TASKS, task_from
+from robots.robot import FloatArray, Robot
+
+MAX_WAYPOINTS = 1000
+MAX_SECONDARY = 16
+PLANES = {"xy": (0.0, 0.0, 1.0), "xz": (0.0, -1.0, 0.0), "yz": (1.0, 0.0, 0.0)}
+
+
+class CircleField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """A circle about a center, through the start; the orientation is kept.
+
+    Its axis is the normal, or that of a plane xy (default), xz or yz; turns counts whole ones,
+    right-handed about the axis, negative the other way round.
+    """
+
+    center: list[float]
+    normal: list[float] | None = None
+    plane: str | None = None
+    turns: float = 1.0
+
+
+class SphereField(msgspec.Struct, tag="sphere", forbid_unknown_fields=True, kw_only=True):
+    """A ball, m."""
+
+    center: list[float]
+    radius: float
+
+
+class CircleObstacleField(msgspec.Struct, tag="circle", forbid_unknown_fields=True, kw_only=True):
+    """A disc in the plane xy, at every height, m."""
+
+    center: list[float]
+    radius: float
+
+
+class CapsuleField(msgspec.Struct, tag="capsule", forbid_unknown_fields=True, kw_only=True):
+    """All that is within radius of a segment, m."""
+
+    start: list[float]
+    end: list[float]
+    radius: float
+
+
+class HalfSpaceField(msgspec.Struct, tag="half_space", forbid_unknown_fields=True, kw_only=True):
+    """All behind a plane: normal · p < offset, m along the unit normal. A floor: [0, 0, 1], 0."""
+
+    normal: list[float]
+    offset: float = 0.0
+
+
+class BoxField(msgspec.Struct, tag="box", forbid_unknown_fields=True, kw_only=True):
+    """A box with edges of a size, m, turned by one orientation."""
+
+    center: list[float]
+    size: list[float]
+    rpy: list[float] | None = None
+    quaternion_xyzw: list[float] | None = None
+    euler: EulerField | None = None
+
+
+ObstacleField: TypeAlias = (
+    SphereField | CircleObstacleField | CapsuleField | HalfSpaceField | BoxField
+)
+
+
+class PathToleranceField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """Largest errors at a sample that count as on the path, m and rad."""
+
+    position: float = 1e-4
+    orientation: float = 1e-4
+
+
+class GainsField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """Weights of the potentials that the null-space motion goes down."""
+
+    limits: float = 0.0
+    manipulability: float = 0.0
+    obstacles: float = 0.0
+    posture: float = 0.0
+
+
+class SecondaryField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """A task of lower priority: a frame is drawn to a target; without one it is held."""
+
+    frame: str | None = None
+    task: TaskField = "position"
+    target: Target | None = None
+    gain: float = 0.1
+
+
+class MethodOptions(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """What methods may be told; each takes what concerns it."""
+
+    closed_loop: Annotated[
+        bool,
+        msgspec.Meta(description="pseudo_inverse: false is the open loop, which drifts."),
+    ] = True
+    damping: Annotated[float, msgspec.Meta(description="damped: λ.")] = 0.01
+    iterations: Annotated[int, msgspec.Meta(description="Most corrections in a sample.")] = 10
+    gains: Annotated[
+        GainsField | None, msgspec.Meta(description="null_space; default limits and obstacles.")
+    ] = None
+    posture: Annotated[
+        SingleConfiguration, msgspec.Meta(description="null_space: wanted q; default the start.")
+    ] = msgspec.field(default_factory=not_given)
+    influence: Annotated[
+        float | None,
+        msgspec.Meta(description="Clearance from which on obstacles repel, m; default d_safe + a"
+        " tenth of the arm."),
+    ] = None  # fmt: skip
+    obstacle_weight: Annotated[
+        float, msgspec.Meta(description="sqp: weight of the repulsion in its objective.")
+    ] = 0.0
+    margin: Annotated[
+        float, msgspec.Meta(description="sqp, qp, whole_path: kept on top of d_safe, m.")
+    ] = 1e-3
+    secondary: Annotated[
+        list[SecondaryField], msgspec.Meta(description="task_priority, highest priority first.")
+    ] = []
+    perturb: Annotated[
+        float,
+        msgspec.Meta(description="Bends the joints by so much as the arm leaves the start, rad or"
+        " m: out of a singular one."),
+    ] = 0.0  # fmt: skip
+
+
+class PathScenario(MethodOptions, forbid_unknown_fields=True, kw_only=True):
+    """From where, along what, among which obstacles."""
+
+    q: Annotated[SingleConfiguration, msgspec.Meta(description="Start: sample 0.")]
+    target: Annotated[
+        Target | None, msgspec.Meta(description="End of a straight line; turns by SLERP.")
+    ] = None
+    waypoints: Annotated[
+        list[Target] | None, msgspec.Meta(description="Corners of a polyline, each a sample.")
+    ] = None
+    circle: CircleField | None = None
+    frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
+    task: TaskField = "pose"
+    time_law: Annotated[str, msgspec.Meta(description="linear, cubic, quintic or trapezoidal.")] = (
+        "cubic"
+    )
+    tf: Annotated[float, msgspec.Meta(description="Duration, s.")] = 2.0
+    samples: Annotated[
+        int, msgspec.Meta(description="Samples, equally spaced in time, the start included.")
+    ] = 101
+    obstacles: list[ObstacleField] = []
+    link_radius: Annotated[
+        float,
+        msgspec.Meta(description="Radius of the capsules about the segments between successive"
+        " joint origins, and to the frame, m."),
+    ] = 0.0  # fmt: skip
+    d_safe: Annotated[float, msgspec.Meta(description="Clearance to keep, m.")] = 0.0
+    tolerance: PathToleranceField = msgspec.field(default_factory=PathToleranceField)
+
+
+def read_problem(robot: Robot, request: PathScenario, context: Context) -> Problem:
+    """The problem of a request.
+
+    Raises:
+        KinematicsError: A field is out of range or does not fit.
+        RequestProblem: Not one of target, waypoints and circle.
+    """
+    arm = Arm.of(robot, request.frame, task_from(request.task))
+    q = read_single(request.q, robot, context)
+    if request.time_law not in list(TimeLaw):
+        raise InvalidOption(
+            f"time_law is {quoted(request.time_law)}; give {', '.join(TimeLaw)}", "/time_law"
+        )
+    sampling = Sampling(TimeLaw(request.time_law), request.tf, request.samples)
+    return Problem(
+        arm,
+        q,
+        _path(robot, arm, q, request, sampling, context),
+        solids.encoded([_solid(one, k, context) for k, one in enumerate(request.obstacles)]),
+        request.link_radius,
+        request.d_safe,
+        PathTolerance(request.tolerance.position, request.tolerance.orientation),
+    )
+
+
+def _path(
+    robot: Robot,
+    arm: Arm,
+    q: FloatArray,
+    request: PathScenario,
+    sampling: Sampling,
+    context: Context,
+) -> Path:
+    given = [
+        name for name in ("target", "waypoints", "circle") if getattr(request, name) is not None
+    ]
+    if len(given) != 1:
+        raise RequestProblem(
+            INVALID_REQUEST,
+            f"give one of target, waypoints and circle, not {' and '.join(given) or 'none'}",
+            f"/{given[1] if given else 'target'}",
+        )
+    start = fk(robot, q, [arm.frame])[arm.frame]
+    if request.circle is not None:
+        return circle(start, _circle(request.circle), arm.task, sampling)
+    if request.target is not None:
+        goals, pointers = [request.target], ["/target"]
+    else:
+        goals = request.waypoints or []
+        pointers = [f"/waypoints/{k}" for k in range(len(goals))]
+        if not 1 <= len(goals) <= MAX_WAYPOINTS:
+            raise InvalidOption(
+                f"waypoints holds {len(goals)}; give 1 to {MAX_WAYPOINTS}", "/waypoints"
+            )
+    poses = [
+        read_target(one, arm.task, context.units, pointer)
+        for one, pointer in zip(goals, pointers, strict=True)
+    ]
+    return polyline(start, poses, arm.task, sampling)
+
+
+def _circle(field: CircleField) -> Circle:
+    if field.normal is not None and field.plane is not None:
+        raise InvalidOption("circle has a normal and a plane; give one", "/circle/plane")
+    plane = field.plane or "xy"
+    if plane not in PLANES:
+        raise InvalidOption(
+            f"circle.plane is {quoted(plane)}; give {', '.join(PLANES)}", "/circle/plane"
+        )
+    normal = list(PLANES[plane]) if field.normal is None else field.normal
+    center = [*field.center, 0.0] if len(field.center) == 2 else field.center
+    return Circle(_three(center, "center"), _three(normal, "normal"), field.turns)
+
+
+def _three(values: list[float], name: str) -> FloatArray:
+    if len(values) != 3 or not all(abs(value) <= 1e6 for value in values):
+        raise InvalidOption(
+            f"circle.{name} is no point or direction; give three numbers up to 1e6",
+            f"/circle/{name}",
+        )
+    return np.array(values)
+
+
+def _solid(field: ObstacleField, index: int, context: Context) -> solids.Obstacle:
+    if isinstance(field, SphereField):
+        return solids.Sphere(field.center, field.radius)
+    if isinstance(field, CircleObstacleField):
+        return solids.CircleObstacle(field.center, field.radius)
+    if isinstance(field, CapsuleField):
+        return solids.Capsule(field.start, field.end, field.radius)
+    if isinstance(field, HalfSpaceField):
+        return solids.HalfSpace(field.normal, field.offset)
+    rotation = None
+    if (field.rpy, field.quaternion_xyzw, field.euler) != (None, None, None):
+        target = Target(rpy=field.rpy, quaternion_xyzw=field.quaternion_xyzw, euler=field.euler)
+        pointer = f"/obstacles/{index}"
+        rotation = read_target(target, TASKS["orientation"], context.units, pointer)[:3, :3]
+    return solids.Box(field.center, field.size, rotation)
+
+
+def read_options(
+    robot: Robot, request: MethodOptions, problem: Problem, seconds: float, context: Context
+) -> PathOptions:
+    """The options of a request.
+
+    Raises:
+        KinematicsError: A field is out of range or does not fit.
+    """
+    posture = None
+    if bytes(request.posture) != NOT_GIVEN:
+        wanted = read_single(request.posture, robot, context, "/posture")
+        posture = problem.arm.reduced(wanted)
+    if len(request.secondary) > MAX_SECONDARY:
+        raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", "/secondary")
+    gains = request.gains
+    return PathOptions(
+        closed_loop=request.closed_loop,
+        damping=request.damping,
+        iterations=request.iterations,
+        gains=None
+        if gains is None
+        else Gains(gains.limits, gains.manipulability, gains.obstacles, gains.posture),
+        posture_q=posture,
+        influence=request.influence,
+        obstacle_weight=request.obstacle_weight,
+        margin=request.margin,
+        secondary=tuple(
+            _secondary(robot, one, k, problem, context) for k, one in enumerate(request.secondary)
+        ),
+        perturb=request.perturb,
+        seconds=seconds,
+    )
+
+
+def _secondary(
+    robot: Robot, field: SecondaryField, k: int, problem: Problem, context: Context
+) -> SecondaryTask:
+    pointer = f"/secondary/{k}"
+    if field.frame is not None:
+        robot.frame_id(field.frame, f"{pointer}/frame")
+    arm = Arm.of(robot, field.frame, task_from(field.task))
+    if field.target is None:
+        pose = fk(robot, problem.start, [arm.frame])[arm.frame]
+    else:
+        pose = read_target(field.target, arm.task, context.units, f"{pointer}/target")
+    return SecondaryTask(arm, np.ascontiguousarray(pose[:3].reshape(12)), field.gain)

@@ -1,0 +1,135 @@
+"""A followed path, or several methods side by side, as one figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from app.pictures.canvas import COLORS, Canvas
+from app.pictures.chart import Curve, Level, chart
+from app.pictures.scene import SNAPSHOTS, Scene, draw_scene, plane_of, skeleton
+from kinematics.redundancy.follow import PathResult
+from robots.robot import FloatArray
+
+SCENE, CHART_WIDTH, CHART_HEIGHT = 330.0, 400.0, 200.0
+MOST_POINTS = 600
+"""Of a curve; more are not seen."""
+
+
+def path_figure(results: Sequence[tuple[str, PathResult]], title: str, plane: str | None) -> str:
+    """The arm among obstacles for each method, and curves of joints, clearance and error.
+
+    Args:
+        results: Labels and followed paths of one problem.
+        title: Of the figure.
+        plane: xy, xz or yz; None for the one that shows most.
+
+    Returns:
+        SVG text.
+    """
+    scenes = [_scene(result) for _, result in results]
+    plane = plane or plane_of(scenes)
+    across = min(len(results), 3) if len(results) > 1 else 1
+    rows = -(-len(results) // across)
+    single = len(results) == 1
+    charts = _charts(results)
+    width = SCENE + CHART_WIDTH + 30 if single else max(across * SCENE, 2 * CHART_WIDTH) + 20
+    below = 0.0 if single else 30 + rows * (SCENE + 24)
+    height = 40 + (max(SCENE + 40, len(charts) * CHART_HEIGHT) if single else
+                   below + -(-len(charts) // 2) * CHART_HEIGHT)  # fmt: skip
+    canvas = Canvas(width, height, title)
+    canvas.text((14, 22), title, 15, bold=True)
+    reach = _reach(scenes)
+    for k, ((label, result), scene) in enumerate(zip(results, scenes, strict=True)):
+        x, y = 10 + (k % across) * SCENE, 34 + (k // across) * (SCENE + 24)
+        canvas.text((x + 40, y + 12), f"{label}: {_word(result)}", 12, bold=True)
+        draw_scene(canvas, (x, y + 16, SCENE, SCENE), scene, plane, f"scene{k}", reach)
+    for k, (curves, name, log, levels) in enumerate(charts):
+        if single:
+            box = (SCENE + 20, 34 + k * CHART_HEIGHT, CHART_WIDTH, CHART_HEIGHT)
+        else:
+            box = (10 + (k % 2) * CHART_WIDTH, 40 + below + (k // 2) * CHART_HEIGHT,
+                   CHART_WIDTH, CHART_HEIGHT)  # fmt: skip
+        chart(canvas, box, curves, name, "t [s]", log=log, levels=levels)
+    return canvas.render()
+
+
+def _word(result: PathResult) -> str:
+    verdict = result.verdict
+    return "success" if verdict.success else str(verdict.reason).replace("_", " ")
+
+
+def _scene(result: PathResult) -> Scene:
+    problem = result.problem
+    chosen = np.unique(np.linspace(0, len(result.q) - 1, SNAPSHOTS).round().astype(int))
+    trace = skeleton(problem.arm.chain, _thinned(result.q))[:, -1]
+    return Scene(
+        skeleton(problem.arm.chain, result.q[chosen]),
+        _thinned(problem.path.targets)[:, [3, 7, 11]],
+        trace,
+        problem.obstacles,
+        problem.link_radius,
+    )
+
+
+def _reach(scenes: Sequence[Scene]) -> FloatArray:
+    """Least and largest coordinates of all scenes with a margin, a cube in shape; (2, 3)."""
+    points = np.concatenate([s.links.reshape(-1, 3) for s in scenes] + [s.path for s in scenes])
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, half = (low + high) / 2, max(0.55 * float((high - low).max()), 1e-6)
+    return np.array([middle - half, middle + half])
+
+
+def _charts(
+    results: Sequence[tuple[str, PathResult]],
+) -> list[tuple[list[Curve], str, bool, list[Level]]]:
+    """Curves, title, whether logarithmic, and levels of each chart."""
+    made: list[tuple[list[Curve], str, bool, list[Level]]] = []
+    problem = results[0][1].problem
+    if len(results) == 1:
+        result = results[0][1]
+        for turns, unit in ((True, "rad"), (False, "m")):
+            joints = [
+                Curve(name, _times(result), _thinned(result.q[:, column]), COLORS[k % len(COLORS)])
+                for k, (name, column) in enumerate(
+                    zip(problem.arm.names, problem.arm.chain.columns, strict=True)
+                )
+                if bool(problem.arm.chain.turns[k]) is turns
+            ]
+            if joints:
+                made.append((joints, f"joints [{unit}]", False, []))
+    labels = [("" if len(results) == 1 else label, result) for label, result in results]
+
+    def each(values: Sequence[FloatArray]) -> list[Curve]:
+        return [
+            Curve(label, _times(result), _thinned(value), COLORS[k % len(COLORS)])
+            for k, ((label, result), value) in enumerate(zip(labels, values, strict=True))
+        ]
+
+    if len(problem.obstacles):
+        levels = [Level(problem.d_safe, "d_safe")] if problem.d_safe else []
+        levels.append(Level(0.0, "contact"))
+        clearance = each([result.measures.clearance for _, result in results])
+        made.append((clearance, "clearance [m]", False, levels))
+    tolerance = [Level(problem.tolerance.position, "tolerance")]
+    error = each([result.measures.position_error for _, result in results])
+    made.append((error, "position error [m]", True, tolerance))
+    if len(results) > 1:
+        steps = [np.concatenate(([0.0], result.measures.step)) for _, result in results]
+        made.append((each(steps), "‖Δq‖ of a sample", False, []))
+        if np.isfinite(problem.arm.chain.lower).any() or np.isfinite(problem.arm.chain.upper).any():
+            margins = each([result.measures.limit_margin for _, result in results])
+            made.append((margins, "distance to the nearest joint limit", False, [Level(0.0, "limit")]))
+    return made
+
+
+def _times(result: PathResult) -> FloatArray:
+    return _thinned(result.problem.path.t[: len(result.q)])
+
+
+def _thinned(values: FloatArray) -> FloatArray:
+    """At most ``MOST_POINTS`` of the rows, first and last among them."""
+    if len(values) <= MOST_POINTS:
+        return values
+    return np.asarray(values[np.linspace(0, len(values) - 1, MOST_POINTS).round().astype(int)])

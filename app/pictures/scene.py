@@ -1,0 +1,152 @@
+"""An arm in a plane: snapshots of its links, its path, and what stands in the way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.pictures.canvas import COLORS, GRID, INK, Canvas
+from app.pictures.chart import Box, ticks
+from kinematics.chain import Chain
+from kinematics.named_singularities.posture import posture
+from kinematics.redundancy.obstacles import BOX, CAPSULE, CIRCLE, HALF_SPACE, SPHERE
+from robots.robot import FloatArray
+
+PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+OBSTACLE = "#c8c8c8"
+SNAPSHOTS = 9
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What is drawn.
+
+    Attributes:
+        links: Joint origins and tip of each snapshot, shape (n, K + 1, 3), m.
+        path: Where the tip should go, shape (N, 3).
+        trace: Where it goes, shape (m, 3).
+        obstacles: See :func:`kinematics.redundancy.obstacles.encoded`.
+        link_radius: m.
+    """
+
+    links: FloatArray
+    path: FloatArray
+    trace: FloatArray
+    obstacles: FloatArray
+    link_radius: float
+
+
+def skeleton(chain: Chain, q: FloatArray) -> FloatArray:
+    """Joint origins and tip, shape (n, K + 1, 3), for q of shape (n, dof)."""
+    found = posture(chain, q)
+    return np.concatenate((found.O, found.p[:, None]), axis=1)
+
+
+def plane_of(scenes: Sequence[Scene]) -> str:
+    """The coordinate plane that shows most of the arms."""
+    points = np.concatenate([scene.links.reshape(-1, 3) for scene in scenes])
+    spread = points.max(axis=0) - points.min(axis=0)
+    return max(PLANES, key=lambda name: spread[PLANES[name][0]] * spread[PLANES[name][1]])
+
+
+def draw_scene(
+    canvas: Canvas, box: Box, scene: Scene, plane: str, name: str, reach: FloatArray
+) -> None:
+    """Draws a scene into a box (x, y, width, height).
+
+    Args:
+        canvas: Where to draw.
+        box: Place on it.
+        scene: What to draw.
+        plane: xy, xz or yz.
+        name: Distinguishes the scenes of a canvas.
+        reach: Least and largest coordinates to show, shape (2, 3), m.
+    """
+    columns = list(PLANES[plane])
+    left, top, width, height = box[0] + 40, box[1] + 4, box[2] - 46, box[3] - 30
+    low, high = reach[:, columns]
+    scale = min(width / (high[0] - low[0]), height / (high[1] - low[1]))
+    middle = (low + high) / 2
+
+    def place(points: FloatArray) -> FloatArray:
+        flat = np.asarray(points)[..., columns] if np.shape(points)[-1] == 3 else np.asarray(points)
+        x = left + width / 2 + (flat[..., 0] - middle[0]) * scale
+        y = top + height / 2 - (flat[..., 1] - middle[1]) * scale
+        return np.stack((x, y), axis=-1)
+
+    half = np.array([width, height]) / (2 * scale)
+    for value in ticks(middle[0] - half[0], middle[0] + half[0]):
+        x = place(np.array([value, middle[1]]))[0]
+        canvas.line([(x, top), (x, top + height)], GRID, 0.6)
+        canvas.text((x, top + height + 13), f"{value + 0.0:.6g}", 10, anchor="middle")
+    for value in ticks(middle[1] - half[1], middle[1] + half[1]):
+        y = place(np.array([middle[0], value]))[1]
+        canvas.line([(left, y), (left + width, y)], GRID, 0.6)
+        canvas.text((left - 4, y + 3.5), f"{value + 0.0:.6g}", 10, anchor="end")
+    canvas.text((left + width / 2, top + height + 26), f"{plane[0]} [m]", 10, anchor="middle")
+    canvas.text((left - 28, top + height / 2), f"{plane[1]} [m]", 10, anchor="middle", turned=True)
+    canvas.clip(name, (left, top, width, height))
+    corners = middle + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    for row in scene.obstacles:
+        _obstacle(canvas, row, place, scale, columns, corners)
+    count = len(scene.links)
+    for k, links in enumerate(scene.links):
+        shade = 0.25 + 0.75 * (k + 1) / count
+        last = k == count - 1
+        thick = max(1.6, 2 * scene.link_radius * scale)
+        canvas.line(place(links), COLORS[0], thick, opacity=0.5 * shade if not last else 0.9)
+        for point in place(links):
+            canvas.circle(point, 2.0, "#ffffff", COLORS[0], 0.8, opacity=shade)
+    canvas.line(place(scene.path), INK, 1.2, dash="4 3")
+    canvas.line(place(scene.trace), COLORS[1], 1.6)
+    canvas.circle(place(scene.trace[-1]), 3.0, COLORS[1], COLORS[1])
+    canvas.end_clip()
+    frame = [(left, top), (left + width, top), (left + width, top + height), (left, top + height)]
+    canvas.line(frame, INK, 0.8, closed=True)
+
+
+def _obstacle(
+    canvas: Canvas,
+    row: FloatArray,
+    place: object,
+    scale: float,
+    columns: list[int],
+    corners: FloatArray,
+) -> None:
+    put = place
+    assert callable(put)
+    kind = row[0]
+    if kind in (SPHERE, CIRCLE):
+        canvas.circle(put(row[1:4]), row[4] * scale, OBSTACLE, INK, 0.8)
+    elif kind == CAPSULE:
+        ends = put(row[1:7].reshape(2, 3))
+        canvas.line(ends, INK, 2 * row[7] * scale + 1.6)
+        canvas.line(ends, OBSTACLE, 2 * row[7] * scale)
+    elif kind == BOX:
+        axes = row[7:16].reshape(3, 3) * row[4:7, None]
+        for axis in range(3):
+            a, b = (axes[k] for k in range(3) if k != axis)
+            for sign in (-1.0, 1.0):
+                c = row[1:4] + sign * axes[axis]
+                face = np.array([c + a + b, c + a - b, c - a - b, c - a + b])
+                canvas.line(put(face), OBSTACLE, 0.8, closed=True, fill=OBSTACLE)
+    elif kind == HALF_SPACE:
+        normal, offset = row[1:4][columns], row[4]
+        if np.linalg.norm(normal) > 1 - 1e-9:
+            behind = _behind(corners, normal, offset)
+            if len(behind):
+                canvas.line(put(behind), INK, 0.8, closed=True, fill=OBSTACLE)
+
+
+def _behind(corners: FloatArray, normal: FloatArray, offset: float) -> FloatArray:
+    """The part of a convex polygon with normal · p < offset (Sutherland and Hodgman)."""
+    kept = []
+    for p, q in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        a, b = float(p @ normal - offset), float(q @ normal - offset)
+        if a <= 0:
+            kept.append(p)
+        if a * b < 0:
+            kept.append(p + a / (a - b) * (q - p))
+    return np.array(kept)

@@ -1,0 +1,102 @@
+"""An arm with a task: what every method is given of the robot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.chain import Chain, chain_of
+from kinematics.redundancy.kernel import task_at, workspace
+from kinematics.task import Task
+from robots.robot import FloatArray, Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """The chain from a robot's base to a frame, and the task space of that frame.
+
+    Attributes:
+        robot: The robot.
+        frame: Name of the frame.
+        task: The task space.
+        chain: The chain, of K joints; the robot's other joints stand still.
+    """
+
+    robot: Robot
+    frame: str
+    task: Task
+    chain: Chain
+
+    @classmethod
+    def of(cls, robot: Robot, frame: str | None, task: Task) -> Arm:
+        """The arm of a robot.
+
+        Raises:
+            UnknownFrame: The robot has no such frame.
+        """
+        frame = robot.tip_frame if frame is None else frame
+        return cls(robot, frame, task, chain_of(robot, frame))
+
+    @property
+    def K(self) -> int:  # noqa: N802
+        """Number of joints."""
+        return self.chain.length
+
+    @property
+    def m(self) -> int:
+        """Number of task rows."""
+        return len(self.task.rows)
+
+    @cached_property
+    def mask(self) -> FloatArray:
+        """See :attr:`kinematics.task.Task.mask`."""
+        return self.task.mask
+
+    @cached_property
+    def rows(self) -> NDArray[np.int64]:
+        """Rows of the task, shape (m,)."""
+        return np.array(self.task.rows, dtype=np.int64)
+
+    @cached_property
+    def velocity(self) -> FloatArray:
+        """Largest joint speeds, inf where unknown; shape (K,)."""
+        speeds = [joint.velocity for joint in self.robot.joints]
+        every = np.array([np.inf if v is None or v <= 0 else v for v in speeds])
+        return every[self.chain.columns]
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the joints."""
+        return tuple(self.robot.joints[k].name for k in self.chain.columns)
+
+    def reduced(self, q: FloatArray) -> FloatArray:
+        """The chain's entries of q, shape (..., dof) -> (..., K)."""
+        return np.ascontiguousarray(q[..., self.chain.columns])
+
+    def expanded(self, q: FloatArray, start: FloatArray) -> FloatArray:
+        """Whole configurations; shape (n, K) -> (n, dof)."""
+        whole = np.repeat(start[None], len(q), axis=0)
+        whole[:, self.chain.columns] = q
+        return whole
+
+    def task_at(self, q: FloatArray, G: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Error to a pose (m), Jacobian (m, K), and pose (12) at q of shape (K,)."""
+        W, e, J = workspace(self.K), np.empty(self.m), np.empty((self.m, self.K))
+        task_at(*self.constants, G, q, W, e, J)
+        return e, J, W[self.K].copy()
+
+    @cached_property
+    def constants(
+        self,
+    ) -> tuple[FloatArray, NDArray[np.bool_], FloatArray, NDArray[np.int64], bool]:
+        """What compiled functions take first: C, turns, mask, rows, own axes."""
+        return (
+            self.chain.placements,
+            self.chain.turns,
+            self.mask,
+            self.rows,
+            self.task.own_axes,
+        )

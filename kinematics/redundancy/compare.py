@@ -1,0 +1,27 @@
+"""Several methods on one problem."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from kinematics.redundancy.follow import PathResult, followed
+from kinematics.redundancy.methods import Method
+from kinematics.redundancy.problem import PathOptions, Problem
+
+
+def compared(
+    problem: Problem, entries: Sequence[tuple[Method, PathOptions]], seconds: float
+) -> Iterator[PathResult]:
+    """The result of each method with its options, one after the other.
+
+    Args:
+        problem: What is to be done.
+        entries: Methods and what they are told.
+        seconds: Longest computation of all together; who comes too late is told to stop at once.
+    """
+    deadline = time.perf_counter() + seconds
+    for method, options in entries:
+        left = max(0.0, deadline - time.perf_counter())
+        yield followed(problem, method, replace(options, seconds=left))

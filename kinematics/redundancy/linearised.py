@@ -1,0 +1,169 @@
+"""Compiled: the linear model of task and clearances about a configuration, as a QP wants it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.compiled import jit
+from kinematics.kernels import Array
+from kinematics.redundancy.distances import near_pairs
+from kinematics.redundancy.kernel import task_at, workspace
+from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.sweep import swept_clearance
+from robots.robot import FloatArray
+
+MOST_PAIRS = 256
+"""Pairs of link and obstacle in one QP, the nearest ones."""
+TRUST = 0.3
+"""Largest motion of a joint in one QP, rad or m."""
+EQUAL, SOFT = 5, 8
+FREE = 1e30
+
+
+@jit
+def assemble(
+    C: Array,
+    turns: Array,
+    mask: Array,
+    rows: Array,
+    own: bool,
+    target: Array,
+    q: Array,
+    low: Array,
+    high: Array,
+    obstacles: Array,
+    radius: float,
+    near: float,
+    need: float,
+    longest: float,
+    W: Array,
+    e: Array,
+    J: Array,
+    d: Array,
+    g: Array,
+    whose: Array,
+    A: Array,
+    upper: Array,
+    lower: Array,
+    sense: Array,
+) -> tuple[int, int, float, float, float]:
+    """Rows ``J δ = e`` and ``∇d δ ≥ need − d`` of pairs nearer than ``near``; bounds of δ first.
+
+    An error longer than ``longest`` (m; rad alike) is shortened to it. A task row that the arm
+    cannot move and need not move is left out.
+
+    Returns:
+        Task rows, pairs, squared position and rotation error, least clearance.
+    """
+    K, m = len(q), len(rows)
+    position, rotation = task_at(C, turns, mask, rows, own, target, q, W, e, J)
+    size = math.sqrt(max(position, rotation))
+    cut = longest / size if size > longest else 1.0
+    for j in range(K):
+        lower[j] = max(low[j] - q[j], -TRUST)
+        upper[j] = min(high[j] - q[j], TRUST)
+    used = 0
+    for i in range(m):
+        largest = abs(e[i])
+        for j in range(K):
+            largest = max(largest, abs(J[i, j]))
+        if largest < 1e-12:
+            continue
+        for j in range(K):
+            A[used, j] = J[i, j]
+        upper[K + used] = lower[K + used] = cut * e[i]
+        sense[K + used] = EQUAL
+        used += 1
+    count, least = 0, math.inf
+    if len(obstacles) > 0:
+        count, least = near_pairs(C, turns, q, obstacles, radius, near, W, d, g, whose)
+    for i in range(count):
+        for j in range(K):
+            A[used + i, j] = g[i, j]
+        lower[K + used + i] = need - d[i]
+        upper[K + used + i] = FREE
+        sense[K + used + i] = 0
+    return used, count, position, rotation, least
+
+
+class Linearised:
+    """The linear model of one problem, in memory that is used again at every configuration.
+
+    Attributes:
+        low: Bounds of q in the present sample, shape (K,).
+        high: Likewise.
+        e: Task error at the last configuration, shape (m,).
+        J: Task Jacobian, shape (m, K).
+        d: Clearances of the near pairs.
+        g: Their gradients.
+        used: Task rows of the QP.
+        count: Near pairs.
+        position: Squared position error.
+        rotation: Squared rotation error.
+        least: Least clearance, m.
+    """
+
+    def __init__(self, problem: Problem, options: PathOptions) -> None:
+        arm = problem.arm
+        K, m = arm.K, arm.m
+        pairs = min(MOST_PAIRS, K * len(problem.obstacles))
+        self.problem = problem
+        self.need = problem.d_safe + options.margin
+        self.near = self.need + 0.2 * problem.scale
+        self.longest = 0.1 * problem.scale
+        self.low, self.high = np.empty(K), np.empty(K)
+        self._W = workspace(K)
+        self.e, self.J = np.empty(m), np.empty((m, K))
+        self.d, self.g = np.empty(pairs), np.empty((pairs, K))
+        self._whose = np.empty((pairs, 2), dtype=np.int64)
+        self._A = np.empty((m + pairs, K))
+        self._upper, self._lower = np.empty(K + m + pairs), np.empty(K + m + pairs)
+        self._sense = np.zeros(K + m + pairs, dtype=np.int32)
+        self.used = self.count = 0
+        self.position = self.rotation = 0.0
+        self.least = math.inf
+
+    def bound(self, previous: FloatArray) -> None:
+        """Takes limits and speeds for the sample after a configuration."""
+        chain, most = self.problem.arm.chain, self.problem.most_per_step
+        np.maximum(chain.lower, previous - most, out=self.low)
+        np.minimum(chain.upper, previous + most, out=self.high)
+
+    def at(self, q: FloatArray, target: FloatArray, need: float) -> None:
+        """Linearises at q."""
+        problem = self.problem
+        self.used, self.count, self.position, self.rotation, self.least = assemble(
+            *problem.arm.constants, target, q, self.low, self.high, problem.obstacles,
+            problem.link_radius, self.near, need, self.longest, self._W, self.e, self.J, self.d,
+            self.g, self._whose, self._A, self._upper, self._lower, self._sense,
+        )  # fmt: skip
+
+    @property
+    def error(self) -> float:
+        """Squared task error at the last configuration, m² + rad²."""
+        return self.position + self.rotation
+
+    def rows(self, task: bool) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.int32]]:
+        """A, upper, lower (bounds first), sense of a QP in δ, with the task's rows or without."""
+        K, used, count = len(self.low), self.used, self.count
+        total = K + used + count
+        if task:
+            parts = self._A[: used + count], self._upper[:total], self._lower[:total]
+            return *parts, self._sense[:total]
+        keep = np.r_[0:K, K + used : total]
+        parts = self._A[used : used + count], self._upper[keep], self._lower[keep]
+        return *parts, self._sense[keep]
+
+    def swept(self, a: FloatArray, b: FloatArray) -> float:
+        """A lower bound of the clearance between two configurations, as far as it matters."""
+        problem = self.problem
+        C, turns, *_ = problem.arm.constants
+        return float(
+            swept_clearance(
+                C, turns, a, b, problem.obstacles, problem.link_radius, problem.d_safe, 1e-6,
+                self._W,
+            )
+        )  # fmt: skip

@@ -1,0 +1,67 @@
+"""The methods by name, each with the same interface."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from kinematics.errors import InvalidOption
+from kinematics.redundancy.methods import (
+    damped,
+    null_space,
+    pseudo_inverse,
+    qp,
+    sqp,
+    task_priority,
+    whole_path,
+)
+from kinematics.redundancy.methods.stop import Stop
+from kinematics.redundancy.problem import PathOptions, Problem
+from robots.errors import hint
+from robots.robot import FloatArray
+
+Following: TypeAlias = Generator[int, None, Stop | None]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to follow a path.
+
+    Attributes:
+        name: Its name.
+        follow: Fills joint values, shape (N, K), whose row 0 is given, sample by sample; gives
+            how many are done, every now and then, and at last why it stopped before the end.
+        constrained: Whether it keeps limits and clearance, as far as it can.
+    """
+
+    name: str
+    follow: Callable[[Problem, PathOptions, FloatArray], Following]
+    constrained: bool = False
+
+
+METHODS = {
+    method.name: method
+    for method in (
+        Method("pseudo_inverse", pseudo_inverse.follow),
+        Method("damped", damped.follow),
+        Method("null_space", null_space.follow),
+        Method("task_priority", task_priority.follow),
+        Method("sqp", sqp.follow, constrained=True),
+        Method("qp", qp.follow, constrained=True),
+        Method("whole_path", whole_path.follow, constrained=True),
+    )
+}
+
+
+def method_from(name: str, pointer: str = "/method") -> Method:
+    """A method by name.
+
+    Raises:
+        InvalidOption: There is no such method.
+    """
+    if name not in METHODS:
+        raise InvalidOption(
+            f"method {name[:32]!r} is unknown; {hint(name, tuple(METHODS))}", pointer
+        )
+    return METHODS[name]

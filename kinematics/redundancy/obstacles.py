@@ -1,0 +1,123 @@
+"""Obstacles as requests give them -> rows of numbers for the compiled distances."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from kinematics.errors import InvalidOption
+from robots.robot import FloatArray
+
+SPHERE, CIRCLE, CAPSULE, HALF_SPACE, BOX = 0.0, 1.0, 2.0, 3.0, 4.0
+WIDTH = 16
+MAX_VALUE = 1e6
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A ball: center (3,) and radius, m."""
+
+    center: Sequence[float]
+    radius: float
+
+
+@dataclass(frozen=True)
+class CircleObstacle:
+    """A disc of the plane xy, at every height: center (2 or 3 numbers) and radius, m."""
+
+    center: Sequence[float]
+    radius: float
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """What is nearer than radius to the segment from start to end, m."""
+
+    start: Sequence[float]
+    end: Sequence[float]
+    radius: float
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """What lies behind a plane: points p with normal · p < offset (m, of the unit normal)."""
+
+    normal: Sequence[float]
+    offset: float
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box: center (3,), edge lengths (3,), m, and the rotation of its axes, 3x3."""
+
+    center: Sequence[float]
+    size: Sequence[float]
+    rotation: FloatArray | None = None
+
+
+Obstacle: TypeAlias = Sphere | CircleObstacle | Capsule | HalfSpace | Box
+
+
+def encoded(obstacles: Sequence[Obstacle], pointer: str = "/obstacles") -> FloatArray:
+    """Obstacles as the compiled distances read them, shape (n, 16).
+
+    A row holds the kind; then of a sphere and circle center and radius, of a capsule start, end
+    and radius, of a half-space unit normal and offset, of a box center, half lengths and axes
+    (the columns of its rotation, one after the other).
+
+    Raises:
+        InvalidOption: A value is not finite, a radius negative, a size or normal zero.
+    """
+    rows = np.zeros((len(obstacles), WIDTH))
+    for index, obstacle in enumerate(obstacles):
+        _fill(rows[index], obstacle, f"{pointer}/{index}")
+    return rows
+
+
+def _fill(row: FloatArray, obstacle: Obstacle, where: str) -> None:
+    if isinstance(obstacle, Sphere):
+        row[0], row[1:4] = SPHERE, _vector(obstacle.center, "center", where)
+        row[4] = _length(obstacle.radius, "radius", where)
+    elif isinstance(obstacle, CircleObstacle):
+        flat = list(obstacle.center)
+        flat = [*flat, 0.0] if len(flat) == 2 else flat
+        row[0], row[1:4] = CIRCLE, _vector(flat, "center", where)
+        row[4] = _length(obstacle.radius, "radius", where)
+    elif isinstance(obstacle, Capsule):
+        row[0], row[1:4] = CAPSULE, _vector(obstacle.start, "start", where)
+        row[4:7] = _vector(obstacle.end, "end", where)
+        row[7] = _length(obstacle.radius, "radius", where)
+    elif isinstance(obstacle, HalfSpace):
+        normal = _vector(obstacle.normal, "normal", where)
+        length = np.linalg.norm(normal)
+        if not length > 1e-9:
+            raise InvalidOption("the normal is zero; give a direction", f"{where}/normal")
+        row[0], row[1:4] = HALF_SPACE, normal / length
+        row[4] = _vector([obstacle.offset], "offset", where, 1)[0]
+    else:
+        row[0], row[1:4] = BOX, _vector(obstacle.center, "center", where)
+        size = _vector(obstacle.size, "size", where)
+        if not size.min() > 0:
+            raise InvalidOption("the size holds no positive number; give edges", f"{where}/size")
+        row[4:7] = size / 2
+        R = np.eye(3) if obstacle.rotation is None else obstacle.rotation
+        row[7:16] = R.T.reshape(9)
+
+
+def _vector(values: Sequence[float], name: str, where: str, size: int = 3) -> FloatArray:
+    if len(values) != size:
+        raise InvalidOption(f"{name} has {len(values)} values; give {size}", f"{where}/{name}")
+    if not all(-MAX_VALUE <= value <= MAX_VALUE for value in values):
+        raise InvalidOption(
+            f"{name} has a value that is not finite or beyond ±1e6", f"{where}/{name}"
+        )
+    return np.array(values, dtype=np.float64)
+
+
+def _length(value: float, name: str, where: str) -> float:
+    if not 0 <= value <= MAX_VALUE:
+        raise InvalidOption(f"{name} is {value:g}; give 0 to 1e6", f"{where}/{name}")
+    return value

@@ -1,0 +1,227 @@
+"""What is to be followed, and how: the same for every method."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from kinematics.errors import InvalidOption, WrongConfiguration
+from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.path import Path
+from robots.robot import FloatArray
+
+TOUCH = 1e-9
+"""A limit exceeded by no more than this is rounding, rad or m."""
+MAX_OBSTACLES = 100
+MAX_PAIRS = 200_000
+"""Most samples times obstacles times links of a path."""
+
+
+@dataclass(frozen=True)
+class PathTolerance:
+    """Largest errors at a sample that count as on the path.
+
+    Attributes:
+        position: m.
+        orientation: rad.
+    """
+
+    position: float = 1e-4
+    orientation: float = 1e-4
+
+    def __post_init__(self) -> None:
+        for name in ("position", "orientation"):
+            if not 1e-9 <= getattr(self, name) <= 1e3:
+                raise InvalidOption(
+                    f"tolerance.{name} is {getattr(self, name):g}; give 1e-9 to 1e3",
+                    f"/tolerance/{name}",
+                )
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A path for an arm among obstacles.
+
+    Attributes:
+        arm: The arm and its task space.
+        start: Whole configuration of sample 0, shape (dof,).
+        path: The path; its first target is the arm's pose at the start.
+        obstacles: See :func:`kinematics.redundancy.obstacles.encoded`; shape (M, 16).
+        link_radius: Radius of the capsules about the links, m.
+        d_safe: Clearance that is to be kept, m.
+        tolerance: What counts as on the path.
+
+    Raises:
+        WrongConfiguration: The start is outside the joint limits.
+        InvalidOption: A length is negative, or there is too much of something.
+    """
+
+    arm: Arm
+    start: FloatArray
+    path: Path
+    obstacles: FloatArray
+    link_radius: float = 0.0
+    d_safe: float = 0.0
+    tolerance: PathTolerance = field(default_factory=PathTolerance)
+
+    def __post_init__(self) -> None:
+        for name in ("link_radius", "d_safe"):
+            if not 0 <= getattr(self, name) <= 1e6:
+                raise InvalidOption(f"{name} is {getattr(self, name):g}; give 0 to 1e6", f"/{name}")
+        if len(self.obstacles) > MAX_OBSTACLES:
+            raise InvalidOption(
+                f"there are {len(self.obstacles)} obstacles; give at most {MAX_OBSTACLES}",
+                "/obstacles",
+            )
+        pairs = self.path.samples * len(self.obstacles) * self.arm.K
+        if pairs > MAX_PAIRS * 10:
+            raise InvalidOption(
+                f"{self.path.samples} samples, {len(self.obstacles)} obstacles and {self.arm.K}"
+                " links are too many together; give fewer samples or obstacles",
+                "/samples",
+            )
+        q, chain = self.arm.reduced(self.start), self.arm.chain
+        outside = np.maximum(chain.lower - q, q - chain.upper)
+        worst = int(np.argmax(outside))
+        if outside[worst] > TOUCH:
+            raise WrongConfiguration(
+                f"q of joint {self.arm.names[worst]} is {q[worst]:.6g}, outside its limits"
+                f" [{chain.lower[worst]:.6g}, {chain.upper[worst]:.6g}] (rad or m); start within"
+                " them",
+                f"/q/{int(chain.columns[worst])}",
+            )
+
+    @cached_property
+    def first(self) -> FloatArray:
+        """The chain's joints at the start, within the limits; shape (K,)."""
+        chain = self.arm.chain
+        return np.clip(self.arm.reduced(self.start), chain.lower, chain.upper)
+
+    @cached_property
+    def scale(self) -> float:
+        """Length of the arm, m: the distances between successive joints added up."""
+        lengths = np.linalg.norm(self.arm.chain.placements[1:, [3, 7, 11]], axis=1).sum()
+        return float(lengths) or 1.0
+
+    @cached_property
+    def most_per_step(self) -> FloatArray:
+        """Largest motion of each joint between samples, by its speed; shape (K,)."""
+        return np.asarray(self.arm.velocity * self.path.dt)
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Weights of the potentials that the null-space motion goes down.
+
+    The null-space motion of a whole path is about a gain times the gradient, whatever its number
+    of samples. Lengths in m, angles in rad.
+
+    Attributes:
+        limits: Of Liégeois' centring between the limits.
+        manipulability: Of the manipulability, which grows.
+        obstacles: Of the repulsion by obstacles nearer than ``influence``.
+        posture: Of the distance to ``posture_q``.
+    """
+
+    limits: float = 0.0
+    manipulability: float = 0.0
+    obstacles: float = 0.0
+    posture: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class SecondaryTask:
+    """A task of lower priority: a frame is drawn to a pose, as far as the tasks before allow.
+
+    Attributes:
+        arm: The chain to the frame, and the task space.
+        target: Pose, 12 numbers.
+        gain: Part of the error that is taken away in a sample, 0 to 1.
+    """
+
+    arm: Arm
+    target: FloatArray
+    gain: float = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class PathOptions:
+    """What methods may be told; each takes what concerns it.
+
+    Attributes:
+        closed_loop: Of ``pseudo_inverse``: steps towards the path, not along it.
+        damping: λ of the damped methods, in the units of the Jacobian.
+        iterations: Most corrections in a sample.
+        gains: Of ``null_space``; None: its own.
+        posture_q: Wanted posture of the chain, shape (K,); None: the start.
+        influence: Clearance from which on an obstacle repels, m; None: from the arm's size.
+        obstacle_weight: w of ``sqp``: weight of the repulsion in its objective.
+        margin: Of ``sqp``, ``qp`` and ``whole_path``: kept on top of d_safe, m.
+        secondary: Of ``task_priority``, the highest priority first.
+        perturb: Joint values by which the arm leaves the start, rad or m; 0: not.
+        seconds: Longest computation.
+    """
+
+    closed_loop: bool = True
+    damping: float = 0.01
+    iterations: int = 10
+    gains: Gains | None = None
+    posture_q: FloatArray | None = None
+    influence: float | None = None
+    obstacle_weight: float = 0.0
+    margin: float = 1e-3
+    secondary: tuple[SecondaryTask, ...] = ()
+    perturb: float = 0.0
+    seconds: float = math.inf
+
+    def __post_init__(self) -> None:
+        ranges = {
+            "damping": (self.damping, 1e-9, 1e3),
+            "iterations": (self.iterations, 1, 100),
+            "influence": (self.influence, 1e-9, 1e6),
+            "obstacle_weight": (self.obstacle_weight, 0, 1e6),
+            "margin": (self.margin, 0, 1e3),
+            "perturb": (self.perturb, 0, 1),
+        }
+        if self.gains is not None:
+            for name in ("limits", "manipulability", "obstacles", "posture"):
+                ranges[f"gains/{name}"] = (getattr(self.gains, name), 0, 1e6)
+        for k, task in enumerate(self.secondary):
+            ranges[f"secondary/{k}/gain"] = (task.gain, 0, 1)
+        for name, (value, low, high) in ranges.items():
+            if value is not None and not low <= value <= high:
+                raise InvalidOption(
+                    f"{name.replace('/', '.')} is {value:g}; give {low:g} to {high:g}", f"/{name}"
+                )
+
+    def reach_of_obstacles(self, problem: Problem) -> float:
+        """The clearance from which on an obstacle repels, m; above d_safe."""
+        if self.influence is None:
+            return problem.d_safe + 0.1 * problem.scale
+        if self.influence <= problem.d_safe:
+            raise InvalidOption(
+                f"influence is {self.influence:g}; give more than d_safe, {problem.d_safe:g}",
+                "/influence",
+            )
+        return self.influence
+
+
+def departure(problem: Problem, options: PathOptions) -> FloatArray:
+    """Where the arm sets out from: the start, or a little off it where that is asked for.
+
+    Joints are bent to alternate sides, by unequal parts of ``perturb``, so that a stretched arm
+    is no more so.
+    """
+    q = problem.first
+    if options.perturb == 0.0:
+        return q
+    k = np.arange(len(q))
+    bend = np.where(k % 2 == 0, 1.0, -1.0) * (0.5 + 0.5 * (k + 1) / len(q))
+    chain = problem.arm.chain
+    off = q + options.perturb * bend
+    blocked = (off < chain.lower) | (off > chain.upper)
+    off = np.where(blocked, q - options.perturb * bend, off)
+    return np.clip(off, chain.lower, chain.upper)

@@ -1,0 +1,153 @@
+"""The differential step ``Δθ = J† ΔX + (I − J†J) Z``, with everything that is in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinematics.configuration import configuration
+from kinematics.errors import InvalidOption, RankDeficient, WrongConfiguration
+from kinematics.jacobian import task_jacobian
+from kinematics.redundancy.priority import prioritized_step
+from kinematics.singularity import RANK_TOLERANCE
+from kinematics.task import Task
+from robots.robot import FloatArray, Robot
+
+
+@dataclass(frozen=True)
+class StepTask:
+    """A motion that is asked of a frame.
+
+    Attributes:
+        delta_x: One value a task row, m and rad, shape (m,).
+        task: The task space.
+        frame: Frame name; None: the tip.
+    """
+
+    delta_x: FloatArray
+    task: Task
+    frame: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class DifferentialStep:
+    """A step and its parts.
+
+    Attributes:
+        delta_q: Δθ, rad and m, shape (dof,).
+        J: Task Jacobian, shape (m, dof).
+        J_pinv: J† = Jᵀ(JJᵀ)⁻¹, with damping λ Jᵀ(JJᵀ + λ²I)⁻¹; shape (dof, m).
+        N: Projector onto the null space of J, I − J⁺J; shape (dof, dof).
+        rank: Of J.
+        singular_values: Of J, largest first.
+        task_motion: J† ΔX, shape (dof,).
+        null_motion: N Z, shape (dof,); of secondary tasks what they add.
+        achieved: J Δθ, shape (m,).
+        residuals: ΔX − J Δθ of the task and of each secondary one.
+    """
+
+    delta_q: FloatArray
+    J: FloatArray
+    J_pinv: FloatArray
+    N: FloatArray
+    rank: int
+    singular_values: FloatArray
+    task_motion: FloatArray
+    null_motion: FloatArray
+    achieved: FloatArray
+    residuals: tuple[FloatArray, ...]
+
+
+def differential_step(
+    robot: Robot,
+    q: FloatArray,
+    first: StepTask,
+    *,
+    z: FloatArray | None = None,
+    secondary: Sequence[StepTask] = (),
+    damping: float = 0.0,
+) -> DifferentialStep:
+    """The step of the linear model.
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,), rad and m.
+        first: What is asked of the frame.
+        z: Wanted joint motion, of which the part that does not move the frame is added.
+        secondary: Tasks of lower priority, in strict order, in the place of z.
+        damping: λ of damped least squares; 0: the pseudo-inverse.
+
+    Raises:
+        RankDeficient: J has not full row rank, and there is no damping.
+        WrongConfiguration: q, z or a delta_x does not fit.
+        InvalidOption: damping is out of range, or both z and secondary tasks are given.
+    """
+    if not 0 <= damping <= 1e3:
+        raise InvalidOption(f"damping is {damping:g}; give 0 (none) to 1e3", "/damping")
+    if z is not None and secondary:
+        raise InvalidOption("give z or secondary tasks, not both", "/secondary")
+    q = configuration(robot, q)
+    J = task_jacobian(robot, q, first.task, first.frame)
+    dx = _checked(first, "/delta_x")
+    U, sigma, Vt = np.linalg.svd(J)
+    largest = max(1.0, float(sigma[0]))
+    m, rank = len(J), int(np.sum(sigma > RANK_TOLERANCE * largest))
+    if rank < m and damping == 0.0:
+        raise RankDeficient(_refusal(robot, first, rank, m), "/q", rank, m)
+    V1, used = Vt[:rank].T, sigma[:rank]
+    N = np.eye(robot.dof) - V1 @ V1.T
+    inverse = used / (used * used + damping * damping)
+    J_pinv = (V1 * inverse) @ U[:, :rank].T
+    task_motion = J_pinv @ dx
+    if secondary:
+        others = [
+            (task_jacobian(robot, q, one.task, one.frame), _checked(one, f"/secondary/{k}/delta_x"))
+            for k, one in enumerate(secondary)
+        ]
+        free = Vt[rank:].T
+        reduced = [(Jk @ free, ek - Jk @ task_motion) for Jk, ek in others]
+        y, _ = prioritized_step(reduced, free.shape[1])
+        null_motion = free @ y
+    else:
+        others = []
+        wanted = np.zeros(robot.dof) if z is None else configuration(robot, z, "/z")
+        null_motion = N @ wanted
+    delta = task_motion + null_motion
+    return DifferentialStep(
+        delta,
+        J,
+        J_pinv,
+        N,
+        rank,
+        sigma,
+        task_motion,
+        null_motion,
+        J @ delta,
+        tuple(e - Jk @ delta for Jk, e in [(J, dx), *others]),
+    )
+
+
+def _checked(one: StepTask, pointer: str) -> FloatArray:
+    dx = np.asarray(one.delta_x, dtype=np.float64)
+    rows = one.task.row_names
+    if dx.shape != (len(rows),):
+        raise WrongConfiguration(
+            f"delta_x has {dx.size} values, but task {one.task.name} has {len(rows)} rows"
+            f" ({', '.join(rows)}); give one a row",
+            pointer,
+        )
+    if not (np.abs(dx) <= 1e6).all():
+        raise WrongConfiguration("delta_x has a value that is not finite or beyond ±1e6", pointer)
+    return dx
+
+
+def _refusal(robot: Robot, one: StepTask, rank: int, m: int) -> str:
+    sample = 0.3 * np.sin(1.0 + 2.0 * np.arange(robot.dof))
+    elsewhere = task_jacobian(robot, sample, one.task, one.frame)
+    text = f"rank(J) = {rank} < {m} here: J† = Jᵀ(JJᵀ)⁻¹ does not exist"
+    if np.linalg.matrix_rank(elsewhere) < m:
+        text += f"; the task {one.task.name} asks more than this arm can move, choose another (xy)"
+        return text + ", or give damping"
+    return text + "; give damping, such as 0.01, for damped least squares, or another q"

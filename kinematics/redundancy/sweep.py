@@ -1,0 +1,170 @@
+"""Compiled: the least clearance between two configurations, joints moving in step.
+
+Between samples q runs straight, so every point of a link moves with a bounded speed and a bounded
+acceleration. An interval of half width h about a configuration with clearance c of a link cannot
+come nearer than ``c − h v − h² a / 2``, v the largest speed of the link's ends there and a the
+bound on acceleration: intervals are halved until that bound says enough. Nothing is missed; the
+result is a lower bound that is attained but for ``RESOLUTION``.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from kinematics.compiled import jit
+from kinematics.kernels import Array
+from kinematics.redundancy.distances import link_distance, link_points
+
+RESOLUTION = 1e-5
+"""What a reported swept clearance may be below the true one, m."""
+MAX_DEPTH = 40
+MAX_VISITS = 20_000
+"""Configurations looked at in one interval; then the bound is what is certain so far."""
+
+
+@jit
+def reaches(W: Array, K: int, R: Array) -> None:
+    """R[j, k] ≥ the distance of joint j from every point of link k: the lengths between, added."""
+    for j in range(K):
+        total = 0.0
+        for k in range(K):
+            if k < j:
+                R[j, k] = 0.0
+                continue
+            x = W[k + 1, 3] - W[k, 3]
+            y = W[k + 1, 4] - W[k, 4]
+            z = W[k + 1, 5] - W[k, 5]
+            total += math.sqrt(x * x + y * y + z * z)
+            R[j, k] = max(R[j, k], total)
+
+
+@jit
+def swept_clearance(
+    C: Array,
+    turns: Array,
+    a: Array,
+    b: Array,
+    obstacles: Array,
+    radius: float,
+    enough: float,
+    resolution: float,
+    W: Array,
+) -> float:
+    """A lower bound of the clearance of all configurations between a and b.
+
+    Args:
+        C: Constants of the chain.
+        turns: Shape (K,).
+        a: One end, shape (K,).
+        b: The other.
+        obstacles: Shape (M, 16).
+        radius: Link radius, m.
+        enough: Stops where the clearance is proved to be at least this, m.
+        resolution: How far the bound may be from an attained clearance, m.
+        W: Workspace.
+
+    Returns:
+        The bound, m; at least ``enough`` where that is proved.
+    """
+    K = len(turns)
+    if len(obstacles) == 0:
+        return math.inf
+    d, q, out = b - a, np.empty(K), np.empty(4)
+    R = np.zeros((K, K))
+    link_points(C, turns, a, W)
+    reaches(W, K, R)
+    attained = _least(W, K, obstacles, out)
+    link_points(C, turns, b, W)
+    reaches(W, K, R)
+    attained = min(attained, _least(W, K, obstacles, out)) - radius
+    spin = 0.0
+    for j in range(K):
+        spin += abs(d[j]) if turns[j] else 0.0
+    acceleration = np.zeros(K)
+    for k in range(K):
+        for j in range(min(K, k + 2)):
+            arm = R[j, k] if turns[j] else 1.0
+            acceleration[k] += 2.0 * spin * abs(d[j]) * arm
+    bound, visits = math.inf, 0
+    stack = np.empty((MAX_DEPTH + 2, 2))
+    stack[0, 0], stack[0, 1] = 0.0, 1.0
+    top = 1
+    while top > 0:
+        top -= 1
+        low, high = stack[top, 0], stack[top, 1]
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        for j in range(K):
+            q[j] = a[j] + middle * d[j]
+        link_points(C, turns, q, W)
+        visits += 1
+        certain = math.inf
+        for k in range(K):
+            v = max(_speed(W, turns, d, k, k), _speed(W, turns, d, k + 1, min(k + 1, K - 1)))
+            loss = half * v + 0.5 * half * half * acceleration[k]
+            for o in range(len(obstacles)):
+                c = link_distance(W, k, obstacles[o], out) - radius
+                attained = min(attained, c)
+                certain = min(certain, c - loss)
+        if (
+            certain >= min(enough, attained - resolution)
+            or top >= MAX_DEPTH
+            or visits >= MAX_VISITS
+        ):
+            bound = min(bound, certain)
+        else:
+            stack[top, 0], stack[top, 1] = middle, high
+            stack[top + 1, 0], stack[top + 1, 1] = low, middle
+            top += 2
+    return min(bound, attained)
+
+
+@jit
+def _least(W: Array, K: int, obstacles: Array, out: Array) -> float:
+    best = math.inf
+    for k in range(K):
+        for o in range(len(obstacles)):
+            best = min(best, link_distance(W, k, obstacles[o], out))
+    return best
+
+
+@jit
+def _speed(W: Array, turns: Array, d: Array, point: int, last: int) -> float:
+    """Speed of the origin of a joint, or of the frame, that joints 0 to ``last`` move."""
+    x = y = z = 0.0
+    for j in range(last + 1):
+        zx, zy, zz = W[j, 0], W[j, 1], W[j, 2]
+        if turns[j]:
+            rx = W[point, 3] - W[j, 3]
+            ry = W[point, 4] - W[j, 4]
+            rz = W[point, 5] - W[j, 5]
+            x += d[j] * (zy * rz - zz * ry)
+            y += d[j] * (zz * rx - zx * rz)
+            z += d[j] * (zx * ry - zy * rx)
+        else:
+            x, y, z = x + d[j] * zx, y + d[j] * zy, z + d[j] * zz
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@jit
+def swept_clearances(
+    C: Array,
+    turns: Array,
+    Q: Array,
+    obstacles: Array,
+    radius: float,
+    resolution: float,
+    W: Array,
+    found: Array,
+) -> None:
+    """:func:`swept_clearance` between successive configurations; found has shape (n - 1,).
+
+    Only the least of all is resolved; of the others is said that they are not below it.
+    """
+    enough = math.inf
+    for i in range(len(Q) - 1):
+        found[i] = swept_clearance(
+            C, turns, Q[i], Q[i + 1], obstacles, radius, enough, resolution, W
+        )
+        enough = min(enough, found[i])
