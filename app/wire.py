@@ -34,6 +34,7 @@ TEXT = "text/plain"
 NDJSON = "application/x-ndjson"
 YAML = "application/yaml"
 CSV = "text/csv"
+SVG = "image/svg+xml"
 LATEX = TABLE_TEXTS["latex"].media_type
 PYTHON_SOURCE = "text/x-python"
 C_SOURCE = "text/x-c"
@@ -57,6 +58,7 @@ FORMATS = {
     "ndjson": NDJSON,
     "yaml": YAML,
     "csv": CSV,
+    "svg": SVG,
     "python": PYTHON_SOURCE,
     "c": C_SOURCE,
 } | {name: form.media_type for name, form in TABLE_TEXTS.items()}

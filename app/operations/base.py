@@ -12,7 +12,7 @@ import numpy as np
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
 from app.units import Units
-from app.wire import CSV, JSON, NDJSON, NPY, TEXT, decode_json, decode_rows
+from app.wire import CSV, JSON, NDJSON, NPY, SVG, TEXT, decode_json, decode_rows
 from dh_to_urdf.errors import escaped, quoted
 from kinematics.configuration import configuration, configuration_by_name
 from kinematics.jacobian import ReferenceFrame
@@ -90,7 +90,7 @@ class Context:
 class Answer:
     """What a computation gives: a payload for JSON and text, and what npy and CSV hold.
 
-    A ``listing`` is the whole answer in any other form than JSON.
+    A ``listing`` is the whole answer in any other form than JSON, a ``picture`` draws it as SVG.
     """
 
     payload: dict[str, Any]
@@ -98,6 +98,7 @@ class Answer:
     headers: dict[str, str] | None = None
     listing: str | None = None
     rows: list[dict[str, Any]] | None = None
+    picture: Callable[[], str] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +122,7 @@ class Operation:
         forms: Media types of the answer, JSON first, where they are not the usual ones.
         apart: Whether another process does the work, so that waiting for it takes no compute
             thread.
+        pictured: Whether the answer has a picture.
         tabular: Whether the answer is a table that CSV can hold, and no array.
     """
 
@@ -140,15 +142,17 @@ class Operation:
     forms: tuple[str, ...] = ()
     apart: bool = False
     tabular: bool = False
+    pictured: bool = False
 
     @property
     def offers(self) -> tuple[str, ...]:
         """Media types of the answer, JSON first."""
         if self.forms:
             return self.forms
+        picture = (SVG,) if self.pictured else ()
         if self.tabular:
-            return (JSON, TEXT, CSV)
-        return (JSON, TEXT, NPY, NDJSON) if self.stream else (JSON, TEXT, NPY)
+            return (JSON, TEXT, CSV, *picture)
+        return (JSON, TEXT, NPY, *((NDJSON,) if self.stream else ()), *picture)
 
     def run_quickly(self, robot: Robot, request: Any, context: Context) -> Answer | None:
         """The answer if it takes so little time that a thread would only cost; else None."""

@@ -10,6 +10,7 @@ import msgspec
 from app.operations.base import UNITS_SCHEMA, Answer, Context, Operation
 from app.operations.path import PATH, joint_units
 from app.operations.path_fields import GainsField, PathScenario, read_options, read_problem
+from app.pictures.path_figure import path_figure
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.compare import compared
 from kinematics.redundancy.methods import METHODS, method_from
@@ -121,7 +122,9 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
             label: result.verdict.message for label, result in zip(labels, results, strict=True)
         },
     }
-    return Answer(payload, rows=rows)
+    shown = list(zip(labels, results, strict=True))
+    title = f"{robot.name}: methods compared"
+    return Answer(payload, rows=rows, picture=lambda: path_figure(shown, title))
 
 
 def _label(name: str, taken: list[str]) -> str:
@@ -138,7 +141,7 @@ COMPARE = Operation(
     summary="Compare methods on one path",
     description="Several methods on one scenario, in one table: errors, Σ‖Δq‖, largest step, least"
     " clearance (swept between samples), limit margin, drift of closed paths, ms a point, and"
-    " the verdict. Also as text and CSV.",
+    " the verdict. Also as text, CSV and SVG.",
     request=CompareRequest,
     response=CompareResponse,
     run=_run,
@@ -147,5 +150,6 @@ COMPARE = Operation(
     query=(*PATH.query, "methods"),
     quick=lambda robot, request, context: None,  # noqa: ARG005
     tabular=True,
+    pictured=True,
     rehearsed=False,
 )

@@ -11,6 +11,7 @@ import numpy as np
 
 from app.operations.base import UNITS_SCHEMA, Answer, Context, Numbers, Operation
 from app.operations.path_fields import PathScenario, read_options, read_problem
+from app.pictures.path_figure import path_figure
 from kinematics.configuration import joint_names
 from kinematics.redundancy.follow import PathResult, follow, followed
 from kinematics.redundancy.measure import clearances_at, errors_at
@@ -93,7 +94,8 @@ def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
         "clearance": measures.clearance if request.obstacles else None,
         "clearance_swept": measures.swept if request.obstacles else None,
     }
-    return Answer(payload, q)
+    title = f"{robot.name}: {result.method}"
+    return Answer(payload, q, picture=lambda: path_figure([(result.method, result)], title))
 
 
 def judged(robot: Robot, result: PathResult, context: Context) -> dict[str, Any]:
@@ -157,8 +159,9 @@ PATH = Operation(
     description="From q along a straight line to a target, through waypoints or around a circle,"
     " by a time law, with one of the methods " + ", ".join(METHODS) + ". Links are capsules between"
     " successive joint origins. The verdict comes from measured errors, limits, clearances"
-    " (swept between samples) and speeds. As npy: q of each sample. As ndjson: one line a"
-    " sample while it is computed, and one with the verdict.",
+    " (swept between samples) and speeds. As npy: q of each sample. As svg: the arm among its"
+    " obstacles, and curves. As ndjson: one line a sample while it is computed, and one with the"
+    " verdict.",
     request=PathRequest,
     response=PathResponse,
     run=_run,
@@ -194,5 +197,6 @@ PATH = Operation(
     ),
     quick=lambda robot, request, context: None,  # noqa: ARG005
     stream=_stream,
+    pictured=True,
     rehearsed=False,
 )

@@ -8,6 +8,8 @@ from xml.sax.saxutils import escape, quoteattr
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robots.robot import FloatArray
+
 FONT = "Helvetica, Arial, sans-serif"
 INK, GRID = "#222222", "#dddddd"
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
@@ -48,7 +50,7 @@ class Canvas:
 
     def circle(
         self,
-        center: Sequence[float],
+        center: Sequence[float] | FloatArray,
         radius: float,
         fill: str = "none",
         color: str = INK,
@@ -79,7 +81,13 @@ class Canvas:
     ) -> None:
         """A line of text; ``turned`` by a quarter, to be read from the right."""
         x, y = f"{at[0]:.2f}", f"{at[1]:.2f}"
-        attributes = {"x": x, "y": y, "font-size": f"{size:g}", "text-anchor": anchor, "fill": color}
+        attributes = {
+            "x": x,
+            "y": y,
+            "font-size": f"{size:g}",
+            "text-anchor": anchor,
+            "fill": color,
+        }
         if bold:
             attributes["font-weight"] = "bold"
         if turned:

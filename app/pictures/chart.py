@@ -68,7 +68,9 @@ def chart(
     canvas.text((box[0] + 52, box[1] + 14), title, 12, bold=True)
     data = [(c, *_finite(c, log)) for c in curves]
     x_all = np.concatenate([x for _, x, _ in data] or [np.zeros(1)])
-    y_all = np.concatenate([y for _, _, y in data] + [np.array([_on(v.value, log) for v in levels])])
+    y_all = np.concatenate(
+        [y for _, _, y in data] + [np.array([_on(v.value, log) for v in levels])]
+    )
     x_low, x_high = _range(x_all, 0.0)
     y_low, y_high = _range(y_all, 0.06)
 
@@ -89,21 +91,23 @@ def chart(
         canvas.text((left - 5, y[1] + 3.5), label, 10, anchor="end")
     corners = [(left, top), (left + width, top), (left + width, top + height), (left, top + height)]
     canvas.line(corners, INK, 0.8, closed=True)
-    for level in levels:
+    for k, level in enumerate(levels):
         ends = place(np.array([x_low, x_high]), np.full(2, _on(level.value, log)))
         canvas.line(ends, INK, 0.9, dash="5 3")
-        canvas.text((ends[1, 0] - 4, ends[1, 1] - 3), level.label, 9, anchor="end")
+        beside = -3 if k % 2 == 0 else 10
+        canvas.text((ends[1, 0] - 4, ends[1, 1] + beside), level.label, 9, anchor="end")
     for curve, x, y in data:
         if len(x):
             canvas.line(place(x, y), curve.color, 1.5)
-    canvas.text((left + width / 2, top + height + 28), x_label, 10, anchor="middle")
-    _legend(canvas, left + 6, top + 10, [c for c, _, _ in data if c.label])
+    canvas.text((left + width, top + height + 28), x_label, 10, anchor="end")
+    _legend(canvas, left, top + height + 25, [c for c, _, _ in data if c.label])
 
 
 def _legend(canvas: Canvas, x: float, y: float, curves: Sequence[Curve]) -> None:
-    for k, curve in enumerate(curves):
-        canvas.line([(x, y + 12 * k), (x + 14, y + 12 * k)], curve.color, 2)
-        canvas.text((x + 18, y + 12 * k + 3.5), curve.label, 9)
+    for curve in curves:
+        canvas.line([(x, y), (x + 10, y)], curve.color, 2)
+        canvas.text((x + 13, y + 3), curve.label, 9)
+        x += 22 + 5.0 * len(curve.label)
 
 
 def _on(value: float, log: bool) -> float:

@@ -17,7 +17,9 @@ MOST_POINTS = 600
 """Of a curve; more are not seen."""
 
 
-def path_figure(results: Sequence[tuple[str, PathResult]], title: str, plane: str | None) -> str:
+def path_figure(
+    results: Sequence[tuple[str, PathResult]], title: str, plane: str | None = None
+) -> str:
     """The arm among obstacles for each method, and curves of joints, clearance and error.
 
     Args:
@@ -30,12 +32,12 @@ def path_figure(results: Sequence[tuple[str, PathResult]], title: str, plane: st
     """
     scenes = [_scene(result) for _, result in results]
     plane = plane or plane_of(scenes)
-    across = min(len(results), 3) if len(results) > 1 else 1
+    across = {1: 1, 2: 2, 4: 2}.get(len(results), 3)
     rows = -(-len(results) // across)
     single = len(results) == 1
     charts = _charts(results)
     width = SCENE + CHART_WIDTH + 30 if single else max(across * SCENE, 2 * CHART_WIDTH) + 20
-    below = 0.0 if single else 30 + rows * (SCENE + 24)
+    below = 0.0 if single else rows * (SCENE + 24)
     height = 40 + (max(SCENE + 40, len(charts) * CHART_HEIGHT) if single else
                    below + -(-len(charts) // 2) * CHART_HEIGHT)  # fmt: skip
     canvas = Canvas(width, height, title)
@@ -120,7 +122,8 @@ def _charts(
         made.append((each(steps), "‖Δq‖ of a sample", False, []))
         if np.isfinite(problem.arm.chain.lower).any() or np.isfinite(problem.arm.chain.upper).any():
             margins = each([result.measures.limit_margin for _, result in results])
-            made.append((margins, "distance to the nearest joint limit", False, [Level(0.0, "limit")]))
+            name = "distance to the nearest joint limit"
+            made.append((margins, name, False, [Level(0.0, "limit")]))
     return made
 
 

@@ -21,6 +21,7 @@ from app.wire import (
     JSON,
     NDJSON,
     NPY,
+    SVG,
     decode_json,
     decode_npy,
     json_lines,
@@ -121,6 +122,8 @@ async def _answer(
     context = Context(units, services.settings, wanted, services.symbolic)
 
     def written(answer: Answer) -> Response:
+        if answer.picture is not None and wanted == SVG:
+            return Response(answer.picture(), headers=answer.headers, media_type=SVG)
         if answer.listing is not None and wanted != JSON:
             return Response(answer.listing, media_type=f"{wanted}; charset=utf-8")
         return respond(
