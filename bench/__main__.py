@@ -1,9 +1,14 @@
 """``python -m bench``: every benchmark, as ratios of two things measured in turns in one run."""
 
-from bench import compute, http
+from bench import compute, http, redundancy
 
 if __name__ == "__main__":
-    for title, rows in (("In process", compute.run()), ("Over HTTP", http.run())):
+    reports = (
+        ("In process", compute.run()),
+        ("Redundancy", redundancy.run()),
+        ("Over HTTP", http.run()),
+    )
+    for title, rows in reports:
         print(f"\n{title}")
         width = max((len(row.what) for row in rows), default=0)
         for row in rows:

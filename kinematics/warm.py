@@ -10,6 +10,13 @@ from kinematics.inverse import IKOptions, solve_ik, solve_ik_batch
 from kinematics.inverse.all_solutions import all_solutions
 from kinematics.inverse.bounds import JointBounds
 from kinematics.jacobian import jacobian
+from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.follow import followed
+from kinematics.redundancy.methods import METHODS
+from kinematics.redundancy.obstacles import Sphere, encoded
+from kinematics.redundancy.path import Sampling, polyline
+from kinematics.redundancy.problem import Gains, PathOptions, Problem
+from kinematics.task import POSE
 from robots.robot import Robot
 from robots.shipped import shipped_robot
 
@@ -33,7 +40,22 @@ def warm_up() -> bool:
         pose = fk(robot, batch)[robot.tip_frame][0]
         solve_ik(robot, pose)
         all_solutions(robot, pose)
+    _follow_a_path()
     return True
+
+
+def _follow_a_path() -> None:
+    """Every compiled method on a short path past a ball."""
+    robot = shipped_robot("panda")
+    q = np.clip(np.full(robot.dof, 0.3), robot.lower, robot.upper)
+    arm = Arm.of(robot, None, POSE)
+    start, goal = fk(robot, np.array([q, q + 0.02]))[robot.tip_frame]
+    path = polyline(start, [goal], POSE, Sampling(samples=4))
+    ball = encoded([Sphere(start[:3, 3] + [0.0, 0.0, 0.5], 0.1)])
+    problem = Problem(arm, q, path, ball)
+    options = PathOptions(gains=Gains(1.0, 1.0, 1.0, 1.0), obstacle_weight=1e-3)
+    for name in ("pseudo_inverse", "damped", "null_space", "sqp", "qp"):
+        followed(problem, METHODS[name], options)
 
 
 def warm_up_on(robot: Robot) -> None:
