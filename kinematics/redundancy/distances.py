@@ -12,13 +12,13 @@ import math
 
 import numpy as np
 
-from kinematics.compiled import jit
+from kinematics.compiled import inner, jit
 from kinematics.kernels import Array, forward
 
 TINY = 1e-12
 
 
-@jit
+@inner
 def link_points(C: Array, turns: Array, q: Array, W: Array) -> None:
     """The joints' axes and origins, and the frame's origin, into rows 0 to K of W.
 
@@ -58,7 +58,7 @@ def pair_distance(A: Array, B: Array, obstacle: Array, out: Array) -> float:
     return _to_box(A, B, obstacle, out)
 
 
-@jit
+@inner
 def _to_point(A: Array, B: Array, c: Array, flat: bool, out: Array) -> float:
     dx, dy, dz = B[0] - A[0], B[1] - A[1], B[2] - A[2]
     px, py, pz = c[0] - A[0], c[1] - A[1], c[2] - A[2]
@@ -72,7 +72,7 @@ def _to_point(A: Array, B: Array, c: Array, flat: bool, out: Array) -> float:
     return _direction(x, y, z, dx, dy, dz, t, out)
 
 
-@jit
+@inner
 def _direction(
     x: float, y: float, z: float, dx: float, dy: float, dz: float, t: float, out: Array
 ) -> float:
@@ -93,7 +93,7 @@ def _direction(
     return length
 
 
-@jit
+@inner
 def _to_segment(A: Array, B: Array, P: Array, Q: Array, out: Array) -> float:
     ux, uy, uz = B[0] - A[0], B[1] - A[1], B[2] - A[2]
     vx, vy, vz = Q[0] - P[0], Q[1] - P[1], Q[2] - P[2]
@@ -127,7 +127,7 @@ def _to_segment(A: Array, B: Array, P: Array, Q: Array, out: Array) -> float:
     return _direction(x, y, z, ux, uy, uz, s, out)
 
 
-@jit
+@inner
 def _to_box(A: Array, B: Array, box: Array, out: Array) -> float:
     """Segment to box: a piecewise quadratic along the segment outside, separating axes inside."""
     a, d = np.empty(3), np.empty(3)
@@ -205,7 +205,7 @@ def _to_box(A: Array, B: Array, box: Array, out: Array) -> float:
     return best
 
 
-@jit
+@inner
 def _slope(a: Array, d: Array, box: Array, t: float) -> float:
     s = 0.0
     for i in range(3):
@@ -217,7 +217,7 @@ def _slope(a: Array, d: Array, box: Array, t: float) -> float:
     return s
 
 
-@jit
+@inner
 def link_distance(W: Array, k: int, obstacle: Array, out: Array) -> float:
     """:func:`pair_distance` of link k, without the link radius, after :func:`link_points`.
 
@@ -228,7 +228,7 @@ def link_distance(W: Array, k: int, obstacle: Array, out: Array) -> float:
     return pair_distance(W[k, 3:6], W[k + 1, 3:6], obstacle, out)
 
 
-@jit
+@inner
 def link_gradient(W: Array, turns: Array, K: int, k: int, out: Array, half: bool, g: Array) -> None:
     """Gradient of a link's distance with respect to q, from its witness; g of shape (K,)."""
     t, nx, ny, nz = out[0], out[1], out[2], out[3]
@@ -249,7 +249,7 @@ def link_gradient(W: Array, turns: Array, K: int, k: int, out: Array, half: bool
             g[j] = along if j <= k else t * along
 
 
-@jit
+@inner
 def least_distance(W: Array, K: int, obstacles: Array, out: Array) -> tuple[float, int, int]:
     """The smallest distance of all links and obstacles, and whose; link radius not subtracted."""
     best, link, which = math.inf, -1, -1

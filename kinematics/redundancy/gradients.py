@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from kinematics.compiled import jit
+from kinematics.compiled import inner, jit
 from kinematics.kernels import Array
 from kinematics.redundancy.distances import link_distance, link_gradient, link_points
 from kinematics.redundancy.kernel import least_step, orthonormal_rows
@@ -148,14 +148,14 @@ def manipulability_potential(
     return -w
 
 
-@jit
+@inner
 def _cross(a: float, b: float, c: float, x: float, y: float, z: float) -> Array:
     v = np.empty(3)
     v[0], v[1], v[2] = b * z - c * y, c * x - a * z, a * y - b * x
     return v
 
 
-@jit
+@inner
 def _component(v: Array, o: Array, row: int, own: bool, T: Array) -> float:
     if row < 3:
         return float(v[row])

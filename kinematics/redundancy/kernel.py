@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from kinematics.compiled import jit
+from kinematics.compiled import inner, jit
 from kinematics.inverse import kernel as inverse
 from kinematics.inverse.kernel import columns, residual, twist_error
 from kinematics.kernels import Array
@@ -65,7 +65,7 @@ def task_at(
     return position, rotation
 
 
-@jit
+@inner
 def orthonormal_rows(J: Array, Q: Array, L: Array, order: Array) -> int:
     """Rows of J as ``J[order] = L Q`` with Q's rows orthonormal, the longest remainder first.
 
@@ -131,7 +131,7 @@ def orthonormal_rows(J: Array, Q: Array, L: Array, order: Array) -> int:
     return int(m)
 
 
-@jit
+@inner
 def least_step(Q: Array, L: Array, order: Array, e: Array, y: Array, step: Array) -> None:
     """``J† e`` of full row rank from :func:`orthonormal_rows`; y is memory, shape (m,)."""
     m, K = Q.shape
@@ -146,7 +146,7 @@ def least_step(Q: Array, L: Array, order: Array, e: Array, y: Array, step: Array
             step[k] += Q[i, k] * y[i]
 
 
-@jit
+@inner
 def project_null(Q: Array, z: Array) -> None:
     """``z ← (I − J†J) z`` in place."""
     m, K = Q.shape
@@ -187,7 +187,7 @@ def exact_error_columns(mask: Array, K: int, W: Array) -> None:
         e[i] *= mask[i]
 
 
-@jit
+@inner
 def increment(G: Array, H: Array, mask: Array, W: Array, K: int) -> None:
     """The twist that leads from pose G to pose H, into the error's place of the workspace."""
     twist_error(G, H, W[K + 1])

@@ -12,13 +12,15 @@ from kinematics.kernels import Array
 from kinematics.redundancy.distances import near_pairs
 from kinematics.redundancy.kernel import task_at, workspace
 from kinematics.redundancy.problem import PathOptions, Problem
-from kinematics.redundancy.sweep import swept_clearance
+from kinematics.redundancy.sweep import RESOLUTION, swept_clearance
 from robots.robot import FloatArray
 
 MOST_PAIRS = 256
 """Pairs of link and obstacle in one QP, the nearest ones."""
 TRUST = 0.3
 """Largest motion of a joint in one QP, rad or m."""
+VISITS = 2000
+"""Configurations looked at between two samples, at most."""
 EQUAL, SOFT = 5, 8
 FREE = 1e30
 
@@ -163,7 +165,7 @@ class Linearised:
         C, turns, *_ = problem.arm.constants
         return float(
             swept_clearance(
-                C, turns, a, b, problem.obstacles, problem.link_radius, problem.d_safe, 1e-6,
-                self._W,
+                C, turns, a, b, problem.obstacles, problem.link_radius, problem.d_safe,
+                RESOLUTION, self._W, VISITS,
             )
         )  # fmt: skip

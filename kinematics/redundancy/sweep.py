@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from kinematics.compiled import jit
+from kinematics.compiled import inner, jit
 from kinematics.kernels import Array
 from kinematics.redundancy.distances import link_distance, link_points
 
@@ -22,9 +22,11 @@ RESOLUTION = 1e-5
 MAX_DEPTH = 40
 MAX_VISITS = 20_000
 """Configurations looked at in one interval; then the bound is what is certain so far."""
+MAX_DISTANCES = 100_000_000
+"""Distances computed for a whole path, some seconds of work."""
 
 
-@jit
+@inner
 def reaches(W: Array, K: int, R: Array) -> None:
     """R[j, k] ≥ the distance of joint j from every point of link k: the lengths between, added."""
     for j in range(K):
@@ -51,6 +53,7 @@ def swept_clearance(
     enough: float,
     resolution: float,
     W: Array,
+    most: int = MAX_VISITS,
 ) -> float:
     """A lower bound of the clearance of all configurations between a and b.
 
@@ -64,6 +67,7 @@ def swept_clearance(
         enough: Stops where the clearance is proved to be at least this, m.
         resolution: How far the bound may be from an attained clearance, m.
         W: Workspace.
+        most: Configurations looked at before what is certain so far is taken.
 
     Returns:
         The bound, m; at least ``enough`` where that is proved.
@@ -107,11 +111,7 @@ def swept_clearance(
                 c = link_distance(W, k, obstacles[o], out) - radius
                 attained = min(attained, c)
                 certain = min(certain, c - loss)
-        if (
-            certain >= min(enough, attained - resolution)
-            or top >= MAX_DEPTH
-            or visits >= MAX_VISITS
-        ):
+        if certain >= min(enough, attained - resolution) or top >= MAX_DEPTH or visits >= most:
             bound = min(bound, certain)
         else:
             stack[top, 0], stack[top, 1] = middle, high
@@ -120,7 +120,7 @@ def swept_clearance(
     return min(bound, attained)
 
 
-@jit
+@inner
 def _least(W: Array, K: int, obstacles: Array, out: Array) -> float:
     best = math.inf
     for k in range(K):
@@ -129,7 +129,7 @@ def _least(W: Array, K: int, obstacles: Array, out: Array) -> float:
     return best
 
 
-@jit
+@inner
 def _speed(W: Array, turns: Array, d: Array, point: int, last: int) -> float:
     """Speed of the origin of a joint, or of the frame, that joints 0 to ``last`` move."""
     x = y = z = 0.0
@@ -163,8 +163,10 @@ def swept_clearances(
     Only the least of all is resolved; of the others is said that they are not below it.
     """
     enough = math.inf
+    work = max(1, len(turns) * len(obstacles) * (len(Q) - 1))
+    most = max(16, min(MAX_VISITS, MAX_DISTANCES // work))
     for i in range(len(Q) - 1):
         found[i] = swept_clearance(
-            C, turns, Q[i], Q[i + 1], obstacles, radius, enough, resolution, W
+            C, turns, Q[i], Q[i + 1], obstacles, radius, enough, resolution, W, most
         )
         enough = min(enough, found[i])

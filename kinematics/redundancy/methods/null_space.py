@@ -12,7 +12,7 @@ from collections.abc import Generator
 
 import numpy as np
 
-from kinematics.compiled import jit
+from kinematics.compiled import inner, jit
 from kinematics.inverse.kernel import residual
 from kinematics.kernels import Array
 from kinematics.redundancy.gradients import (
@@ -123,7 +123,7 @@ def _follow(
     return last, m
 
 
-@jit
+@inner
 def downhill(
     C: Array,
     turns: Array,

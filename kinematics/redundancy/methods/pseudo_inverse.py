@@ -12,7 +12,7 @@ from collections.abc import Generator
 
 import numpy as np
 
-from kinematics.compiled import jit
+from kinematics.compiled import inner, jit
 from kinematics.kernels import Array
 from kinematics.redundancy.kernel import (
     increment,
@@ -84,6 +84,6 @@ def _follow(
     return last, m
 
 
-@jit
+@inner
 def _only_error(rows: Array, own: bool, K: int, W: Array, e: Array) -> None:
     task_rows(rows, own, K, W, e, np.empty((len(rows), K)))

@@ -103,7 +103,7 @@ class _Program:
             "constr_viol_tol": 1e-10,
             "bound_relax_factor": 0.0,
             "max_iter": 300,
-            "max_cpu_time": float(min(options.seconds, 1e6)) or 1e-3,
+            "max_cpu_time": max(1e-3, min(options.seconds, 1e6) / TRIES),
             "mu_strategy": "adaptive",
         }
         self.solver = casadi.nlpsol(
