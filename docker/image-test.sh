@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 readonly BASE=docker.io/library/python:3.11-slim-bookworm
-readonly LIMIT_MIB=400
+readonly LIMIT_MIB=500
 readonly CACHE=/var/tmp/denavit-image
 readonly IMAGE=localhost/denavit:image-test-$$
 readonly NAME=denavit-image-test-$$

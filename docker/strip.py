@@ -30,8 +30,8 @@ BUILD_SUFFIXES = {".a", ".c", ".cpp", ".h", ".hpp", ".pxd", ".pxi", ".pyi", ".py
 UNUSED = {
     "numpy": "**/tests _core/include _core/_simd.* _core/*_tests.* _pyinstaller distutils f2py/src",
     "scipy": "**/tests _build_utils _lib/cobyqa _lib/pyprima linalg/_decomp_interpolative.*"
-    " sparse/csgraph sparse/linalg special/cython_special.* cluster datasets differentiate fft"
-    " fftpack integrate interpolate io misc ndimage odr optimize signal stats",
+    " sparse/csgraph special/cython_special.* cluster datasets differentiate fftpack integrate"
+    " interpolate io misc ndimage odr signal stats",
     "lxml": "builder.* cssselect.* doctestcompare.* html includes isoschematron objectify.* sax.*",
     "fastapi_offline": "static/redoc*",
     "numba": "**/tests",

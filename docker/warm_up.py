@@ -85,6 +85,8 @@ def ask(url: str) -> None:
     post(f"{robot}/ik", {"target": {"matrix": pose["matrix"]}})
     post(f"{robot}/singularity/nearest", {"q": q})
     post(f"{robot}/symbolic", {"quantities": "all"})
+    path = {"q": q, "target": {"matrix": pose["matrix"]}, "samples": 5}
+    post(f"{robot}/path/compare", {**path, "methods": ["null_space", "sqp", "qp"]})
 
 
 def post(url: str, body: dict[str, Any]) -> Any:
