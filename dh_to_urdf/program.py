@@ -17,6 +17,7 @@ from dh_to_urdf.program_limits import (
     refuse_loops,
     refuse_reworked_list,
     refuse_reworked_matrix,
+    without_blocks,
 )
 from dh_to_urdf.raw_table import RawCell, RawRow, RawTable, headings_of
 from dh_to_urdf.source_tokens import (
@@ -38,10 +39,6 @@ _MATRIX = re.compile(r"(?:^|[=(\s])\[\s*[-+\d.\[(]|\.array\s*\(|^[ \t]*\[", re.M
 _CALL = re.compile(
     r"\b(?:Link|DHLink|Revolute|Prismatic|RevoluteDH|PrismaticDH|RevoluteMDH|PrismaticMDH"
     r"|SerialLink|DHRobot)\s*\((?!\s*[ijkn]\s*\))"
-)
-_BLOCK = re.compile(
-    r"^[ \t]*%\{[ \t]*$.*?^[ \t]*%\}[ \t]*$|\"\"\".*?\"\"\"|'''.*?'''",
-    re.DOTALL | re.MULTILINE,
 )
 
 
@@ -74,8 +71,7 @@ def table_from_program(
     Raises:
         DHError: No table, an argument that is not read, or links of another convention.
     """
-    text = _BLOCK.sub(lambda match: "\n" * match[0].count("\n"), text)
-    return _Program(tokens_of(text), convention, columns).read()
+    return _Program(tokens_of(without_blocks(text)), convention, columns).read()
 
 
 class _Program:

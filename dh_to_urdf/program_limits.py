@@ -1,6 +1,6 @@
-"""What is never run: loops that make links, arithmetic on a whole matrix, changes to it later.
+"""What is never run: comments, loops that make links, arithmetic on a whole matrix, later changes.
 
-Each would give another table than the numbers as they stand, and is refused.
+All but comments would give another table than the numbers as they stand, and are refused.
 """
 
 from __future__ import annotations
@@ -11,6 +11,24 @@ from dh_to_urdf.source_tokens import Token, closing, text_of
 _LOOPS = ("for", "while", "parfor")
 _ARRAYS = ("array", "asarray", "matrix", "Matrix", "mat", "sym", "double", "tensor", "return")
 _ALONE = "paste the table with its numbers as they are used"
+
+
+def without_blocks(text: str) -> str:
+    """The text with block comments (``%{`` to ``%}``) and triple-quoted strings blanked out."""
+    lines: list[str] = []
+    inside = False
+    for line in text.split("\n"):
+        mark = line.strip()
+        inside = inside or mark == "%{"
+        lines.append("" if inside else line)
+        inside = inside and mark != "%}"
+    text = text if inside else "\n".join(lines)
+    for quotes in ('"""', "'''"):
+        parts = text.split(quotes)
+        if len(parts) % 2:
+            parts[1::2] = ["\n" * part.count("\n") for part in parts[1::2]]
+            text = "".join(parts)
+    return text
 
 
 def refuse_loops(tokens: list[Token], end: int) -> None:

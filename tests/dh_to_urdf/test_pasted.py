@@ -397,7 +397,8 @@ def test_a_damaged_table_is_refused_or_a_table(data):
     "piece",
     ["a=", "[", "[ [", "(", "L(1)=", "Link(", "\\frac{", "^{", "_", "a & b \\\\\n", "|a|b|\n", "\n",
      "\\begin{tabular}", "Link([0 0 0 0])\n", "[0 0 0 0]\n", "x = [", "tool = [", " ", "'", "[[1,",
-     "% a alpha d theta\n", "\\hline", "\\multicolumn{", "$"],
+     "% a alpha d theta\n", "\\hline", "\\multicolumn{", "$",
+     "%{\n", "%{ \nLink(", '"""\n'],
 )  # fmt: skip
 def test_long_garbage_takes_no_time(piece):
     started = time.process_time()
@@ -438,6 +439,13 @@ def test_an_empty_variable_among_named_ones_is_no_joint():
     assert read_pasted(text.format("-"), "dh").dof == 2
     with pytest.raises(DHError, match=r"joint 2 .*F for a row that does not move"):
         read_pasted(text.format("θ1"), "dh")
+
+
+def test_the_sine_of_a_bare_90_is_refused():
+    with pytest.raises(DHError, match="sin of 90 rad; write 90°"):
+        first_row({"a": "0.3*sin(90)"})
+    assert first_row({"a": "0.3*sin(90°)"}).a == 0.3
+    assert first_row({"a": "0.3*sin(90)"}, angle="deg").a == 0.3
 
 
 def test_a_column_of_variables_names_those_of_its_rows():
