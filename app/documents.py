@@ -97,13 +97,12 @@ def robot_from_body(
                 default_name,
             )
         )
+    if kind not in (*JSON_TYPES, *YAML_TYPES):
+        raise unsupported(kind, ACCEPTED)
     check_query(request, "name", *also, common=("format",))
     default_name = query.get("name", default_name)
-    if kind in JSON_TYPES:
-        return robot_from_table(read_json(body, default_name))
-    if kind in YAML_TYPES:
-        return robot_from_table(read_yaml(body, default_name))
-    raise unsupported(kind, ACCEPTED)
+    read = read_json if kind in JSON_TYPES else read_yaml
+    return robot_from_table(read(body, default_name))
 
 
 def _values(request: Request) -> dict[str, str] | None:

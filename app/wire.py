@@ -117,7 +117,7 @@ def decode_json(body: bytes | msgspec.Raw, type_: type[T], pointer: str = "") ->
     try:
         return msgspec.json.decode(body, type=type_)
     except msgspec.ValidationError as error:
-        raise validation_problem(error, pointer) from None
+        raise validation_problem(error, pointer, getattr(type_, "__struct_fields__", ())) from None
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
         reason = str(error)[:160]
         remedy = ""
@@ -176,8 +176,16 @@ async def read_body(request: Request, limit: int) -> bytes:
     return parts[0] if len(parts) == 1 else b"".join(parts)
 
 
-def validation_problem(error: msgspec.ValidationError, pointer: str = "") -> RequestProblem:
-    """A problem from msgspec's message, whose path becomes a JSON pointer."""
+def validation_problem(
+    error: msgspec.ValidationError, pointer: str = "", known: tuple[str, ...] = ()
+) -> RequestProblem:
+    """A problem from msgspec's message, whose path becomes a JSON pointer.
+
+    Args:
+        error: What msgspec says.
+        pointer: Where the value stands in the body.
+        known: Fields that the value may have.
+    """
     text = str(error)
     match = _PATH.search(text)
     path = match[1] if match else "$"
@@ -186,7 +194,10 @@ def validation_problem(error: msgspec.ValidationError, pointer: str = "") -> Req
     unknown = re.search(r"Object contains unknown field (.+)$", message)
     if unknown:
         field = unknown[1]
-        return RequestProblem(INVALID_REQUEST, f"unknown field {field[:64]!r}", f"{found}/{field}")
+        remedy = f"; known are {', '.join(known)}" if known and path == "$" else ""
+        return RequestProblem(
+            INVALID_REQUEST, f"unknown field {field[:64]!r}{remedy}", f"{found}/{field}"
+        )
     missing = re.search(r"Object missing required field (.+)$", message)
     if missing:
         return RequestProblem(

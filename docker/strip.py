@@ -29,7 +29,7 @@ BUILD_SUFFIXES = {".a", ".c", ".cpp", ".h", ".hpp", ".pxd", ".pxi", ".pyi", ".py
 # fails, in warm_up.py, where the service comes to name one of these modules: take it out here.
 UNUSED = {
     "numpy": "**/tests _core/include _core/_simd.* _core/*_tests.* _pyinstaller distutils f2py/src",
-    "scipy": "**/tests _build_utils _lib/cobyqa _lib/pyprima linalg/_decomp_interpolative.*"
+    "scipy": "**/tests _build_utils"
     " sparse/csgraph special/cython_special.* cluster datasets differentiate fftpack integrate"
     " interpolate io misc ndimage odr signal stats",
     "lxml": "builder.* cssselect.* doctestcompare.* html includes isoschematron objectify.* sax.*",

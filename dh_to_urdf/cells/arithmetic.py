@@ -263,6 +263,8 @@ class _Parser:
         if name in _TURNS:
             if first.has_length or first.variable:
                 raise CellError(f"takes the {name} of something that is no angle")
+            if self.angle == 1.0 and abs(first.plain) > 2 * math.pi:
+                raise CellError(f"takes the {name} of {first.plain:g} rad; write {first.plain:g}°")
             return Sum(plain=_TURNS[name](first.plain * self.angle + first.angle))
         if not first.is_plain or (name == "sqrt" and first.plain < 0):
             what = "square root of something that is not a plain number ≥ 0"

@@ -43,6 +43,11 @@ class Values:
         """The values and one more."""
         return Values({**self._sums, name: value}, self._used)
 
+    def without(self, name: str) -> Values:
+        """The values but for one."""
+        kept = {other: value for other, value in self._sums.items() if other != name}
+        return Values(kept, self._used)
+
     def without_variable(self, letters: tuple[str, ...], index: int) -> Values:
         """The values but for the names of a row's own joint variable, such as ``r3`` of row 3."""
         hidden = [

@@ -22,6 +22,7 @@ from dh_to_urdf.extraction.axes import SerialChain
 from dh_to_urdf.extraction.construction import Construction, construct
 from dh_to_urdf.extraction.extract import Residual, deviation, random_configurations
 from dh_to_urdf.extraction.gauge import settled, with_slides_centred
+from dh_to_urdf.extraction.zeros import fit_axes, with_zeros
 from dh_to_urdf.matrices import link_matrix
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow
@@ -168,11 +169,36 @@ def compare(
     found = _compare_tilted(first, second, length, angle)
     if found.verdict is not Verdict.DIFFERENT or found.residual is None:
         return found
+    if any(not joint.type.turns for joint in first.joints):
+        found = _compare_at_common_zeros(first, second, length, angle, found)
+        if found.verdict is not Verdict.DIFFERENT:
+            return found
     for k in range(len(second.joints) if len(second.joints) <= MAX_REVERSED else 0):
         turned = _compare_tilted(first, _reverse(second, k), length, angle)
         if turned.verdict is not Verdict.DIFFERENT:
             return replace(turned, verdict=Verdict.DIFFERENT, reversed=(second.joints[k].name,))
     return found
+
+
+def _compare_at_common_zeros(
+    first: SerialChain, second: SerialChain, length: float, angle: float, found: Comparison
+) -> Comparison:
+    """The comparison after the zeros of slides, which rows do not fix, were fitted to the axes."""
+    fit = fit_axes(first, second, np.array([joint.zero_offset for joint in found.joints]))
+    origin = np.zeros(len(first.joints))
+    moved = with_zeros(second, fit.zeros)
+    # With the first chain's tip: where lines of slides run, depends on it.
+    tip = np.linalg.solve(fit.placement @ moved.poses(origin), first.poses(origin))
+    moved = replace(moved, tip_placement=moved.tip_placement @ tip)
+    again = _compare_tilted(first, moved, length, angle)
+    if again.residual is None or found.residual is None or _drift(again) > _drift(found):
+        return found
+    joints = tuple(
+        replace(joint, zero_offset=joint.zero_offset + float(zero))
+        for joint, zero in zip(again.joints, fit.zeros, strict=True)
+    )
+    verdict = Verdict.EQUIVALENT if again.verdict is Verdict.IDENTICAL else again.verdict
+    return replace(again, verdict=verdict, joints=joints)
 
 
 def _reverse(chain: SerialChain, k: int) -> SerialChain:

@@ -141,6 +141,7 @@ def _text_lines(text: str) -> list[Line]:
     numbered = [(n, line) for n, line in numbered if line.lstrip()[0] not in "#%" or "|" in line]
     piped = [(number, line) for number, line in numbered if line.count("|") >= 2]
     if len(piped) >= 2:
+        _refuse_unpiped(piped, numbered)
         return [Line(number, _piped(line)) for number, line in piped]
     if not numbered:
         return []
@@ -155,6 +156,18 @@ def _text_lines(text: str) -> list[Line]:
             for number, line in numbered
         ]
     return _aligned([(number, line.strip()) for number, line in numbered])
+
+
+def _refuse_unpiped(piped: list[tuple[int, str]], numbered: list[tuple[int, str]]) -> None:
+    """Refuses a line without borders where a row may be meant: it would be lost."""
+    bordered = {number for number, _ in piped}
+    first, last = piped[0][0], piped[-1][0]
+    for number, line in numbered:
+        row = number == last + 1 and line.lstrip()[:1] in "|0123456789"
+        if number not in bordered and (first < number < last or row):
+            raise DHError.single(
+                "", f"line {number} has no | between its cells, as the others have; add them"
+            )
 
 
 def _piped(line: str) -> tuple[str, ...]:

@@ -12,7 +12,8 @@ from dh_to_urdf.pasted.latex import plain_cell
 
 MAX_HEADING = 100
 _SPELLINGS = {
-    "index": "i j k n # no nr no. nr. num joint link axis row frame liaison articulation gelenk",
+    "index": "i j k n # no nr no. nr. num joint link axis row frame liaison articulation axe corps"
+    " gelenk",
     "name": "name nom jointname",
     "type": "type sigma σ jointtype kind",
     "alpha": "alpha α twist linktwist twistangle",
@@ -47,8 +48,13 @@ _UNITS = {
     "deg": math.pi / 180, "degree": math.pi / 180, "degrees": math.pi / 180, "°": math.pi / 180,
     "rad": 1.0, "radian": 1.0, "radians": 1.0,
     "m": 1.0, "cm": 1e-2, "mm": 1e-3,
+    "meters": 1.0, "metres": 1.0, "meter": 1.0, "metre": 1.0, "mètres": 1.0, "mètre": 1.0,
+    "degrés": math.pi / 180, "degré": math.pi / 180,
 }  # fmt: skip
-_UNIT = "degrees|degree|deg|°|radians|radian|rad|mm|cm|m"
+_UNIT = (
+    "degrees|degree|degrés|degré|deg|°|radians|radian|rad|mm|cm"
+    "|meters|metres|meter|metre|mètres|mètre|m"
+)
 _WITH_UNIT = re.compile(
     rf"(?P<name>[^\[(/,°\s]+(?: [^\[(/,°\s]+)?)\s*(?:\(i(?:-1)?\)\s*)?"
     rf"(?:\(\s*(?P<u1>{_UNIT})\s*\)|\[\s*(?P<u2>{_UNIT})\s*\]|[/,]\s*(?P<u3>{_UNIT})"

@@ -32,12 +32,14 @@ _BARE = re.compile(r"[\w.]+")
 _CHARACTERS = {
     **{ord("₀") + n: str(n) for n in range(10)},
     **{ord(c): plain for c, plain in zip("ᵢⱼₖₙ₋", "ijkn-", strict=True)},
-    ord("º"): "°", ord("˚"): "°", ord("⁄"): "/", ord("⍺"): "α", ord("‐"): "-", ord("‑"): "-",
+    ord("º"): "°", ord("˚"): "°", ord("⁰"): "°",
+    ord("⁄"): "/", ord("⍺"): "α", ord("‐"): "-", ord("‑"): "-",
     ord("‒"): "-", ord("∗"): "*", ord("\u202f"): " ", ord("\u2009"): " ", ord("\u00a0"): " ",
     ord("π"): "pi", ord("ϑ"): "θ", ord("√"): "sqrt",
 }  # fmt: skip
 _STARRED = re.compile(r"((?:theta|th|θ|q|d|r|t)_?\d*)\s*\*(?=\s*(?:$|[-+−)]))")
 _BOLD = re.compile(r"^\*\*(.*)\*\*$")
+_CALLED = re.compile(r"(?<![^\W_])(theta|θ|q)\s?\(\s?(\d{1,3})\s?\)")
 _GENERIC = re.compile(r"(?<![^\W_])(theta|θ|q|d|r)_[ijk](?!\w)")
 
 
@@ -46,6 +48,7 @@ def plain_cell(text: str) -> str:
     text = "".join(_plain_letter(c) for c in text.translate(_CHARACTERS))
     converted, _ = _Converter(_TOKEN.findall(text)).group(0)
     converted = _BOLD.sub(r"\1", " ".join(converted.split()))
+    converted = _CALLED.sub(r"\1\2", converted)
     return _GENERIC.sub(r"\1", _STARRED.sub(r"\1", converted)).strip()
 
 

@@ -13,11 +13,16 @@ _NOTE = re.compile(
     r"(base|tool)[ \t]{0,20}[=:][ \t]{0,20}(?=\S)",
     re.IGNORECASE | re.MULTILINE,
 )
+_NUMBER = re.compile(r"[-+]?[\d.][\w. \t*/+\-]{0,60}(?=[;,%#\n]|$)")
 _REST = re.compile(r"[ \t;>|\-]{0,20}$", re.MULTILINE)
 
 
-def placement_notes(text: str) -> tuple[str, dict[str, Any]]:
+def placement_notes(text: str, *, program: bool = False) -> tuple[str, dict[str, Any]]:
     """Takes ``base = [4x4]`` and ``tool = [4x4]`` out of a text.
+
+    Args:
+        text: The text.
+        program: Whether ``base = 0.3`` may give a number a name that is used further on.
 
     Returns:
         The text with these lines blanked, and the fields of the document.
@@ -32,6 +37,8 @@ def placement_notes(text: str) -> tuple[str, dict[str, Any]]:
         if match.start() < kept:
             continue
         key, line = match[1].lower(), text.count("\n", 0, match.start()) + 1
+        if program and _names_a_number(text, match):
+            continue
         if key in placements:
             raise DHError.single(f"/{key}", f"line {line}: {key} stands twice; keep one")
         rows, end = _matrix(text, match.end())
@@ -48,6 +55,12 @@ def placement_notes(text: str) -> tuple[str, dict[str, Any]]:
         kept = rest.end() if rest else end
     parts.append(text[kept:])
     return "".join(parts), placements
+
+
+def _names_a_number(text: str, match: re.Match[str]) -> bool:
+    used = re.compile(rf"[=,\[(*+\-][ \t]{{0,20}}{match[1]}\b(?![ \t]*=)")
+    number = _NUMBER.match(text, match.end()) and match[0].lstrip().startswith(match[1])
+    return bool(number) and used.search(text, match.end()) is not None
 
 
 def _matrix(text: str, start: int) -> tuple[list[list[str]], int]:

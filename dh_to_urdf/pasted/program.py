@@ -13,6 +13,12 @@ from collections.abc import Sequence
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
 from dh_to_urdf.pasted.grids import MAX_COLUMNS, is_latex
 from dh_to_urdf.pasted.headings import Heading, heading_problem, read_heading
+from dh_to_urdf.pasted.program_limits import (
+    refuse_loops,
+    refuse_reworked_list,
+    refuse_reworked_matrix,
+    without_blocks,
+)
 from dh_to_urdf.pasted.raw_table import RawCell, RawRow, RawTable, headings_of
 from dh_to_urdf.pasted.source_tokens import (
     Token,
@@ -39,7 +45,7 @@ _NUMBERED = re.compile(r"([^\W\d]\w*)[({\[](\d{1,4})[)}\]]")
 _MATRIX = re.compile(r"(?:^|[=(\s])\[\s*[-+\d.\[(]|\.array\s*\(|^[ \t]*\[", re.MULTILINE)
 _CALL = re.compile(
     r"\b(?:Link|DHLink|Revolute|Prismatic|RevoluteDH|PrismaticDH|RevoluteMDH|PrismaticMDH"
-    r"|SerialLink|DHRobot)\s*\("
+    r"|SerialLink|DHRobot)\s*\((?!\s*[ijkn]\s*\))"
 )
 
 
@@ -72,7 +78,7 @@ def table_from_program(
     Raises:
         DHError: No table, an argument that is not read, or links of another convention.
     """
-    return _Program(tokens_of(text), convention, columns).read()
+    return _Program(tokens_of(without_blocks(text)), convention, columns).read()
 
 
 class _Program:
@@ -84,7 +90,9 @@ class _Program:
         self.columns = columns
         self.links: list[Link] = []
         self.matrices: dict[str, tuple[int, list[list[list[Token]]]]] = {}
-        self.order: list[str] = []
+        self.starts: dict[str, int] = {}
+        self.robots = 0
+        self.last_link = 0
         self.robot_matrix: str | None = None
         self.robot_modified: bool | None = None
         self.table = RawTable([])
@@ -94,6 +102,8 @@ class _Program:
         index = 0
         while index < len(self.tokens):
             index = self._statement(index)
+        if self.robots > 1:
+            raise DHError.single("", f"the text makes {self.robots} robots; paste one")
         if self.links:
             return self._of_links()
         return self._of_matrix()
@@ -109,8 +119,10 @@ class _Program:
             inside, target = self.tokens[index + 2 : end], self._target(index)
             link = read_link(name, token.line, inside, target, self.table.warnings)
             self.links.append(link)
+            self.last_link = end
             return end + 1
         if opens and name in _ROBOTS:
+            self.robots += 1
             self._robot(self.tokens[index + 2 : closing(self.tokens, index + 1)])
             return index + 2
         if token.kind == "symbol" and token.text == "[":
@@ -119,7 +131,9 @@ class _Program:
             if not any(t.kind == "word" and t.text in (*LINKS, *_ROBOTS) for t in inside):
                 key = self._target(index) or f"[{index}"
                 self.matrices[key] = (token.line, matrix_rows(inside))
+                self.starts[key] = index
                 return end + 1
+            refuse_reworked_list(self.tokens, end)
         if token.kind == "symbol" and token.text == "=":
             self._assignment(index)
         return index + 1
@@ -152,7 +166,8 @@ class _Program:
                 f"line {self.tokens[equals].line}: {quoted(left)} is set after the link was made;"
                 f" give {attribute} among the arguments of the link",
             )
-        if not left.isidentifier():
+        name = left.rstrip("+-*/")
+        if not name.isidentifier():
             return
         end = equals + 1
         last = min(len(self.tokens), end + MAX_RIGHT)
@@ -160,7 +175,9 @@ class _Program:
             if self.tokens[end].text in (";", ",", "["):
                 break
             end += 1
-        self.table.assigned[left] = text_of(self.tokens[equals + 1 : end])
+        # Of ``a2 += 0.1`` the name is kept without a value, so that a2 stands for none.
+        text = text_of(self.tokens[equals + 1 : end]) if name == left else ""
+        self.table.assigned.append((name, text))
 
     def _robot(self, inside: list[Token]) -> None:
         """The order of the links, the name, and the convention of a robot."""
@@ -189,20 +206,17 @@ class _Program:
 
     def _parts(self, argument: list[Token]) -> None:
         if argument[0].text in ("[", "{"):
-            inside = argument[1 : closing(argument, 0)]
-            if any(token.text in LINKS for token in inside):
-                return
-            rows = matrix_rows(inside)
-            words = [text_of(element).replace(" ", "") for row in rows for element in row]
-            if words and all(re.match(r"[^\W\d]", word) for word in words):
-                self.order = words
-            else:
+            end = closing(argument, 0)
+            inside = argument[1:end]
+            refuse_reworked_list(argument, end)
+            if not any(token.text in LINKS for token in inside):
                 self.robot_matrix = "robot"
-                self.matrices["robot"] = (argument[0].line, rows)
+                self.matrices["robot"] = (argument[0].line, matrix_rows(inside))
         elif len(argument) == 1 and argument[0].kind == "word":
             self.robot_matrix = argument[0].text
 
     def _of_links(self) -> RawTable:
+        refuse_loops(self.tokens, self.last_link)
         links = self._ordered()
         for link in links:
             modified = link.modified if link.modified is not None else self.robot_modified
@@ -225,10 +239,11 @@ class _Program:
                 raise DHError.single("", f"line {link.line}: {link.target} is made twice; keep one")
             if link.target:
                 by_target[link.target] = link
-        if self.order and all(word in by_target for word in self.order):
-            return [by_target[word] for word in self.order]
-        if self.order:
-            missing = next(word for word in self.order if word not in by_target)
+        order = self._order(by_target)
+        if order:
+            missing = next((word for word in order if word not in by_target), None)
+            if missing is None:
+                return [by_target[word] for word in order]
             raise DHError.single("", f"the robot has a link {quoted(missing)} that is not made")
         numbers = [_NUMBERED.fullmatch(link.target) for link in self.links]
         if not all(numbers) or len({match[1] for match in numbers if match}) != 1:
@@ -236,11 +251,29 @@ class _Program:
         found = sorted((int(n[2]), k) for k, n in enumerate(numbers) if n)
         start = found[0][0]
         for expected, (number, k) in enumerate(found, start=start):
-            if number != expected or start > 1:
+            if start > 1:
+                raise DHError.single("", f"the links start at {start}; link 1 is missing")
+            if number != expected:
                 raise DHError.single(
                     "", f"line {self.links[k].line}: link {number} stands where {expected} is due"
                 )
         return [self.links[k] for _, k in found]
+
+    def _order(self, by_target: dict[str, Link]) -> tuple[str, ...]:
+        """The names of the links in a list of them, such as ``[L1 L2]``; empty if there is none.
+
+        Raises:
+            DHError: Two lists that differ.
+        """
+        lists = {}
+        for key, (_, rows) in self.matrices.items():
+            words = tuple(text_of(element).replace(" ", "") for row in rows for element in row)
+            of_robot = key == self.robot_matrix and all(re.match(r"[^\W\d]", w) for w in words)
+            if words and (of_robot or all(word in by_target for word in words)):
+                lists[words] = key
+        if len(lists) > 1:
+            raise DHError.single("", "the text holds two lists of links; paste one robot")
+        return next(iter(lists), ())
 
     def _check_convention(self, modified: bool, line: int) -> None:
         written = Convention.MODIFIED if modified else Convention.STANDARD
@@ -285,9 +318,10 @@ class _Program:
 
     def _chosen(self) -> tuple[int, list[list[list[Token]]], bool]:
         if self.robot_matrix is not None and self.robot_matrix in self.matrices:
+            self._refuse_reworked(self.robot_matrix)
             return (*self.matrices[self.robot_matrix], True)
-        wide = [m for m in self.matrices.values() if m[1] and len(m[1][0]) >= 3]
-        several = [m for m in wide if len(m[1]) > 1] or wide
+        wide = {key: m for key, m in self.matrices.items() if m[1] and len(m[1][0]) >= 3}
+        several = {key: m for key, m in wide.items() if len(m[1]) > 1} or wide
         if not several:
             raise DHSyntaxError.single(
                 "", "the text holds no table: no link, and no matrix of three columns or more"
@@ -296,9 +330,23 @@ class _Program:
             raise DHError.single(
                 "", f"the text holds {len(several)} matrices; paste the one with the table"
             )
-        if max(len(row) for row in several[0][1]) > MAX_COLUMNS:
+        ((key, (line, rows)),) = several.items()
+        if max(len(row) for row in rows) > MAX_COLUMNS:
             raise DHError.single("", f"a row has over {MAX_COLUMNS} elements")
-        return (*several[0], False)
+        offsets = next((other for other in self.matrices if "offset" in other.lower()), key)
+        if offsets != key:
+            raise DHError.single(
+                "",
+                f"line {self.matrices[offsets][0]}: {quoted(offsets)} beside the matrix is not"
+                " read; write it as a column offset",
+            )
+        self._refuse_reworked(key)
+        return line, rows, False
+
+    def _refuse_reworked(self, key: str) -> None:
+        if key in self.starts:
+            name = "" if key.startswith("[") else key
+            refuse_reworked_matrix(self.tokens, self.starts[key], name)
 
     def _headings(self) -> list[Heading]:
         """The columns as given, or as a comment names them."""

@@ -52,14 +52,14 @@ class RawTable:
         rows: The joints.
         typed: Whether rows without a type are revolute, as in the program of the text.
         name: Name of the robot, if the text has one.
-        assigned: Numbers that the text gives to names.
+        assigned: Names and the texts of the numbers that the text gives them, in its order.
         warnings: What was assumed.
     """
 
     rows: list[RawRow]
     typed: bool = False
     name: str | None = None
-    assigned: dict[str, str] = field(default_factory=dict)
+    assigned: list[tuple[str, str]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
 

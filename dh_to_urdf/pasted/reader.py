@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from dh_to_urdf.cells.arithmetic import variable_of
 from dh_to_urdf.cells.expressions import Cell, CellError, Quantity, parse_cell
 from dh_to_urdf.cells.notation import rounding_warnings
 from dh_to_urdf.cells.values import Values, read_values
@@ -33,13 +34,16 @@ LIMIT_TURNS = 20.0
 
 _ANGLES = {"rad": 1.0, "deg": math.pi / 180}
 _LENGTHS = {"m": 1.0, "mm": 1e-3}
-_ABSENT = {"", "-", "–", "—", "−"}
+LONG = 20.0
+"""Bare lengths beyond this (m) look like millimetres."""
+_ABSENT = {"", "-", "–", "—", "−", "--", "---"}
 _ANY_VARIABLE = {"*", "var", "var.", "variable"}
 _TYPES = {
     "0": JointType.REVOLUTE, "1": JointType.PRISMATIC, "2": JointType.FIXED,
     "rev": JointType.REVOLUTE, "rot": JointType.REVOLUTE, "rotational": JointType.REVOLUTE,
     "rotation": JointType.REVOLUTE, "rotary": JointType.REVOLUTE, "rotoid": JointType.REVOLUTE,
-    "rotoïde": JointType.REVOLUTE, "hinge": JointType.REVOLUTE,
+    "rotoïde": JointType.REVOLUTE, "rotoide": JointType.REVOLUTE, "pivot": JointType.REVOLUTE,
+    "hinge": JointType.REVOLUTE, "glissière": JointType.PRISMATIC, "glissiere": JointType.PRISMATIC,
     "pris": JointType.PRISMATIC, "prism": JointType.PRISMATIC, "linear": JointType.PRISMATIC,
     "translation": JointType.PRISMATIC, "translational": JointType.PRISMATIC,
     "sliding": JointType.PRISMATIC, "prismatique": JointType.PRISMATIC,
@@ -85,7 +89,7 @@ def read_pasted(
             empty["convention"] = convention
         read_mapping(empty)
         raise DHError.single("", "the table cannot be read")
-    text, placements = placement_notes(text)
+    text, placements = placement_notes(text, program=is_program(text))
     listed = [part for part in re.split(r"[,\s]+", columns) if part] if columns else None
     raw = (
         table_from_program(text, meaning, listed)
@@ -122,18 +126,25 @@ def _decoded(text: str | bytes) -> str:
         raise DHError.single("", "the text is not UTF-8") from None
 
 
-def _with_assigned(given: Values, assigned: Mapping[str, str]) -> Values:
-    """The values, and those that the text itself gives; the former win."""
-    values = given
-    for name, text in assigned.items():
+def _with_assigned(given: Values, assigned: Sequence[tuple[str, str]]) -> Values:
+    """The values, and those that the text itself gives; the former win.
+
+    A name that the text gives two values stands for none: which one holds where is not known.
+    """
+    values, doubtful = given, set[str]()
+    for name, text in assigned:
         key = name.replace("_", "")
-        if key in given:
+        if key in given or key in doubtful:
             continue
         try:
             sums = read_values({name: text}, values)
         except DHError:
-            continue
-        values = sums
+            sums = None
+        if key in values and (sums is None or sums.get(key) != values.get(key)):
+            doubtful.add(key)
+            values = values.without(key)
+        else:
+            values = sums or values
     return values
 
 
@@ -155,6 +166,7 @@ class _Reader:
         self.report = Report()
         self.warnings: list[str] = []
         self.z_column = "r" if convention is Convention.KHALIL else "d"
+        self.named: set[str] = set()
 
     def rows(self) -> list[dict[str, Any]]:
         """The rows of the document.
@@ -162,6 +174,12 @@ class _Reader:
         Raises:
             DHError: With all problems of cells.
         """
+        self.named = {
+            column
+            for k, row in enumerate(self.raw.rows)
+            for column in ("theta", self.z_column)
+            if self._holds_variable(k, row.cells.get(column), column) is not None
+        }
         types = [self._type(k, row) for k, row in enumerate(self.raw.rows)]
         self.report.raise_if_any()
         unknown = [k for k, type_ in enumerate(types) if type_ is None]
@@ -170,6 +188,7 @@ class _Reader:
                 self._add(
                     k, None, "no cell holds the joint variable, so that its type is open; write"
                     f" theta{k + 1} or {self.z_column}{k + 1} in its cell, or add a column type"
+                    " (R, P, or F for a row that does not move)"
                 )  # fmt: skip
         self.report.raise_if_any()
         if unknown and not self.raw.typed:
@@ -213,7 +232,25 @@ class _Reader:
                 " write 90° or pi/2, or give angle=deg (or angle=rad if it is meant)",
             )
             return None
+        if bare == TURN and unit == _ANGLES["deg"] and abs(parsed.plain) > 360.0:
+            self._add(
+                k,
+                cell,
+                f"{quoted(cell.text)} is more than a turn: a 90° that lost its ° reads 900; write"
+                " the angle within ±360, or with its unit (900°) if it is meant",
+            )
+            return None
+        if quantity is Quantity.LENGTH and cell.unit is None and unit == 1.0:
+            self._warn_if_long(k, cell, parsed)
         return parsed
+
+    def _warn_if_long(self, k: int, cell: RawCell, parsed: Cell) -> None:
+        if abs(parsed.plain) > LONG and not any("length=mm" in text for text in self.warnings):
+            self.warnings.append(
+                f"joint {k + 1} (line {cell.line}, column {cell.column or '1'}):"
+                f" {quoted(cell.text)} has no unit and is taken as metres; if it is in"
+                " millimetres, give length=mm"
+            )
 
     def _holds_variable(self, k: int, cell: RawCell | None, column: str) -> Cell | None:
         """The cell, if it holds the variable that its column may have."""
@@ -243,12 +280,10 @@ class _Reader:
                 return JointType.FIXED
             return found
         variable = row.cells.get("variable")
-        if variable is not None:
-            letter = plain_cell(variable.text[:MAX_RAW_CELL])[:1].lower()
-            if letter in ("t", "θ"):
-                return JointType.REVOLUTE
-            if letter in ("d", "r"):
-                return JointType.PRISMATIC
+        if variable is not None and variable.text.strip() not in _ABSENT:
+            found = self._type_by_variable(k, variable)
+            if found is not None:
+                return found
         theta = self._holds_variable(k, row.cells.get("theta"), "theta")
         along = self._holds_variable(k, row.cells.get(self.z_column), self.z_column)
         if theta is not None and along is not None and along.variable == "q":
@@ -265,11 +300,22 @@ class _Reader:
             return JointType.PRISMATIC
         for column, type_ in (("theta", JointType.REVOLUTE), (self.z_column, JointType.PRISMATIC)):
             own = row.cells.get(column)
-            if own is not None and own.text.strip() in _ABSENT:
+            absent = own is not None and own.text.strip() in _ABSENT
+            # Where other rows name their variable, an empty cell is a row that does not move.
+            if absent and column not in self.named:
                 return type_
         if "theta" not in row.cells and self.z_column in row.cells:
             return JointType.REVOLUTE
         return JointType.REVOLUTE if self.raw.typed else None
+
+    def _type_by_variable(self, k: int, cell: RawCell) -> JointType | None:
+        """The type by the joint variable in a column of its own; None for q, which says none."""
+        text = plain_cell(cell.text[:MAX_RAW_CELL])
+        letter, index = variable_of(text.lower()) or ("", None)
+        if not letter or index not in (None, k + 1):
+            self._add(k, cell, f"{quoted(cell.text)} is not the variable of joint {k + 1}")
+            return JointType.FIXED
+        return {"theta": JointType.REVOLUTE, "q": None}.get(letter, JointType.PRISMATIC)
 
     def _row(self, k: int, row: RawRow, type_: JointType) -> dict[str, Any]:
         turns = type_.turns

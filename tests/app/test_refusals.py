@@ -156,7 +156,7 @@ def test_bad_urdfs(client, urdf, words):
         ("fk", {"q": {"j1": 0, "j2": 0, "j3": 0}}, "/q/j3", ["j3"]),
         ("fk", {"q": [0, 1e9]}, "/q/1", ["j2", "finite"]),
         ("fk", {"q": [0, 0], "frames": ["nope"]}, "/frames/0", ["nope", "frame_1"]),
-        ("fk", {"q": [0, 0], "frame": "tool"}, "/frame", ["unknown field"]),
+        ("fk", {"q": [0, 0], "frame": "tool"}, "/frame", ["unknown field", "known are q, frames"]),
         ("fk", {"q": [0, 0], "frames": []}, "/frames", ["all"]),
         ("fk", {"q": [0, 0], "euler": "ZZX"}, "/euler", ["ZXZ"]),
         ("jacobian", {"q": [0, 0], "frame": "nope"}, "/frame", ["nope"]),
@@ -253,6 +253,10 @@ def test_curl_d_is_taught_to_be_curl_json(client):
     check(answer, 415, "", "--json")
     answer = client.post("/v1/robots", content=b"{}", headers=form)
     check(answer, 415, "", "--json")
+    # Also beside parameters that only other types have.
+    html = {"Content-Type": "text/html"}
+    answer = client.post("/v1/dh-to-urdf?convention=dh", content=b"a", headers=html)
+    check(answer, 415, "", "text/plain")
 
 
 def test_unknown_things(client):

@@ -397,10 +397,127 @@ def test_a_damaged_table_is_refused_or_a_table(data):
     "piece",
     ["a=", "[", "[ [", "(", "L(1)=", "Link(", "\\frac{", "^{", "_", "a & b \\\\\n", "|a|b|\n", "\n",
      "\\begin{tabular}", "Link([0 0 0 0])\n", "[0 0 0 0]\n", "x = [", "tool = [", " ", "'", "[[1,",
-     "% a alpha d theta\n", "\\hline", "\\multicolumn{", "$"],
+     "% a alpha d theta\n", "\\hline", "\\multicolumn{", "$",
+     "%{\n", "%{ \nLink(", '"""\n'],
 )  # fmt: skip
 def test_long_garbage_takes_no_time(piece):
     started = time.process_time()
     with pytest.raises(DHError):
         read_pasted((piece * 100_000)[:100_000], "standard")
     assert time.process_time() - started < 5
+
+
+def first_row(cells, convention="dh", **options):
+    """The first joint of a table in which a, alpha, d and theta are these."""
+    row = {"a": "0.3", "α": "0", "d": "0.1", "θ": "θ1"} | cells
+    text = f"{HEAD}|1|{row['a']}|{row['α']}|{row['d']}|{row['θ']}|\n|2|0|0|0|θ2|\n"
+    return read_pasted(text, convention, **options).rows[0]
+
+
+def test_degrees_that_lost_their_sign_are_refused():
+    # The ring of 90° comes out of a PDF as a superscript zero, or as a plain one.
+    assert first_row({"α": "90⁰"}).alpha == math.pi / 2
+    for cells in ({"α": "900"}, {"θ": "θ1 - 900"}):
+        with pytest.raises(DHError, match="more than a turn"):
+            first_row(cells, angle="deg")
+    assert first_row({"α": "900°"}).alpha == 5 * math.pi
+
+
+def test_a_long_length_without_unit_warns_of_millimetres():
+    text = HEAD + "|1|431.8|0|0|θ1|\n"
+    assert "give length=mm" in read_pasted(text, "dh").warnings[0]
+    for read in (
+        read_pasted(text, "dh", length="mm"),
+        read_pasted(text.replace("431.8", "431.8 mm"), "dh"),
+        read_pasted(text.replace("| a |", "| a (mm) |"), "dh"),
+    ):
+        assert (read.rows[0].a, read.warnings) == (0.4318, ())
+
+
+def test_an_empty_variable_among_named_ones_is_no_joint():
+    text = HEAD + "|1|0.3|0|0|{}|\n|2|0|0|0.1|-|\n"
+    assert read_pasted(text.format("-"), "dh").dof == 2
+    with pytest.raises(DHError, match=r"joint 2 .*F for a row that does not move"):
+        read_pasted(text.format("θ1"), "dh")
+
+
+def test_the_sine_of_a_bare_90_is_refused():
+    with pytest.raises(DHError, match="sin of 90 rad; write 90°"):
+        first_row({"a": "0.3*sin(90)"})
+    assert first_row({"a": "0.3*sin(90°)"}).a == 0.3
+    assert first_row({"a": "0.3*sin(90)"}, angle="deg").a == 0.3
+
+
+def test_a_column_of_variables_names_those_of_its_rows():
+    text = "|i|a|α|d|θ|q|\n|-|-|-|-|-|-|\n|1|0.3|0|0.2|30°|{}|\n"
+    assert read_pasted(text.format("d1"), "dh").rows[0].type is JointType.PRISMATIC
+    for cell in ("θ2", "90°"):
+        with pytest.raises(DHError, match="not the variable of joint 1"):
+            read_pasted(text.format(cell), "dh")
+
+
+def test_words_of_other_languages_and_indices_in_parentheses():
+    text = (
+        "Articulation;Type;alpha (degrés);a (mètres);d (metres);theta (deg)\n"
+        "1;rotoide;90;0;0,66;θ(1)\n2;Glissière;0;1,5;q(2);0\n3;pivot;0;0;0;q(3) - 90\n"
+    )
+    rows = read_pasted(text, "dh").rows
+    assert [row.type.value[0] for row in rows] == ["r", "p", "r"]
+    assert (rows[0].alpha, rows[0].d, rows[2].offset) == (math.pi / 2, 0.66, -math.pi / 2)
+    assert read_pasted("Link (i) | a | α | d | θ\n1 | 0.3 | 0 | 0 | θ1\n", "dh").rows[0].a == 0.3
+
+
+def test_a_row_without_its_borders_is_not_lost():
+    with pytest.raises(DHError, match=r"line 5 has no \|"):
+        read_pasted(GOOD + "3 0.3 0 0 q3\n", "dh")
+    with pytest.raises(DHError, match=r"line 4 has no \|"):
+        read_pasted(GOOD.replace("|2|0.3|0|0|q2|", "2 0.3 0 0 q2\n|3|0|0|0|q3|"), "dh")
+    assert read_pasted(f"The arm:\n{GOOD}\nwhere q1 is the shoulder.", "dh").dof == 2
+
+
+NUMBERS = "% theta d a alpha\nDH = [0 1 0 0; 0 0 1 0; 0 0 0 1; 0 2 0 0]"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (NUMBERS + "';", '"\'" after the matrix'),
+        (NUMBERS + "*0.1;", "'*' after the matrix"),
+        (NUMBERS.replace("[", "deg2rad([") + ")", "'deg2rad' before the matrix"),
+        (NUMBERS + ";\nDH(:,2:3) = DH(:,2:3)/1000;", "line 3: 'DH' is set more than once"),
+        (NUMBERS + "\nDH[:, 1:3] *= 1e-3", "line 3: 'DH' is set more than once"),
+        (NUMBERS + "\nDH = DH*1e-3", "line 3: 'DH' is set more than once"),
+        (NUMBERS + "\noffset = [pi/2 0 0 0]", "line 3: 'offset' beside the matrix"),
+        ("# theta d a alpha\nDH = np.array([[0, 1, 0, 0], [0, 0, 1, 0]]).T", "after the matrix"),
+        ("for i=1:3\nL(i) = Link('d',0.1,'a',0.2);\nend", "line 1: a loop"),
+        ("DHRobot([RevoluteDH(a=0.2) for i in range(3)])", "a loop"),
+        ("DHRobot([RevoluteDH(a=0.2)]*3)", r"'\*' after the list"),
+        ("L1=Link('d',0); L2=Link('d',1);\nSerialLink(L1); SerialLink(L2)", "2 robots"),
+        ("L2 = Link('d', 0)\nL3 = Link('d', 1)\nA = [L2 L3]; B = [L3 L2];", "two lists of links"),
+        ("L(2) = Link('d', 0);", "link 1 is missing"),
+        ("a=1;\nL(1)=Link('d',0,'a',a);\na=2;\nL(2)=Link('d',0,'a',a);", "unknown name 'a'"),
+        ("l=1\nl += 1\nL1 = RevoluteDH(a=l)", "unknown name 'l'"),
+    ],
+)
+def test_what_a_program_would_do_with_its_numbers_is_refused(text, words):
+    with pytest.raises(DHError, match=words):
+        read_pasted(text, "dh")
+
+
+def test_comments_in_blocks_lists_of_links_and_a_name_like_base():
+    text = '''"""
+    Example: RevoluteDH(d=1)
+    """
+    base = 26.45 * inch  # the pedestal
+    inch = 0.0254
+    L1 = RevoluteDH(a=0.4)
+    L2 = RevoluteDH(d=pedestal, a=0.3)
+    links = [L2, L1]
+    robot = DHRobot(links)'''
+    text = text.replace("    base", "    inch = 0.0254\n    base").replace("pedestal,", "base,")
+    assert [(row.d, row.a) for row in read_pasted(text, "dh").rows] == [
+        (pytest.approx(0.67183), 0.3),
+        (0, 0.4),
+    ]
+    text = "%{\nL(1)=Link('d',1);\n%}\nL(1)=Link('d',0.5);"
+    assert [row.d for row in read_pasted(text, "dh").rows] == [0.5]

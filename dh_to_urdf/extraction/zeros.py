@@ -1,0 +1,177 @@
+"""Zeros of the joints at which two chains have the same axes, up to where their bases stand.
+
+Two chains are one arm exactly if their axes can be laid onto each other: of a joint that turns the
+directed line, of one that slides the direction alone. Sought by Gauss-Newton steps over a motion of
+the base and the zeros; the columns of its Jacobian are brackets of screws (Murray, Li and Sastry,
+section 2.4), so that zeros that change nothing stay where they are.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dh_to_urdf.extraction.axes import ChainJoint, SerialChain
+from dh_to_urdf.poses import Matrix
+from dh_to_urdf.table import JointType
+
+STARTS = 5
+MAX_SOUGHT = 16
+"""Number of joints up to which zeros are also sought from random starts."""
+STEPS = 30
+FITTED = 1e-12
+"""Sum of squares below which the axes lie on each other."""
+
+
+def with_zeros(chain: SerialChain, zeros: Matrix) -> SerialChain:
+    """The chain with q = 0 where q = ``zeros`` was, shape (n,)."""
+    moved = [
+        replace(joint, placement=_moved(joint, float(zero)))
+        for joint, zero in zip(chain.joints, zeros, strict=True)
+    ]
+    return replace(chain, joints=tuple(moved))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How the axes of a second chain are laid onto those of a first one.
+
+    Attributes:
+        zeros: What to add to q of the first chain to get q of the second, shape (n,).
+        placement: Where to put the base of the second chain in that of the first, 4x4.
+        left: Sum of squares that is left of directions and of moments in sizes of the robot.
+    """
+
+    zeros: Matrix
+    placement: Matrix
+    left: float
+
+
+def fit_axes(first: SerialChain, second: SerialChain, start: Matrix) -> Fit:
+    """The zeros and the base of a second chain with which its axes are nearest to the first's.
+
+    Args:
+        first: The first chain.
+        second: Another one with the same kinds of joints.
+        start: Zeros to start from, shape (n,); then random ones.
+    """
+    size = max(first.size, second.size)
+    target = _Axes.of(first, size)
+    random = np.random.default_rng(0)
+    scale = np.where(target.turns, np.pi, size)
+    best = _fitted(target, second, start, size)
+    for _ in range(STARTS if len(start) <= MAX_SOUGHT else 0):
+        if best.left <= FITTED:
+            break
+        tried = _fitted(target, second, random.uniform(-scale, scale), size)
+        best = min(best, tried, key=lambda fit: fit.left)
+    return best
+
+
+@dataclass(frozen=True)
+class _Axes:
+    """Axes of a chain at q = 0 as directions and moments (of a slide: 0), shape (n, 3)."""
+
+    turns: Matrix
+    directions: Matrix
+    moments: Matrix
+
+    @classmethod
+    def of(cls, chain: SerialChain, size: float) -> _Axes:
+        """The axes of a chain, with lengths in sizes of the robot."""
+        lines = chain.lines()
+        turns = np.array([line.type.turns for line in lines])
+        directions = np.array([line.direction for line in lines])
+        points = np.array([line.point for line in lines]) / size
+        return cls(turns, directions, np.cross(points, directions) * turns[:, None])
+
+    def screws(self) -> Matrix:
+        """The twists of the joints, shape (n, 2, 3): angular part, then linear part."""
+        turns = self.turns[:, None]
+        angular = self.directions * turns
+        return np.stack([angular, np.where(turns, self.moments, self.directions)], axis=1)
+
+    def moved(self, T: Matrix) -> _Axes:
+        """The axes after a motion."""
+        directions = self.directions @ T[:3, :3].T
+        moments = self.moments @ T[:3, :3].T
+        moments = moments + np.cross(T[:3, 3], directions) * self.turns[:, None]
+        return _Axes(self.turns, directions, moments)
+
+    def minus(self, other: _Axes) -> Matrix:
+        """Directions and moments less those of others, shape (6 n,)."""
+        return np.concatenate(
+            [self.directions - other.directions, self.moments - other.moments]
+        ).ravel()
+
+
+def _fitted(target: _Axes, chain: SerialChain, zeros: Matrix, size: float) -> Fit:
+    """The fit after damped Gauss-Newton steps from given zeros."""
+    scale = np.where(target.turns, 1.0, size)
+    tried, T = zeros, _laid(target, _Axes.of(with_zeros(chain, zeros), size))
+    best, damping = Fit(zeros, T, math.inf), 1e-6
+    for _ in range(STEPS):
+        laid = _Axes.of(with_zeros(chain, tried), size).moved(T)
+        missed = target.minus(laid)
+        left = float(missed @ missed)
+        if left >= best.left:
+            damping *= 10.0
+            if damping > 1e6:
+                break
+        else:
+            gained = left < 0.999999 * best.left
+            best, damping = Fit(tried, T, left), max(damping / 10.0, 1e-12)
+            J = _jacobian(laid)
+            square, slope = J.T @ J, J.T @ missed
+            if left <= 1e-30 or not gained:
+                break
+        step = np.linalg.solve(square + damping * np.eye(len(slope)), slope).astype(np.float64)
+        tried, T = best.zeros + step[6:] * scale, _motion(step[:6]) @ best.placement
+    placement = best.placement.copy()
+    placement[:3, 3] *= size
+    return replace(best, placement=placement)
+
+
+def _motion(twist: Matrix) -> Matrix:
+    """A motion that is a twist to first order: a rotation about it, after a translation."""
+    angle = float(np.linalg.norm(twist[:3]))
+    axis = twist[:3] / angle if angle else np.array([0.0, 0.0, 1.0])
+    joint = ChainJoint("", JointType.REVOLUTE, np.eye(4), axis)
+    T = _moved(joint, angle)
+    T[:3, 3] = twist[3:]
+    return T
+
+
+def _laid(target: _Axes, axes: _Axes) -> Matrix:
+    """The motion that lays axes onto the target: directions first, then moments."""
+    T = np.eye(4)
+    U, _, Vt = np.linalg.svd(target.directions.T @ axes.directions)
+    T[:3, :3] = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
+    turned = axes.moved(T)
+    crosses = np.cross(np.eye(3), turned.directions[:, None]).transpose(0, 2, 1)
+    crosses = crosses * turned.turns[:, None, None]
+    missed = (target.moments - turned.moments).ravel()
+    T[:3, 3] = np.linalg.lstsq(crosses.reshape(-1, 3), missed, rcond=1e-9)[0]
+    return T
+
+
+def _jacobian(axes: _Axes) -> Matrix:
+    """How the axes move with the base (six columns) and with each zero, shape (6 n, 6 + n)."""
+    base = np.zeros((6, 2, 3))
+    base[:3, 0], base[3:, 1] = np.eye(3), np.eye(3)
+    screws = np.concatenate([base, axes.screws()])
+    angular, linear = screws[:, None, 0], screws[:, None, 1]
+    turned = np.cross(angular, axes.directions)
+    moved = np.cross(angular, axes.moments) + np.cross(linear, axes.directions)
+    count = len(axes.turns)
+    # A zero moves the axes after its own.
+    after = np.concatenate([np.ones((6, count)), np.triu(np.ones((count, count)), 1)])[..., None]
+    moved = moved * axes.turns[:, None]
+    return np.concatenate([turned * after, moved * after], axis=1).reshape(6 + count, -1).T
+
+
+def _moved(joint: ChainJoint, value: float) -> Matrix:
+    chain = SerialChain("", "", "", (joint,), np.eye(4))
+    return chain.poses(np.array([value]))
