@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any, TypeVar
 
 import msgspec
@@ -10,12 +11,14 @@ from fastapi import APIRouter, Request, Response
 from app.dependencies import RobotDep, ServicesDep
 from app.openapi import PROBLEMS, REF
 from app.operations.base import UNITS_SCHEMA
+from app.problems import RequestProblem
 from app.query import check_query, units_of
 from app.units import Units
 from app.wire import JSON, TEXT, decode_json, read_body, require_type, respond, wanted_type
 from dh_to_urdf import DHError, Problem
 from dh_to_urdf.extraction.comparison import Comparison, Difference, compare
 from robots.chains import chain_of_robot
+from robots.errors import InvalidURDF
 from robots.robot import Robot
 
 RobotField = Annotated[
@@ -153,10 +156,19 @@ async def _other(services: ServicesDep, asked: DiffRequest) -> Robot:
         return await services.inline_robot(asked.other)
     except DHError as error:
         problems = [
-            Problem("/other" + problem.pointer.removeprefix("/robot"), problem.message)
-            for problem in error.problems
+            Problem(_of_other(problem.pointer), problem.message) for problem in error.problems
         ]
         raise type(error)(problems) from None
+    except InvalidURDF as error:
+        raise InvalidURDF(str(error), _of_other(error.pointer)) from None
+    except RequestProblem as error:
+        (problem,) = error.problems
+        detail = re.sub("^robot ", "other ", problem.message)
+        raise RequestProblem(error.type, detail, _of_other(problem.pointer)) from None
+
+
+def _of_other(pointer: str) -> str:
+    return "/other" + pointer.removeprefix("/robot")
 
 
 async def _answer(

@@ -31,6 +31,8 @@ CONFIGURATIONS = 50
 SNAPS = (1e-3, 1e-7)
 """Tilts below which axes count as parallel, tried in turn: rounded angles, then meant ones."""
 MAX_REVERSED = 16
+FAR_APART = 1e-2
+"""Sum of squares of what is left between axes, beyond which two arms have other shapes."""
 
 
 class Verdict(StrEnum):
@@ -109,7 +111,7 @@ class Comparison:
     def words(self) -> str:
         """The verdict in one or two sentences."""
         if self.verdict is Verdict.IDENTICAL:
-            return "The same arm" + self._offsets() + "."
+            return "The same arm."
         said = []
         if self.reversed:
             said.append(f"Joint {', '.join(self.reversed)} runs the other way.")
@@ -133,7 +135,7 @@ class Comparison:
         return " ".join(said) or "The same arm" + self._offsets() + "."
 
     def _offsets(self) -> str:
-        moved = sum(abs(joint.zero_offset) > 1e-12 for joint in self.joints)
+        moved = sum(abs(joint.zero_offset) > 1e-9 for joint in self.joints)
         return f", with {moved} other zero(s) of the joints" if moved else ""
 
 
@@ -185,6 +187,8 @@ def _compare_at_common_zeros(
 ) -> Comparison:
     """The comparison after the zeros of slides, which rows do not fix, were fitted to the axes."""
     fit = fit_axes(first, second, np.array([joint.zero_offset for joint in found.joints]))
+    if fit.left > FAR_APART:
+        return found
     origin = np.zeros(len(first.joints))
     moved = with_zeros(second, fit.zeros)
     # With the first chain's tip: where lines of slides run, depends on it.

@@ -157,6 +157,7 @@ def test_diff_finds_the_toolboxs_ur5(client):
     assert inline == body
     same = client.post("/v1/robots/ur5/diff?angle=deg&format=text", json={"other": "ur5_urdf"})
     assert "verdict: identical" in same.text
+    assert "zero(s)" not in same.text
     ends = {"tip": "frame_1", "other_tip": "frame_1"}
     part = client.post("/v1/robots/ur5/diff", json={"other": "ur10", **ends})
     assert len(part.json()["joints"]) == 1
@@ -168,6 +169,10 @@ def test_diff_refuses_with_the_field(client):
     assert client.post(url, json={}).json()["errors"][0]["pointer"] == "/other"
     bad = client.post(url, json={"other": {"convention": "dh", "joints": [{"type": "R"}]}})
     assert bad.json()["errors"][0]["pointer"] == "/other/joints/0/alpha"
+    for other, pointer in ((None, "/other"), ({"urdf": "<a/>"}, "/other/urdf")):
+        problem = client.post(url, json={"other": other}).json()
+        assert problem["errors"][0]["pointer"] == pointer
+        assert "robot is neither" not in problem["detail"]
     zero = client.post(url, json={"other": "ur5", "tolerance": {"length": 0}})
     assert zero.json()["errors"][0]["pointer"] == "/tolerance/length"
     assert client.post(url, json={"other": "ur5", "tip": "x"}).status_code == 422
