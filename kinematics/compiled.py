@@ -16,6 +16,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -56,6 +59,14 @@ _OPTIONS: dict[str, Any] = {
     "error_model": "numpy",
     "fastmath": {"nsz", "contract"},
 }
+
+
+def writable(array: NDArray[Any]) -> NDArray[np.float64]:
+    """The same numbers as compiled functions want them: float, in one piece, writable.
+
+    A read-only array is another type to the compiler, and a new type is compiled for anew.
+    """
+    return np.require(array, np.float64, ("C", "W"))
 
 
 def jit(function: F) -> F:

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from kinematics.chain import chain_of
-from kinematics.compiled import COMPILED
+from kinematics.compiled import COMPILED, writable
 from kinematics.configuration import configuration
 from kinematics.kernels import forward_many
 from robots.robot import FloatArray, Robot
@@ -58,6 +58,6 @@ def _many(robot: Robot, q: FloatArray, name: str) -> FloatArray:
     K = chain.length
     out = np.empty((len(q), 16))
     memory = np.empty(K), np.empty((K, 6))
-    q = np.ascontiguousarray(q)
+    q = writable(q)
     forward_many(chain.placements, chain.turns, chain.columns, q, *memory, out)
     return out.reshape(-1, 4, 4)

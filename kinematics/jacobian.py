@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from kinematics.chain import chain_of
-from kinematics.compiled import COMPILED
+from kinematics.compiled import COMPILED, writable
 from kinematics.configuration import configuration
 from kinematics.forward import fk
 from kinematics.kernels import jacobian_many
@@ -143,7 +143,7 @@ def _many(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFra
     K = chain.length
     poses, J = np.empty((len(q), 16)), np.zeros((len(q), 6, robot.dof))
     memory = np.empty(K), np.empty((K, 6))
-    q = np.ascontiguousarray(q)
+    q = writable(q)
     jacobian_many(chain.placements, chain.turns, chain.columns, q, *memory, poses, J)
     return _expressed(J, poses.reshape(-1, 4, 4), reference_frame)
 

@@ -43,7 +43,7 @@ class JointBounds:
     def inside(self, q: FloatArray) -> FloatArray:
         """Brings q within the limits: by whole turns where that works, else to the nearest."""
         inside = np.empty(len(q))
-        inside_all(np.asarray(q, dtype=np.float64), self.lower, self.upper, self.wraps, inside)
+        inside_all(np.array(q, dtype=np.float64), self.lower, self.upper, self.wraps, inside)
         return inside
 
     def nearest(self, q: FloatArray, reference: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ from time import perf_counter
 import numpy as np
 
 from kinematics.chain import Chain, chain_of
+from kinematics.compiled import writable
 from kinematics.inverse import kernel
 from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.closed_form import closed_form_of
@@ -112,6 +113,8 @@ class Solver:
         """One target, shape (4, 4); see :func:`kinematics.inverse.solve_ik`."""
         started = perf_counter()
         target = np.ascontiguousarray(target, np.float64)
+        if not target.flags.writeable:
+            target = target.copy()
         if seed is None:
             start, origin = self.middle, self._middle_of_chain
         else:
@@ -144,7 +147,7 @@ class Solver:
         deadline: float,
     ) -> IKBatch:
         """Many targets, shape (n, 4, 4), over threads; see ``solve_ik_batch``."""
-        targets = np.ascontiguousarray(targets, np.float64)
+        targets = writable(targets)
         n, columns = len(targets), self.chain.columns
         K = len(columns)
         start = self.middle if seed is None else self.bounds.inside(seed)
