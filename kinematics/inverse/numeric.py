@@ -16,17 +16,19 @@ import pinocchio as pin
 
 from kinematics.chain import chain_of
 from kinematics.inverse.bounds import JointBounds
+from kinematics.inverse.kernel import (
+    DAMPING,
+    FLOOR,
+    MAX_DAMPING,
+    SETTLED,
+    STALL_RATIO,
+    STALLS,
+    UNREACHABLE_RESTARTS,
+)
 from kinematics.inverse.result import IKOptions, IKResult, IKStatus
 from kinematics.inverse.starts import starts
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
-
-DAMPING = 0.03
-FLOOR = 1e-10
-STALL_RATIO = 0.9
-STALLS = 3
-SETTLED = 1 - 1e-9
-MAX_DAMPING = 1e6
 
 
 @dataclass
@@ -141,7 +143,9 @@ def solve_on_pinocchio(
     chain = chain_of(robot, frame)
     centre, reach = chain.placements[0, [3, 7, 11]], chain.reach
     unreachable = _beyond(target, centre, reach, task, options)
-    max_restarts = min(options.max_restarts, 2) if unreachable else options.max_restarts
+    max_restarts = (
+        min(options.max_restarts, UNREACHABLE_RESTARTS) if unreachable else options.max_restarts
+    )
     low, high = bounds.ranges(reach if np.isfinite(reach) else 1.0)
     sequence = starts(options.random_seed, low[problem.moving], high[problem.moving])
     best, q = _Best(start), start

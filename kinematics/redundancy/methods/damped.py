@@ -14,7 +14,7 @@ from kinematics.compiled import jit
 from kinematics.inverse.kernel import columns, damped, residual
 from kinematics.kernels import Array
 from kinematics.redundancy.kernel import workspace
-from kinematics.redundancy.methods.pseudo_inverse import BLOCK
+from kinematics.redundancy.methods.blocks import in_blocks
 from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import PathOptions, Problem, departure
 from robots.robot import FloatArray
@@ -30,14 +30,15 @@ def follow(
     arm = problem.arm
     leaving, W = departure(problem, options), workspace(arm.K)
     C, turns, mask, _, _ = arm.constants
-    for first in range(1, len(Q), BLOCK):
-        last = min(first + BLOCK, len(Q))
+
+    def solve(first: int, last: int) -> tuple[int, int]:
         _follow(
             C, turns, mask, problem.path.targets, Q, leaving, first, last,
             options.damping, options.iterations, W,
         )  # fmt: skip
-        yield last
-    return None
+        return last, arm.m
+
+    return (yield from in_blocks(problem, len(Q), solve))
 
 
 @jit

@@ -28,9 +28,10 @@ from kinematics.redundancy.kernel import (
     task_at,
     workspace,
 )
+from kinematics.redundancy.methods.blocks import in_blocks
 from kinematics.redundancy.methods.damped import EXACT
-from kinematics.redundancy.methods.pseudo_inverse import BLOCK, HUGE
-from kinematics.redundancy.methods.stop import Stop, StopReason
+from kinematics.redundancy.methods.pseudo_inverse import HUGE
+from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import Gains, PathOptions, Problem, departure
 from robots.robot import FloatArray
 
@@ -51,17 +52,14 @@ def follow(
     wanted = problem.first if options.posture_q is None else options.posture_q
     world = problem.obstacles, problem.link_radius, problem.d_safe
     influence = options.reach_of_obstacles(problem)
-    for first in range(1, len(Q), BLOCK):
-        last = min(first + BLOCK, len(Q))
-        done, rank = _follow(
+
+    def solve(first: int, last: int) -> tuple[int, int]:
+        return _follow(
             *arm.constants, problem.path.targets, Q, leaving, first, last, chain.lower,
             chain.upper, wanted, *world, influence, gains, options.iterations, W,
         )  # fmt: skip
-        if done < last:
-            reason = StopReason.RANK if rank < arm.m else StopReason.DIVERGED
-            return Stop(reason, done, rank)
-        yield done
-    return None
+
+    return (yield from in_blocks(problem, len(Q), solve))
 
 
 @jit

@@ -22,12 +22,11 @@ from kinematics.redundancy.kernel import (
     task_rows,
     workspace,
 )
-from kinematics.redundancy.methods.stop import Stop, StopReason
+from kinematics.redundancy.methods.blocks import in_blocks
+from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import PathOptions, Problem, departure
 from robots.robot import FloatArray
 
-BLOCK = 64
-"""Samples computed in one call."""
 HUGE = 1e6
 """A joint value beyond this has diverged."""
 
@@ -38,14 +37,11 @@ def follow(
     """See :class:`kinematics.redundancy.methods.Method`."""
     arm, G = problem.arm, problem.path.targets
     leaving, W = departure(problem, options), workspace(arm.K)
-    for first in range(1, len(Q), BLOCK):
-        last = min(first + BLOCK, len(Q))
-        done, rank = _follow(*arm.constants, G, Q, leaving, first, last, options.closed_loop, W)
-        if done < last:
-            reason = StopReason.RANK if rank < arm.m else StopReason.DIVERGED
-            return Stop(reason, done, rank)
-        yield done
-    return None
+
+    def solve(first: int, last: int) -> tuple[int, int]:
+        return _follow(*arm.constants, G, Q, leaving, first, last, options.closed_loop, W)
+
+    return (yield from in_blocks(problem, len(Q), solve))
 
 
 @jit
