@@ -3,12 +3,13 @@ FROM docker.io/library/python:3.11-slim-bookworm AS build
 RUN apt-get update \
     && apt-get install -y --no-install-recommends binutils \
     && rm -rf /var/lib/apt/lists/*
+ENV PIP_CACHE_DIR=/var/cache/pip
 WORKDIR /src
 
 # The dependencies, in a layer of their own that changes with the lock only.
 COPY pyproject.toml requirements.lock ./
 COPY docker/locked.py docker/
-RUN --mount=type=cache,target=/root/.cache/pip \
+RUN --mount=type=cache,target=/var/cache/pip \
     python -m venv --without-pip /opt/denavit \
     && python docker/locked.py run > run.txt \
     && python -m pip --python /opt/denavit/bin/python install \
@@ -19,7 +20,7 @@ COPY robots/library robots/library
 RUN /opt/denavit/bin/python -B docker/strip.py robots/library
 
 # The service itself, below /app as it will lie below /.
-RUN --mount=type=cache,target=/root/.cache/pip \
+RUN --mount=type=cache,target=/var/cache/pip \
     python docker/locked.py build > build.txt \
     && python -m pip install --require-hashes --no-deps --only-binary :all: -r build.txt
 COPY LICENSE README.md ./
