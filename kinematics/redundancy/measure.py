@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from kinematics.compiled import jit
 from kinematics.inverse.kernel import residual
 from kinematics.kernels import Array
+from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.distances import clearances
 from kinematics.redundancy.kernel import workspace
 from kinematics.redundancy.problem import Problem
@@ -53,20 +54,25 @@ class Measures:
 
 def errors_at(problem: Problem, Q: FloatArray, first: int = 0) -> tuple[FloatArray, FloatArray]:
     """Position and orientation errors of samples ``first`` onwards; Q has shape (n, K)."""
-    out = np.empty((len(Q), 2))
-    C, turns, mask, _, _ = problem.arm.constants
-    targets = problem.path.targets[first : first + len(Q)]
-    _errors(C, turns, mask, np.ascontiguousarray(Q), targets, workspace(problem.arm.K), out)
-    return out[:, 0], out[:, 1]
+    e = error_vectors(problem.arm, Q, problem.path.targets[first : first + len(Q)])
+    return np.linalg.norm(e[:, :3], axis=1), np.linalg.norm(e[:, 3:], axis=1)
+
+
+def error_vectors(arm: Arm, Q: FloatArray, targets: FloatArray) -> FloatArray:
+    """Task errors of Q, shape (n, K), to poses, shape (n, 12): m and rad, shape (n, 6)."""
+    out = np.empty((len(Q), 6))
+    C, turns, mask, _, _ = arm.constants
+    _errors(C, turns, mask, np.ascontiguousarray(Q), targets, workspace(arm.K), out)
+    return out
 
 
 def clearances_at(problem: Problem, Q: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
     """Least clearances, and link and obstacle of each; Q has shape (n, K)."""
     found, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
     C, turns, *_ = problem.arm.constants
-    W = workspace(problem.arm.K)
+    W = workspace(problem.arm.K, len(problem.links))
     Q = np.ascontiguousarray(Q)
-    clearances(C, turns, Q, problem.obstacles, problem.link_radius, W, found, whose)
+    clearances(C, turns, Q, problem.obstacles, problem.links.rows, W, found, whose)
     return found, whose
 
 
@@ -79,8 +85,8 @@ def measure(problem: Problem, Q: FloatArray) -> Measures:
     swept = np.full(len(Q) - 1, np.inf)
     C, turns, *_ = arm.constants
     if len(problem.obstacles):
-        world = problem.obstacles, problem.link_radius
-        swept_clearances(C, turns, Q, *world, RESOLUTION, workspace(arm.K), swept)
+        world, W = (problem.obstacles, problem.links.rows), workspace(arm.K, len(problem.links))
+        swept_clearances(C, turns, Q, *world, RESOLUTION, W, swept)
     steps = np.abs(np.diff(Q, axis=0))
     most = problem.most_per_step
     return Measures(
@@ -99,5 +105,5 @@ def measure(problem: Problem, Q: FloatArray) -> Measures:
 @jit
 def _errors(C: Array, turns: Array, mask: Array, Q: Array, G: Array, W: Array, out: Array) -> None:
     for i in range(len(Q)):
-        position, rotation = residual(C, turns, mask, G[i], Q[i], W)
-        out[i, 0], out[i, 1] = np.sqrt(position), np.sqrt(rotation)
+        residual(C, turns, mask, G[i], Q[i], W)
+        out[i] = W[len(turns) + 1, 0:6]

@@ -10,6 +10,7 @@ import numpy as np
 
 from kinematics.errors import InvalidOption, WrongConfiguration
 from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.links import Links, skeleton
 from kinematics.redundancy.path import Path
 from robots.robot import FloatArray
 
@@ -50,9 +51,10 @@ class Problem:
         start: Whole configuration of sample 0, shape (dof,).
         path: The path; its first target is the arm's pose at the start.
         obstacles: See :func:`kinematics.redundancy.obstacles.encoded`; shape (M, 16).
-        link_radius: Radius of the capsules about the links, m.
+        link_radius: Radius of the capsules about the segments between joint origins, m.
         d_safe: Clearance that is to be kept, m.
         tolerance: What counts as on the path.
+        shaped: What is to keep clear instead of those segments.
 
     Raises:
         WrongConfiguration: The start is outside the joint limits.
@@ -66,6 +68,7 @@ class Problem:
     link_radius: float = 0.0
     d_safe: float = 0.0
     tolerance: PathTolerance = field(default_factory=PathTolerance)
+    shaped: Links | None = None
 
     def __post_init__(self) -> None:
         for name in ("link_radius", "d_safe"):
@@ -76,11 +79,11 @@ class Problem:
                 f"there are {len(self.obstacles)} obstacles; give at most {MAX_OBSTACLES}",
                 "/obstacles",
             )
-        pairs = self.path.samples * len(self.obstacles) * self.arm.K
+        pairs = self.path.samples * len(self.obstacles) * len(self.links)
         if pairs > MAX_PAIRS * 10:
             raise InvalidOption(
-                f"{self.path.samples} samples, {len(self.obstacles)} obstacles and {self.arm.K}"
-                " links are too many together; give fewer samples or obstacles",
+                f"{self.path.samples} samples, {len(self.obstacles)} obstacles and"
+                f" {len(self.links)} links are too many together; give fewer samples or obstacles",
                 "/samples",
             )
         q, chain = self.arm.reduced(self.start), self.arm.chain
@@ -93,6 +96,11 @@ class Problem:
                 " them",
                 f"/q/{int(chain.columns[worst])}",
             )
+
+    @cached_property
+    def links(self) -> Links:
+        """What is to keep clear of the obstacles."""
+        return skeleton(self.arm, self.link_radius) if self.shaped is None else self.shaped
 
     @cached_property
     def first(self) -> FloatArray:
