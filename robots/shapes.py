@@ -57,7 +57,11 @@ def _read(canonical: str) -> tuple[Shape, ...]:
             geometry = element.find("geometry")
             assert geometry is not None
             form = geometry[0]
-            values = [form.get("size")] if form.tag == "box" else [form.get("radius"), form.get("length")]
+            values = (
+                [form.get("size")]
+                if form.tag == "box"
+                else [form.get("radius"), form.get("length")]
+            )
             size = tuple(float(word) for value in values if value for word in value.split())
             shapes.append(Shape(link.get("name", ""), _kind(str(form.tag)), size, _origin(element)))
     return tuple(shapes)

@@ -46,7 +46,9 @@ def bounding_capsule(shape: Shape) -> BoundingCapsule:
         h, R, _ = _least(radius, length / 2)
         return _placed(shape, 2, h, R, R - min(radius, length / 2 - h))
     half = np.array(shape.size) / 2
-    found = [(_least(float(np.linalg.norm(np.delete(half, k))), float(half[k])), k) for k in range(3)]
+    found = [
+        (_least(float(np.linalg.norm(np.delete(half, k))), float(half[k])), k) for k in range(3)
+    ]
     (h, R, _), axis = min(found, key=lambda one: (one[0][2], one[1]))
     return _placed(shape, axis, h, R, R - min(*np.delete(half, axis), half[axis] - h))
 

@@ -205,14 +205,14 @@ def _slope(a: Array, d: Array, box: Array, t: float) -> float:
 
 @inner
 def link_distance(W: Array, S: Array, k: int, obstacle: Array, out: Array) -> float:
-    """Clearance of link k, after :func:`..link_points.link_points`; out as in :func:`pair_distance`.
+    """Clearance of link k, after ``link_points``; out as of :func:`pair_distance`.
 
     Of a link that is not ``WHOLE`` a half-space counts the end alone.
     """
     P = W[len(W) - len(S) + k]
     if obstacle[0] == 3.0 and S[k, WHOLE] == 0.0:
-        return pair_distance(P[3:6], P[3:6], obstacle, out) - S[k, RADIUS]
-    return pair_distance(P[0:3], P[3:6], obstacle, out) - S[k, RADIUS]
+        return float(pair_distance(P[3:6], P[3:6], obstacle, out) - S[k, RADIUS])
+    return float(pair_distance(P[0:3], P[3:6], obstacle, out) - S[k, RADIUS])
 
 
 @inner

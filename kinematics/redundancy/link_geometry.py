@@ -194,7 +194,10 @@ def _square(rows: FloatArray) -> FloatArray:
 def _warnings(
     arm: Arm, shapes: Sequence[Shape], carriers: dict[str, int], radii: FloatArray
 ) -> tuple[str, ...]:
-    instead = "the segments between joint origins stand for it, with link_radius"
+    instead = (
+        f"the segments between joint origins, up to the frame {arm.frame}, stand for it, with"
+        " link_radius"
+    )
     if arm.robot.kind == "dh":
         return (f"a D-H table has no shapes; {instead}",)
     moved = [shape for shape in shapes if carriers[shape.link] >= 0]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinematics.compiled import inner
+from kinematics.compiled import inner, jit
 from kinematics.kernels import Array, forward
 
 RADIUS, OFFSET, WHOLE, TURNED = 2, 3, 9, 10
@@ -47,6 +47,16 @@ def link_points(C: Array, turns: Array, q: Array, S: Array, W: Array) -> None:
                 P[k, 3 * end] += a * x + b * (zy * z - zz * y) + c * zx
                 P[k, 3 * end + 1] += a * y + b * (zz * x - zx * z) + c * zy
                 P[k, 3 * end + 2] += a * z + b * (zx * y - zy * x) + c * zz
+
+
+@jit
+def link_ends(C: Array, turns: Array, Q: Array, S: Array, W: Array, out: Array) -> None:
+    """Start and end of every link at configurations of shape (n, K), into out, shape (n, L, 6)."""
+    for i in range(len(Q)):
+        link_points(C, turns, Q[i], S, W)
+        for k in range(len(S)):
+            for j in range(6):
+                out[i, k, j] = W[len(W) - len(S) + k, j]
 
 
 @inner

@@ -13,6 +13,7 @@ from kinematics.kernels import Array
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.distances import clearances
 from kinematics.redundancy.kernel import workspace
+from kinematics.redundancy.link_points import link_ends
 from kinematics.redundancy.problem import Problem
 from kinematics.redundancy.sweep import RESOLUTION, swept_clearances
 from robots.robot import FloatArray
@@ -76,17 +77,34 @@ def clearances_at(problem: Problem, Q: FloatArray) -> tuple[FloatArray, NDArray[
     return found, whose
 
 
+def ends_of_links(problem: Problem, Q: FloatArray) -> FloatArray:
+    """Ends of the links' segments at Q, shape (n, K); shape (n, L, 2, 3), m."""
+    rows = problem.links.rows
+    out = np.empty((len(Q), len(rows), 6))
+    C, turns, *_ = problem.arm.constants
+    link_ends(C, turns, np.ascontiguousarray(Q), rows, workspace(problem.arm.K, len(rows)), out)
+    return out.reshape(len(Q), len(rows), 2, 3)
+
+
+def swept_between(problem: Problem, Q: FloatArray) -> FloatArray:
+    """See :attr:`Measures.swept`; Q has shape (n, K)."""
+    swept = np.full(len(Q) - 1, np.inf)
+    if len(problem.obstacles):
+        C, turns, *_ = problem.arm.constants
+        rows = problem.links.rows
+        W = workspace(problem.arm.K, len(rows))
+        Q = np.ascontiguousarray(Q)
+        swept_clearances(C, turns, Q, problem.obstacles, rows, RESOLUTION, W, swept)
+    return swept
+
+
 def measure(problem: Problem, Q: FloatArray) -> Measures:
     """Measures joint values of shape (n, K)."""
-    arm, chain = problem.arm, problem.arm.chain
+    chain = problem.arm.chain
     Q = np.ascontiguousarray(Q)
     position, orientation = errors_at(problem, Q)
     clearance, nearest = clearances_at(problem, Q)
-    swept = np.full(len(Q) - 1, np.inf)
-    C, turns, *_ = arm.constants
-    if len(problem.obstacles):
-        world, W = (problem.obstacles, problem.links.rows), workspace(arm.K, len(problem.links))
-        swept_clearances(C, turns, Q, *world, RESOLUTION, W, swept)
+    swept = swept_between(problem, Q)
     steps = np.abs(np.diff(Q, axis=0))
     most = problem.most_per_step
     return Measures(

@@ -10,6 +10,7 @@ import numpy as np
 
 from kinematics.errors import InvalidOption, WrongConfiguration
 from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.link_geometry import LinkGeometry
 from kinematics.redundancy.links import Links, skeleton
 from kinematics.redundancy.path import Path
 from robots.robot import FloatArray
@@ -51,10 +52,11 @@ class Problem:
         start: Whole configuration of sample 0, shape (dof,).
         path: The path; its first target is the arm's pose at the start.
         obstacles: See :func:`kinematics.redundancy.obstacles.encoded`; shape (M, 16).
-        link_radius: Radius of the capsules about the segments between joint origins, m.
+        link_radius: Radius of the capsules about the segments between joint origins, m: one for
+            all, or of each, shape (K,).
         d_safe: Clearance that is to be kept, m.
         tolerance: What counts as on the path.
-        shaped: What is to keep clear instead of those segments.
+        shaped: The arm's own shapes, which then keep clear instead of those segments.
 
     Raises:
         WrongConfiguration: The start is outside the joint limits.
@@ -65,15 +67,16 @@ class Problem:
     start: FloatArray
     path: Path
     obstacles: FloatArray
-    link_radius: float = 0.0
+    link_radius: float | FloatArray = 0.0
     d_safe: float = 0.0
     tolerance: PathTolerance = field(default_factory=PathTolerance)
-    shaped: Links | None = None
+    shaped: LinkGeometry | None = None
 
     def __post_init__(self) -> None:
         for name in ("link_radius", "d_safe"):
-            if not 0 <= getattr(self, name) <= 1e6:
-                raise InvalidOption(f"{name} is {getattr(self, name):g}; give 0 to 1e6", f"/{name}")
+            values = np.atleast_1d(getattr(self, name))
+            if not ((values >= 0) & (values <= 1e6)).all():
+                raise InvalidOption(f"{name} is {values.min():g}; give 0 to 1e6", f"/{name}")
         if len(self.obstacles) > MAX_OBSTACLES:
             raise InvalidOption(
                 f"there are {len(self.obstacles)} obstacles; give at most {MAX_OBSTACLES}",
@@ -100,7 +103,9 @@ class Problem:
     @cached_property
     def links(self) -> Links:
         """What is to keep clear of the obstacles."""
-        return skeleton(self.arm, self.link_radius) if self.shaped is None else self.shaped
+        if self.shaped is not None:
+            return self.shaped.links
+        return skeleton(self.arm, self.link_radius)
 
     @cached_property
     def first(self) -> FloatArray:

@@ -121,7 +121,7 @@ def swept_clearance(
 
 @inner
 def _lever(S: Array, R: Array, turns: Array, j: int, k: int, end: int) -> float:
-    """Largest distance of joint j from an end of link k; 1 where it slides, 0 where it is beyond."""
+    """Largest distance of joint j from an end of link k; 1 if it slides, 0 if it is beyond."""
     row = int(S[k, end])
     if j > row:
         return 0.0
