@@ -166,15 +166,15 @@ def fastest(spline: Spline, velocity: FloatArray, acceleration: FloatArray) -> T
     # What accelerates from rest by no more than that is never so fast: no limit at all.
     speeds = np.minimum(velocity * unit, 4 * np.sqrt(most * way) + 1.0)
     box = toppra.constraint
-    limits = [
-        box.JointVelocityConstraint(np.column_stack((-speeds, speeds))),
-        box.JointAccelerationConstraint(
-            np.column_stack((-most, most)),
-            discretization_scheme=box.DiscretizationType.Interpolation,
-        ),
-    ]
     with np.errstate(all="ignore"):
         try:
+            limits = [
+                box.JointVelocityConstraint(np.column_stack((-speeds, speeds))),
+                box.JointAccelerationConstraint(
+                    np.column_stack((-most, most)),
+                    discretization_scheme=box.DiscretizationType.Interpolation,
+                ),
+            ]
             work = toppra.algorithm.TOPPRA(limits, spline.at, gridpoints=spline.grid)
             work.compute_parameterization(0, 0)
         except Exception as error:  # whatever a solver fails with, the path stays as it is
@@ -218,5 +218,6 @@ def _toppra() -> Any:
             " leave retime out",
             "/retime",
         ) from None
-    logging.getLogger("toppra").propagate = False
+    # What it has to say comes back as a return code.
+    logging.getLogger("toppra").setLevel(logging.CRITICAL)
     return toppra
