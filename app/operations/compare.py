@@ -165,4 +165,5 @@ COMPARE = Operation(
     tabular=True,
     pictured=True,
     rehearsed=False,
+    extras=True,
 )

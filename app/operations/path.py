@@ -226,4 +226,5 @@ PATH = Operation(
     stream=_stream,
     pictured=True,
     rehearsed=False,
+    extras=True,
 )

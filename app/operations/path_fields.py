@@ -179,7 +179,8 @@ class PathScenario(MethodOptions, forbid_unknown_fields=True, kw_only=True):
         msgspec.Meta(
             description="Radius of the capsules about the segments from each joint's origin to the"
             " next one's, the last to the frame, m: one number, a list with one a joint in the"
-            " robot's order, or an object {joint name: radius}."
+            " robot's order, or an object {joint name: radius}.",
+            examples=[0.05],
         ),
     ] = 0.0
     link_geometry: Annotated[
@@ -194,7 +195,10 @@ class PathScenario(MethodOptions, forbid_unknown_fields=True, kw_only=True):
     d_safe: Annotated[float, msgspec.Meta(description="Clearance to keep, m.")] = 0.0
     retime: Annotated[
         RetimeField | None,
-        msgspec.Meta(description="The path in the shortest time (needs toppra, an extra)."),
+        msgspec.Meta(
+            description="The path in the shortest time (needs toppra, an extra).",
+            examples=[{"acceleration": 5}],
+        ),
     ] = None
     tolerance: PathToleranceField = msgspec.field(default_factory=PathToleranceField)
 

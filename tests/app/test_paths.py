@@ -435,7 +435,8 @@ SHAPED = """<robot name="shaped">
 <joint name="j3" type="revolute"><parent link="lower"/><child link="wrist"/>
   <origin xyz="0.4 0 0"/><axis xyz="0 0 1"/>
   <limit lower="-3" upper="3" velocity="2" effort="1"/></joint>
-<joint name="end" type="fixed"><parent link="wrist"/><child link="tip"/><origin xyz="0.2 0 0"/></joint>
+<joint name="end" type="fixed"><parent link="wrist"/><child link="tip"/>
+  <origin xyz="0.2 0 0"/></joint>
 </robot>"""
 
 
