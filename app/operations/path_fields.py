@@ -343,9 +343,7 @@ def _secondary(
     robot: Robot, field: SecondaryField, k: int, problem: Problem, context: Context
 ) -> SecondaryTask:
     pointer = f"/secondary/{k}"
-    if field.frame is not None:
-        robot.frame_id(field.frame, f"{pointer}/frame")
-    arm = Arm.of(robot, field.frame, task_from(field.task))
+    arm = Arm.of(robot, field.frame, task_from(field.task), f"{pointer}/frame")
     if field.target is None:
         pose = fk(robot, problem.start, [arm.frame])[arm.frame]
     else:

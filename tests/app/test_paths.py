@@ -302,6 +302,8 @@ def test_spatial_paths_with_every_obstacle(client):
         ({"task": "magic"}, "/task"),
         ({"task": "xy_phi"}, "/target"),
         ({"frame": "hand"}, "/frame"),
+        ({"frame": "base_link"}, "/frame"),
+        ({"secondary": [{"frame": "frame_0"}]}, "/secondary/0/frame"),
         ({"damping": 0}, "/damping"),
         ({"tolerance": {"position": -1}}, "/tolerance/position"),
         ({"secondary": [{"frame": "no"}]}, "/secondary/0/frame"),
