@@ -181,7 +181,8 @@ def _answers(operation: Operation) -> dict[str, Any]:
             },
         },
         **{str(status): problem for status, problem in PROBLEMS.items()},
-        **({"501": PROBLEMS["4XX"], "503": PROBLEMS["4XX"]} if operation.apart else {}),
+        **({"501": PROBLEMS["4XX"]} if operation.apart or operation.extras else {}),
+        **({"503": PROBLEMS["4XX"]} if operation.apart else {}),
     }
 
 

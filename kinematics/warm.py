@@ -11,7 +11,9 @@ from kinematics.inverse.all_solutions import all_solutions
 from kinematics.inverse.bounds import JointBounds
 from kinematics.jacobian import jacobian
 from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.distances import pair_distance
 from kinematics.redundancy.follow import followed
+from kinematics.redundancy.measure import ends_of_links
 from kinematics.redundancy.methods import METHODS
 from kinematics.redundancy.obstacles import Sphere, encoded
 from kinematics.redundancy.path import Sampling, polyline
@@ -56,6 +58,8 @@ def _follow_a_path() -> None:
     options = PathOptions(gains=Gains(1.0, 1.0, 1.0, 1.0), obstacle_weight=1e-3)
     for name in ("pseudo_inverse", "damped", "null_space", "sqp", "qp"):
         followed(problem, METHODS[name], options)
+    (link,) = ends_of_links(problem, arm.reduced(q)[None])[0, :1]
+    pair_distance(link[0].copy(), link[1].copy(), ball[0], np.empty(4))
 
 
 def warm_up_on(robot: Robot) -> None:

@@ -125,6 +125,7 @@ class Operation:
             thread.
         pictured: Whether the answer has a picture.
         tabular: Whether the answer is a table that CSV can hold, and no array.
+        extras: Whether part of it needs a package that may not be installed.
     """
 
     name: str
@@ -144,6 +145,7 @@ class Operation:
     apart: bool = False
     tabular: bool = False
     pictured: bool = False
+    extras: bool = False
 
     @property
     def offers(self) -> tuple[str, ...]:

@@ -10,10 +10,13 @@ import msgspec
 from app.operations.base import UNITS_SCHEMA, Answer, Context, Operation
 from app.operations.path import PATH, joint_units
 from app.operations.path_fields import GainsField, PathScenario, read_options, read_problem
+from app.operations.path_links import LinkPart, told_of_links
+from app.operations.retime import read_retime
 from app.pictures.path_figure import path_figure
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.compare import compared
 from kinematics.redundancy.methods import METHODS, method_from
+from kinematics.redundancy.retimed import retimed
 from kinematics.redundancy.summary import summary
 from robots.robot import Robot
 
@@ -67,6 +70,8 @@ class CompareRow(msgspec.Struct, kw_only=True):
     speed_ratio: float | None
     drift: float | None
     ms_per_point: float
+    retimed_success: bool | None
+    retimed_duration: float | None
 
 
 class CompareResponse(msgspec.Struct, kw_only=True):
@@ -78,6 +83,8 @@ class CompareResponse(msgspec.Struct, kw_only=True):
     samples: int
     rows: list[CompareRow]
     messages: dict[str, str]
+    links: list[LinkPart] | None
+    warnings: list[str]
 
 
 def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
@@ -100,7 +107,9 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
         told = msgspec.structs.replace(request, **own)
         labels.append(_label(choice.label or choice.method, labels))
         entries.append((method, read_options(robot, told, problem, seconds, context)))
+    timing = read_retime(request.retime, problem.arm, request.samples, context)
     results = list(compared(problem, entries, seconds))
+    motions = [None if timing is None else retimed(result, timing) for result in results]
     unit = joint_units(robot, context)
     rows: list[dict[str, Any]] = [
         {
@@ -109,8 +118,10 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
             "reason": result.verdict.reason,
             "tracked": result.verdict.tracked,
             **asdict(summary(result, unit)),
+            "retimed_success": None if motion is None else motion.success,
+            "retimed_duration": None if motion is None else motion.duration,
         }
-        for label, result in zip(labels, results, strict=True)
+        for label, result, motion in zip(labels, results, motions, strict=True)
     ]
     payload = {
         "units": context.units.named,
@@ -119,8 +130,10 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
         "samples": problem.path.samples,
         "rows": rows,
         "messages": {
-            label: result.verdict.message for label, result in zip(labels, results, strict=True)
+            label: result.verdict.message + ("" if motion is None else f"; {motion.message}")
+            for label, result, motion in zip(labels, results, motions, strict=True)
         },
+        **told_of_links(problem),
     }
     shown = list(zip(labels, results, strict=True))
     title = f"{robot.name}: methods compared"
@@ -140,8 +153,8 @@ COMPARE = Operation(
     name="path/compare",
     summary="Compare methods on one path",
     description="Several methods on one scenario, in one table: errors, Σ‖Δq‖, largest step, least"
-    " clearance (swept between samples), limit margin, drift of closed paths, ms a point, and"
-    " the verdict. Also as text, CSV and SVG.",
+    " clearance (swept between samples), limit margin, drift of closed paths, ms a point, the"
+    " shortest time (with retime), and the verdict. Also as text, CSV and SVG.",
     request=CompareRequest,
     response=CompareResponse,
     run=_run,
@@ -152,4 +165,5 @@ COMPARE = Operation(
     tabular=True,
     pictured=True,
     rehearsed=False,
+    extras=True,
 )

@@ -11,11 +11,14 @@ import numpy as np
 
 from app.operations.base import UNITS_SCHEMA, Answer, Context, Numbers, Operation
 from app.operations.path_fields import PathScenario, read_options, read_problem
+from app.operations.path_links import LinkPart, told_of_links
+from app.operations.retime import RetimedMotion, motion_samples, read_retime, told_of_timing
 from app.pictures.path_figure import path_figure
 from kinematics.configuration import joint_names
 from kinematics.redundancy.follow import PathResult, follow, followed
 from kinematics.redundancy.measure import clearances_at, errors_at
 from kinematics.redundancy.methods import METHODS, method_from
+from kinematics.redundancy.retimed import retimed
 from kinematics.redundancy.summary import summary
 from robots.robot import FloatArray, Robot
 
@@ -35,7 +38,7 @@ class PathResponse(msgspec.Struct, kw_only=True):
     ``tracked`` is the part of the path, 0 to 1, that was followed within the tolerance. Lists have
     a leading axis over the samples that were computed. ``clearance_swept`` belongs to a sample
     and the next one, a lower bound. Errors are in m and rad; speeds come from differences of the
-    samples.
+    samples. ``links`` lists the capsules of the URDF where those are asked for.
     """
 
     units: UNITS_SCHEMA
@@ -66,6 +69,9 @@ class PathResponse(msgspec.Struct, kw_only=True):
     orientation_error: list[float]
     clearance: list[float] | None
     clearance_swept: list[float] | None
+    links: list[LinkPart] | None
+    warnings: list[str]
+    retimed: RetimedMotion | None
 
 
 def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
@@ -73,7 +79,9 @@ def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
     problem = read_problem(robot, request, context)
     seconds = context.settings.max_request_seconds
     options = read_options(robot, request, problem, seconds, context)
+    timing = read_retime(request.retime, problem.arm, request.samples, context)
     result = followed(problem, method, options)
+    motion = None if timing is None else retimed(result, timing)
     q = context.units.joints_out(robot, result.q)
     measures, done = result.measures, len(q)
     payload = {
@@ -93,9 +101,15 @@ def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
         "orientation_error": measures.orientation_error,
         "clearance": measures.clearance if request.obstacles else None,
         "clearance_swept": measures.swept if request.obstacles else None,
+        **told_of_links(problem),
+        "retimed": None
+        if motion is None
+        else told_of_timing(robot, motion, problem.arm, context)
+        | motion_samples(robot, motion, context),
     }
     title = f"{robot.name}: {result.method}"
-    return Answer(payload, q, picture=lambda: path_figure([(result.method, result)], title))
+    shown = [(result.method, result)]
+    return Answer(payload, q, picture=lambda: path_figure(shown, title, motion=motion))
 
 
 def judged(robot: Robot, result: PathResult, context: Context) -> dict[str, Any]:
@@ -124,18 +138,19 @@ def joint_units(robot: Robot, context: Context) -> FloatArray:
 
 
 def _stream(robot: Robot, request: PathRequest, context: Context) -> Iterator[list[dict[str, Any]]]:
-    """Samples as they are computed; at last one line with verdict and figures."""
+    """Samples as they are computed, then those of the motion; at last verdict and figures."""
     method = method_from(request.method)
     problem = read_problem(robot, request, context)
     seconds = context.settings.max_request_seconds
     options = read_options(robot, request, problem, seconds, context)
+    timing = read_retime(request.retime, problem.arm, request.samples, context)
     work = follow(problem, method, options)
     while True:
         try:
             part = next(work)
         except StopIteration as end:
-            yield [judged(robot, end.value, context)]
-            return
+            result: PathResult = end.value
+            break
         Q = part.q[part.first : part.last]
         q = context.units.joints_out(robot, problem.arm.expanded(Q, problem.start))
         position, orientation = errors_at(problem, Q, part.first)
@@ -151,6 +166,17 @@ def _stream(robot: Robot, request: PathRequest, context: Context) -> Iterator[li
             }
             for k in range(len(Q))
         ]
+    told = {**judged(robot, result, context), **told_of_links(problem), "retimed": None}
+    if timing is not None:
+        motion = retimed(result, timing)
+        told["retimed"] = told_of_timing(robot, motion, problem.arm, context)
+        samples = motion_samples(robot, motion, context)
+        if len(motion.t):
+            yield [
+                {"retimed_sample": k, **{name: values[k] for name, values in samples.items()}}
+                for k in range(len(motion.t))
+            ]
+    yield [told]
 
 
 PATH = Operation(
@@ -158,10 +184,11 @@ PATH = Operation(
     summary="Follow a path with a redundant arm",
     description="From q along a straight line to a target, through waypoints or around a circle,"
     " by a time law, with one of the methods " + ", ".join(METHODS) + ". Links are capsules between"
-    " successive joint origins. The verdict comes from measured errors, limits, clearances"
-    " (swept between samples) and speeds. As npy: q of each sample. As svg: the arm among its"
-    " obstacles, and curves. As ndjson: one line a sample while it is computed, and one with the"
-    " verdict.",
+    " successive joint origins, or about the shapes of the URDF (link_geometry). The verdict comes"
+    " from measured errors, limits, clearances (swept between samples) and speeds. With retime the"
+    " joint path is also given in the shortest time within speeds and accelerations. As npy: q of"
+    " each sample. As svg: the arm among its obstacles, and curves. As ndjson: one line a sample"
+    " while it is computed, then those of the retimed motion, and one with the verdict.",
     request=PathRequest,
     response=PathResponse,
     run=_run,
@@ -199,4 +226,5 @@ PATH = Operation(
     stream=_stream,
     pictured=True,
     rehearsed=False,
+    extras=True,
 )

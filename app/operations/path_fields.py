@@ -9,6 +9,9 @@ import numpy as np
 
 from app.operations.base import Context, SingleConfiguration, TaskField, read_single
 from app.operations.inverse import NOT_GIVEN, EulerField, Target, not_given, read_target
+from app.operations.path_links import read_geometry, read_radius
+from app.operations.per_joint import PerJoint
+from app.operations.retime import RetimeField
 from app.problems import INVALID_REQUEST, RequestProblem
 from dh_to_urdf.errors import quoted
 from kinematics.errors import InvalidOption
@@ -172,11 +175,31 @@ class PathScenario(MethodOptions, forbid_unknown_fields=True, kw_only=True):
     ] = 101
     obstacles: list[ObstacleField] = []
     link_radius: Annotated[
-        float,
-        msgspec.Meta(description="Radius of the capsules about the segments between successive"
-        " joint origins, and to the frame, m."),
-    ] = 0.0  # fmt: skip
+        PerJoint,
+        msgspec.Meta(
+            description="Radius of the capsules about the segments from each joint's origin to the"
+            " next one's, the last to the frame, m: one number, a list with one a joint in the"
+            " robot's order, or an object {joint name: radius}.",
+            examples=[0.05],
+        ),
+    ] = 0.0
+    link_geometry: Annotated[
+        str,
+        msgspec.Meta(
+            description="skeleton (default): those capsules. urdf: the collision shapes of the"
+            " URDF, else its visual ones, of all that the arm moves, also beyond the frame: spheres"
+            " and capsules as they are, boxes and cylinders as the least capsule about them;"
+            " meshes are not read, the skeleton stands for them."
+        ),
+    ] = "skeleton"
     d_safe: Annotated[float, msgspec.Meta(description="Clearance to keep, m.")] = 0.0
+    retime: Annotated[
+        RetimeField | None,
+        msgspec.Meta(
+            description="The path in the shortest time (needs toppra, an extra).",
+            examples=[{"acceleration": 5}],
+        ),
+    ] = None
     tolerance: PathToleranceField = msgspec.field(default_factory=PathToleranceField)
 
 
@@ -194,14 +217,16 @@ def read_problem(robot: Robot, request: PathScenario, context: Context) -> Probl
             f"time_law is {quoted(request.time_law)}; give {', '.join(TimeLaw)}", "/time_law"
         )
     sampling = Sampling(TimeLaw(request.time_law), request.tf, request.samples)
+    radius = read_radius(request.link_radius, arm)
     return Problem(
         arm,
         q,
         _path(robot, arm, q, request, sampling, context),
         solids.encoded([_solid(one, k, context) for k, one in enumerate(request.obstacles)]),
-        request.link_radius,
+        radius,
         request.d_safe,
         PathTolerance(request.tolerance.position, request.tolerance.orientation),
+        read_geometry(request.link_geometry, radius, arm, q),
     )
 
 
@@ -318,9 +343,7 @@ def _secondary(
     robot: Robot, field: SecondaryField, k: int, problem: Problem, context: Context
 ) -> SecondaryTask:
     pointer = f"/secondary/{k}"
-    if field.frame is not None:
-        robot.frame_id(field.frame, f"{pointer}/frame")
-    arm = Arm.of(robot, field.frame, task_from(field.task))
+    arm = Arm.of(robot, field.frame, task_from(field.task), f"{pointer}/frame")
     if field.target is None:
         pose = fk(robot, problem.start, [arm.frame])[arm.frame]
     else:

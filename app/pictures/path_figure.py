@@ -10,6 +10,10 @@ from app.pictures.canvas import COLORS, Canvas
 from app.pictures.chart import Curve, Level, chart
 from app.pictures.scene import SNAPSHOTS, Scene, draw_scene, plane_of, skeleton
 from kinematics.redundancy.follow import PathResult
+from kinematics.redundancy.link_points import RADIUS
+from kinematics.redundancy.measure import ends_of_links
+from kinematics.redundancy.problem import Problem
+from kinematics.redundancy.retimed import Retimed
 from robots.robot import FloatArray
 
 SCENE, CHART_WIDTH, CHART_HEIGHT = 330.0, 400.0, 200.0
@@ -18,7 +22,10 @@ MOST_POINTS = 600
 
 
 def path_figure(
-    results: Sequence[tuple[str, PathResult]], title: str, plane: str | None = None
+    results: Sequence[tuple[str, PathResult]],
+    title: str,
+    plane: str | None = None,
+    motion: Retimed | None = None,
 ) -> str:
     """The arm among obstacles for each method, and curves of joints, clearance and error.
 
@@ -26,6 +33,7 @@ def path_figure(
         results: Labels and followed paths of one problem.
         title: Of the figure.
         plane: xy, xz or yz; None for the one that shows most.
+        motion: The one path in the shortest time, with curves of its own.
 
     Returns:
         SVG text.
@@ -36,6 +44,8 @@ def path_figure(
     rows = -(-len(results) // across)
     single = len(results) == 1
     charts = _charts(results)
+    if motion is not None and motion.duration:
+        charts += _motion_charts(results[0][1].problem, motion)
     width = SCENE + CHART_WIDTH + 30 if single else max(across * SCENE, 2 * CHART_WIDTH) + 20
     below = 0.0 if single else rows * (SCENE + 24)
     height = 40 + (max(SCENE + 40, len(charts) * CHART_HEIGHT) if single else
@@ -66,18 +76,22 @@ def _scene(result: PathResult) -> Scene:
     problem = result.problem
     chosen = np.unique(np.linspace(0, len(result.q) - 1, SNAPSHOTS).round().astype(int))
     trace = skeleton(problem.arm.chain, _thinned(result.q))[:, -1]
+    shaped = problem.shaped is not None
     return Scene(
         skeleton(problem.arm.chain, result.q[chosen]),
         _thinned(problem.path.targets)[:, [3, 7, 11]],
         trace,
         problem.obstacles,
-        problem.link_radius,
+        np.broadcast_to(np.asarray(problem.link_radius, dtype=np.float64), (problem.arm.K,)),
+        ends_of_links(problem, problem.arm.reduced(result.q[chosen])) if shaped else None,
+        problem.links.rows[:, RADIUS] if shaped else None,
     )
 
 
 def _reach(scenes: Sequence[Scene]) -> FloatArray:
     """Least and largest coordinates of all scenes with a margin, a cube in shape; (2, 3)."""
-    points = np.concatenate([s.links.reshape(-1, 3) for s in scenes] + [s.path for s in scenes])
+    drawn = [s.links for s in scenes] + [s.shapes for s in scenes if s.shapes is not None]
+    points = np.concatenate([d.reshape(-1, 3) for d in drawn] + [s.path for s in scenes])
     low, high = points.min(axis=0), points.max(axis=0)
     middle, half = (low + high) / 2, max(0.55 * float((high - low).max()), 1e-6)
     return np.array([middle - half, middle + half])
@@ -124,6 +138,29 @@ def _charts(
             margins = each([result.measures.limit_margin for _, result in results])
             name = "distance to the nearest joint limit"
             made.append((margins, name, False, [Level(0.0, "limit")]))
+    return made
+
+
+def _motion_charts(
+    problem: Problem, motion: Retimed
+) -> list[tuple[list[Curve], str, bool, list[Level]]]:
+    """Speeds and accelerations of the motion in the shortest time, as parts of their limits."""
+    made: list[tuple[list[Curve], str, bool, list[Level]]] = []
+    for name, values, limits in (
+        ("speeds", motion.velocity, motion.velocity_limits),
+        ("accelerations", motion.acceleration, motion.acceleration_limits),
+    ):
+        curves = [
+            Curve(joint, _thinned(motion.t), _thinned(values[:, column] / limits[column]),
+                  COLORS[k % len(COLORS)])
+            for k, (joint, column) in enumerate(
+                zip(problem.arm.names, problem.arm.chain.columns, strict=True)
+            )
+            if np.isfinite(limits[column])
+        ]  # fmt: skip
+        if curves:
+            levels = [Level(1.0, "limit"), Level(-1.0, "")]
+            made.append((curves, f"in the shortest time: {name} / limit", False, levels))
     return made
 
 

@@ -29,14 +29,19 @@ class Scene:
         path: Where the tip should go, shape (N, 3).
         trace: Where it goes, shape (m, 3).
         obstacles: See :func:`kinematics.redundancy.obstacles.encoded`.
-        link_radius: m.
+        radii: Of the links between them, m, shape (K,).
+        shapes: Ends of the capsules of the arm's own shapes in each snapshot, shape (n, L, 2, 3),
+            drawn instead; None for none.
+        shape_radii: Their radii, shape (L,).
     """
 
     links: FloatArray
     path: FloatArray
     trace: FloatArray
     obstacles: FloatArray
-    link_radius: float
+    radii: FloatArray
+    shapes: FloatArray | None = None
+    shape_radii: FloatArray | None = None
 
 
 def skeleton(chain: Chain, q: FloatArray) -> FloatArray:
@@ -83,8 +88,19 @@ def draw_scene(
     for k, links in enumerate(scene.links):
         shade = 0.25 + 0.75 * (k + 1) / count
         last = k == count - 1
-        thick = max(1.6, 2 * scene.link_radius * scale)
-        canvas.line(place(links), COLORS[0], thick, opacity=0.5 * shade if not last else 0.9)
+        opacity = 0.5 * shade if not last else 0.9
+        if scene.shapes is not None and scene.shape_radii is not None:
+            for ends, radius in zip(scene.shapes[k], scene.shape_radii, strict=True):
+                wide = max(0.8, 2 * radius * scale)
+                canvas.line(place(ends), COLORS[5], wide, opacity=0.35 * opacity)
+            canvas.line(place(links), COLORS[0], 1.6, opacity=opacity)
+        elif np.ptp(scene.radii) == 0.0:
+            thick = max(1.6, 2 * scene.radii[0] * scale)
+            canvas.line(place(links), COLORS[0], thick, opacity=opacity)
+        else:
+            for a, b, radius in zip(links[:-1], links[1:], scene.radii, strict=True):
+                thick = max(1.6, 2 * radius * scale)
+                canvas.line(place(np.array([a, b])), COLORS[0], thick, opacity=opacity)
         for point in place(links):
             canvas.circle(point, 2.0, "#ffffff", COLORS[0], 0.8, opacity=shade)
     canvas.line(place(scene.path), INK, 1.2, dash="4 3")

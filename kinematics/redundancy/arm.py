@@ -8,7 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.errors import quoted
 from kinematics.chain import Chain, chain_of
+from kinematics.errors import InvalidOption
 from kinematics.redundancy.kernel import task_at, workspace
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
@@ -31,14 +33,29 @@ class Arm:
     chain: Chain
 
     @classmethod
-    def of(cls, robot: Robot, frame: str | None, task: Task) -> Arm:
+    def of(cls, robot: Robot, frame: str | None, task: Task, pointer: str = "/frame") -> Arm:
         """The arm of a robot.
+
+        Args:
+            robot: The robot.
+            frame: Name of the frame; None for the tip.
+            task: The task space.
+            pointer: JSON pointer to the frame's name.
 
         Raises:
             UnknownFrame: The robot has no such frame.
+            InvalidOption: No joint moves it.
         """
         frame = robot.tip_frame if frame is None else frame
-        return cls(robot, frame, task, chain_of(robot, frame))
+        robot.frame_id(frame, pointer)
+        chain = chain_of(robot, frame)
+        if chain.length == 0:
+            raise InvalidOption(
+                f"no joint moves frame {quoted(frame)} against {robot.base_frame}; give a frame"
+                " further out",
+                pointer,
+            )
+        return cls(robot, frame, task, chain)
 
     @property
     def K(self) -> int:  # noqa: N802

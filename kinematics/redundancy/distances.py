@@ -1,9 +1,8 @@
 """Compiled distances between the links of an arm and obstacles, with witnesses and gradients.
 
-Link k is the segment from the origin of joint k to the origin of joint k + 1 (the last one: to
-the frame), thickened by the link radius. Distances are signed: negative is the depth of overlap.
-The formulas are exact; see Ericson, *Real-Time Collision Detection*, 5.1 and 4.4 (segments,
-separating axes).
+Links are capsules, the rows S of :class:`kinematics.redundancy.links.Links`. Distances are signed:
+negative is the depth of overlap. The formulas are exact; see Ericson, *Real-Time Collision
+Detection*, 5.1 and 4.4 (segments, separating axes).
 """
 
 from __future__ import annotations
@@ -13,23 +12,10 @@ import math
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.kernels import Array, forward
+from kinematics.kernels import Array
+from kinematics.redundancy.link_points import RADIUS, WHOLE, link_points
 
 TINY = 1e-12
-
-
-@inner
-def link_points(C: Array, turns: Array, q: Array, W: Array) -> None:
-    """The joints' axes and origins, and the frame's origin, into rows 0 to K of W.
-
-    W has rows z, o: shape (K + 2, 12) or more; row K holds the frame's origin in columns 3 to 5,
-    row K + 1 the pose.
-    """
-    K = len(q)
-    T = W[K + 1]
-    trig = W[K + 2 :].reshape(-1)[: 2 * K]
-    forward(C, turns, q, trig, W[0:K, 0:3], W[0:K, 3:6], T)
-    W[K, 3], W[K, 4], W[K, 5] = T[3], T[7], T[11]
 
 
 @jit
@@ -218,44 +204,52 @@ def _slope(a: Array, d: Array, box: Array, t: float) -> float:
 
 
 @inner
-def link_distance(W: Array, k: int, obstacle: Array, out: Array) -> float:
-    """:func:`pair_distance` of link k, without the link radius, after :func:`link_points`.
+def link_distance(W: Array, S: Array, k: int, obstacle: Array, out: Array) -> float:
+    """Clearance of link k, after ``link_points``; out as of :func:`pair_distance`.
 
-    A half-space counts the link's end alone (the start is the end of the link before).
+    Of a link that is not ``WHOLE`` a half-space counts the end alone.
     """
-    if obstacle[0] == 3.0 and k > 0:
-        return pair_distance(W[k + 1, 3:6], W[k + 1, 3:6], obstacle, out)
-    return pair_distance(W[k, 3:6], W[k + 1, 3:6], obstacle, out)
+    P = W[len(W) - len(S) + k]
+    if obstacle[0] == 3.0 and S[k, WHOLE] == 0.0:
+        return float(pair_distance(P[3:6], P[3:6], obstacle, out) - S[k, RADIUS])
+    return float(pair_distance(P[0:3], P[3:6], obstacle, out) - S[k, RADIUS])
 
 
 @inner
-def link_gradient(W: Array, turns: Array, K: int, k: int, out: Array, half: bool, g: Array) -> None:
+def link_gradient(
+    W: Array, turns: Array, K: int, S: Array, k: int, out: Array, half: bool, g: Array
+) -> None:
     """Gradient of a link's distance with respect to q, from its witness; g of shape (K,)."""
     t, nx, ny, nz = out[0], out[1], out[2], out[3]
-    if half and k > 0:
+    if half and S[k, WHOLE] == 0.0:
         t = 1.0
-    px = W[k, 3] + t * (W[k + 1, 3] - W[k, 3])
-    py = W[k, 4] + t * (W[k + 1, 4] - W[k, 4])
-    pz = W[k, 5] + t * (W[k + 1, 5] - W[k, 5])
+    P = W[len(W) - len(S) + k]
+    first, last = int(S[k, 0]), int(S[k, 1])
     for j in range(K):
-        zx, zy, zz = W[j, 0], W[j, 1], W[j, 2]
-        along = nx * zx + ny * zy + nz * zz
-        if j > k + 1 or (j == k + 1 and turns[j]):
-            g[j] = 0.0
-        elif turns[j]:
-            rx, ry, rz = px - W[j, 3], py - W[j, 4], pz - W[j, 5]
-            g[j] = nx * (zy * rz - zz * ry) + ny * (zz * rx - zx * rz) + nz * (zx * ry - zy * rx)
+        share, x, y, z = 1.0, P[3], P[4], P[5]
+        if j <= first:
+            x, y, z = P[0] + t * (x - P[0]), P[1] + t * (y - P[1]), P[2] + t * (z - P[2])
+        elif j <= last:  # it moves the link's end alone
+            share = t
         else:
-            g[j] = along if j <= k else t * along
+            g[j] = 0.0
+            continue
+        zx, zy, zz = W[j, 0], W[j, 1], W[j, 2]
+        if turns[j]:
+            x, y, z = x - W[j, 3], y - W[j, 4], z - W[j, 5]
+            g[j] = nx * (zy * z - zz * y) + ny * (zz * x - zx * z) + nz * (zx * y - zy * x)
+            g[j] *= share
+        else:
+            g[j] = share * (nx * zx + ny * zy + nz * zz)
 
 
 @inner
-def least_distance(W: Array, K: int, obstacles: Array, out: Array) -> tuple[float, int, int]:
-    """The smallest distance of all links and obstacles, and whose; link radius not subtracted."""
+def least_distance(W: Array, S: Array, obstacles: Array, out: Array) -> tuple[float, int, int]:
+    """The smallest clearance of all links and obstacles, and whose."""
     best, link, which = math.inf, -1, -1
-    for k in range(K):
+    for k in range(len(S)):
         for o in range(len(obstacles)):
-            d = link_distance(W, k, obstacles[o], out)
+            d = link_distance(W, S, k, obstacles[o], out)
             if d < best:
                 best, link, which = d, k, o
     return best, link, which
@@ -267,7 +261,7 @@ def clearances(
     turns: Array,
     Q: Array,
     obstacles: Array,
-    radius: float,
+    S: Array,
     W: Array,
     found: Array,
     whose: Array,
@@ -279,17 +273,15 @@ def clearances(
         turns: Shape (K,).
         Q: Shape (n, K).
         obstacles: Shape (M, 16).
-        radius: Link radius, m.
+        S: Links, shape (L, 11).
         W: Workspace.
         found: Filled, shape (n,).
         whose: Filled: link and obstacle, shape (n, 2).
     """
-    K = len(turns)
     out = np.empty(4)
     for i in range(len(Q)):
-        link_points(C, turns, Q[i], W)
-        d, link, which = least_distance(W, K, obstacles, out)
-        found[i] = d - radius
+        link_points(C, turns, Q[i], S, W)
+        found[i], link, which = least_distance(W, S, obstacles, out)
         whose[i, 0], whose[i, 1] = link, which
 
 
@@ -299,7 +291,7 @@ def near_pairs(
     turns: Array,
     q: Array,
     obstacles: Array,
-    radius: float,
+    S: Array,
     within: float,
     W: Array,
     d: Array,
@@ -313,7 +305,7 @@ def near_pairs(
         turns: Shape (K,).
         q: Shape (K,).
         obstacles: Shape (M, 16).
-        radius: Link radius, m.
+        S: Links, shape (L, 11).
         within: Largest clearance of a pair that is listed, m.
         W: Workspace.
         d: Filled: clearances, shape (P,); pairs beyond P are left out, the nearest are not.
@@ -325,11 +317,11 @@ def near_pairs(
     """
     K = len(turns)
     out = np.empty(4)
-    link_points(C, turns, q, W)
+    link_points(C, turns, q, S, W)
     count, least, most = 0, math.inf, len(d)
-    for k in range(K):
+    for k in range(len(S)):
         for o in range(len(obstacles)):
-            c = link_distance(W, k, obstacles[o], out) - radius
+            c = link_distance(W, S, k, obstacles[o], out)
             least = min(least, c)
             if c > within:
                 continue
@@ -345,7 +337,7 @@ def near_pairs(
                 count += 1
             d[place] = c
             whose[place, 0], whose[place, 1] = k, o
-            link_gradient(W, turns, K, k, out, obstacles[o, 0] == 3.0, g[place])
+            link_gradient(W, turns, K, S, k, out, obstacles[o, 0] == 3.0, g[place])
     return count, least
 
 
@@ -355,7 +347,7 @@ def listed_pairs(
     turns: Array,
     q: Array,
     obstacles: Array,
-    radius: float,
+    S: Array,
     whose: Array,
     count: int,
     W: Array,
@@ -365,8 +357,8 @@ def listed_pairs(
     """Clearances and gradients of given pairs; see :func:`near_pairs`."""
     K = len(turns)
     out = np.empty(4)
-    link_points(C, turns, q, W)
+    link_points(C, turns, q, S, W)
     for i in range(count):
         k, o = int(whose[i, 0]), int(whose[i, 1])
-        d[i] = link_distance(W, k, obstacles[o], out) - radius
-        link_gradient(W, turns, K, k, out, obstacles[o, 0] == 3.0, g[i])
+        d[i] = link_distance(W, S, k, obstacles[o], out)
+        link_gradient(W, turns, K, S, k, out, obstacles[o, 0] == 3.0, g[i])

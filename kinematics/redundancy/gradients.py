@@ -11,8 +11,9 @@ import numpy as np
 
 from kinematics.compiled import inner, jit
 from kinematics.kernels import Array
-from kinematics.redundancy.distances import link_distance, link_gradient, link_points
+from kinematics.redundancy.distances import link_distance, link_gradient
 from kinematics.redundancy.kernel import least_step, orthonormal_rows
+from kinematics.redundancy.link_points import link_points
 
 
 @jit
@@ -48,7 +49,7 @@ def obstacle_potential(
     turns: Array,
     q: Array,
     obstacles: Array,
-    radius: float,
+    S: Array,
     safe: float,
     influence: float,
     W: Array,
@@ -61,7 +62,7 @@ def obstacle_potential(
         turns: Shape (K,).
         q: Shape (K,).
         obstacles: Shape (M, 16).
-        radius: Link radius, m.
+        S: Links, shape (L, 11).
         safe: Clearance that is kept, m.
         influence: Clearance from which on an obstacle repels, m.
         W: Workspace.
@@ -70,14 +71,14 @@ def obstacle_potential(
     K, total = len(q), 0.0
     out, one = np.empty(4), np.empty(K)
     g[:] = 0.0
-    link_points(C, turns, q, W)
+    link_points(C, turns, q, S, W)
     scale = 1.0 / (influence - safe)
-    for k in range(K):
+    for k in range(len(S)):
         for o in range(len(obstacles)):
-            x = (influence - (link_distance(W, k, obstacles[o], out) - radius)) * scale
+            x = (influence - link_distance(W, S, k, obstacles[o], out)) * scale
             if x > 0.0:
                 total += 0.5 * x * x
-                link_gradient(W, turns, K, k, out, obstacles[o, 0] == 3.0, one)
+                link_gradient(W, turns, K, S, k, out, obstacles[o, 0] == 3.0, one)
                 for j in range(K):
                     g[j] -= x * scale * one[j]
     return total

@@ -1,7 +1,7 @@
 """Compiled: task error and task Jacobian of a chain, rows orthonormalised, pseudo-inverse steps.
 
-The workspace W of a chain of K joints has shape (K + 3, 12): rows 0 to K - 1 hold axis, origin and
-column of the Jacobian of each joint, row K the pose, row K + 1 the error.
+The workspace W of a chain of K joints has 12 columns: rows 0 to K - 1 hold axis, origin and column
+of the Jacobian of each joint, row K the pose, row K + 1 the error, the last ones the links.
 """
 
 from __future__ import annotations
@@ -195,6 +195,7 @@ def increment(G: Array, H: Array, mask: Array, W: Array, K: int) -> None:
         W[K + 1, i] *= mask[i]
 
 
-def workspace(K: int) -> Array:
-    """Memory for a chain of K joints."""
-    return np.zeros_like(inverse.workspace(K))
+def workspace(K: int, links: int = 0) -> Array:
+    """Memory for a chain of K joints that carry links."""
+    chain = len(inverse.workspace(K))
+    return np.zeros((chain + links, 12))

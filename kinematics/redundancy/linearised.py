@@ -37,7 +37,7 @@ def assemble(
     low: Array,
     high: Array,
     obstacles: Array,
-    radius: float,
+    S: Array,
     near: float,
     need: float,
     longest: float,
@@ -81,7 +81,7 @@ def assemble(
         used += 1
     count, least = 0, math.inf
     if len(obstacles) > 0:
-        count, least = near_pairs(C, turns, q, obstacles, radius, near, W, d, g, whose)
+        count, least = near_pairs(C, turns, q, obstacles, S, near, W, d, g, whose)
     for i in range(count):
         for j in range(K):
             A[used + i, j] = g[i, j]
@@ -111,13 +111,13 @@ class Linearised:
     def __init__(self, problem: Problem, options: PathOptions) -> None:
         arm = problem.arm
         K, m = arm.K, arm.m
-        pairs = min(MOST_PAIRS, K * len(problem.obstacles))
+        pairs = min(MOST_PAIRS, len(problem.links) * len(problem.obstacles))
         self.problem = problem
         self.need = problem.d_safe + options.margin
         self.near = self.need + 0.2 * problem.scale
         self.longest = 0.1 * problem.scale
         self.low, self.high = np.empty(K), np.empty(K)
-        self._W = workspace(K)
+        self._W = workspace(K, len(problem.links))
         self.e, self.J = np.empty(m), np.empty((m, K))
         self.d, self.g = np.empty(pairs), np.empty((pairs, K))
         self._whose = np.empty((pairs, 2), dtype=np.int64)
@@ -139,7 +139,7 @@ class Linearised:
         problem = self.problem
         self.used, self.count, self.position, self.rotation, self.least = assemble(
             *problem.arm.constants, target, q, self.low, self.high, problem.obstacles,
-            problem.link_radius, self.near, need, self.longest, self._W, self.e, self.J, self.d,
+            problem.links.rows, self.near, need, self.longest, self._W, self.e, self.J, self.d,
             self.g, self._whose, self._A, self._upper, self._lower, self._sense,
         )  # fmt: skip
 
@@ -165,7 +165,7 @@ class Linearised:
         C, turns, *_ = problem.arm.constants
         return float(
             swept_clearance(
-                C, turns, a, b, problem.obstacles, problem.link_radius, problem.d_safe,
+                C, turns, a, b, problem.obstacles, problem.links.rows, problem.d_safe,
                 RESOLUTION, self._W, VISITS,
             )
         )  # fmt: skip

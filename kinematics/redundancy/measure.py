@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from kinematics.compiled import jit
 from kinematics.inverse.kernel import residual
 from kinematics.kernels import Array
+from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.distances import clearances
 from kinematics.redundancy.kernel import workspace
+from kinematics.redundancy.link_points import link_ends
 from kinematics.redundancy.problem import Problem
 from kinematics.redundancy.sweep import RESOLUTION, swept_clearances
 from robots.robot import FloatArray
@@ -53,34 +55,56 @@ class Measures:
 
 def errors_at(problem: Problem, Q: FloatArray, first: int = 0) -> tuple[FloatArray, FloatArray]:
     """Position and orientation errors of samples ``first`` onwards; Q has shape (n, K)."""
-    out = np.empty((len(Q), 2))
-    C, turns, mask, _, _ = problem.arm.constants
-    targets = problem.path.targets[first : first + len(Q)]
-    _errors(C, turns, mask, np.ascontiguousarray(Q), targets, workspace(problem.arm.K), out)
-    return out[:, 0], out[:, 1]
+    e = error_vectors(problem.arm, Q, problem.path.targets[first : first + len(Q)])
+    return np.linalg.norm(e[:, :3], axis=1), np.linalg.norm(e[:, 3:], axis=1)
+
+
+def error_vectors(arm: Arm, Q: FloatArray, targets: FloatArray) -> FloatArray:
+    """Task errors of Q, shape (n, K), to poses, shape (n, 12): m and rad, shape (n, 6)."""
+    out = np.empty((len(Q), 6))
+    C, turns, mask, _, _ = arm.constants
+    _errors(C, turns, mask, np.ascontiguousarray(Q), targets, workspace(arm.K), out)
+    return out
 
 
 def clearances_at(problem: Problem, Q: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
     """Least clearances, and link and obstacle of each; Q has shape (n, K)."""
     found, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
     C, turns, *_ = problem.arm.constants
-    W = workspace(problem.arm.K)
+    W = workspace(problem.arm.K, len(problem.links))
     Q = np.ascontiguousarray(Q)
-    clearances(C, turns, Q, problem.obstacles, problem.link_radius, W, found, whose)
+    clearances(C, turns, Q, problem.obstacles, problem.links.rows, W, found, whose)
     return found, whose
+
+
+def ends_of_links(problem: Problem, Q: FloatArray) -> FloatArray:
+    """Ends of the links' segments at Q, shape (n, K); shape (n, L, 2, 3), m."""
+    rows = problem.links.rows
+    out = np.empty((len(Q), len(rows), 6))
+    C, turns, *_ = problem.arm.constants
+    link_ends(C, turns, np.ascontiguousarray(Q), rows, workspace(problem.arm.K, len(rows)), out)
+    return out.reshape(len(Q), len(rows), 2, 3)
+
+
+def swept_between(problem: Problem, Q: FloatArray) -> FloatArray:
+    """See :attr:`Measures.swept`; Q has shape (n, K)."""
+    swept = np.full(len(Q) - 1, np.inf)
+    if len(problem.obstacles):
+        C, turns, *_ = problem.arm.constants
+        rows = problem.links.rows
+        W = workspace(problem.arm.K, len(rows))
+        Q = np.ascontiguousarray(Q)
+        swept_clearances(C, turns, Q, problem.obstacles, rows, RESOLUTION, W, swept)
+    return swept
 
 
 def measure(problem: Problem, Q: FloatArray) -> Measures:
     """Measures joint values of shape (n, K)."""
-    arm, chain = problem.arm, problem.arm.chain
+    chain = problem.arm.chain
     Q = np.ascontiguousarray(Q)
     position, orientation = errors_at(problem, Q)
     clearance, nearest = clearances_at(problem, Q)
-    swept = np.full(len(Q) - 1, np.inf)
-    C, turns, *_ = arm.constants
-    if len(problem.obstacles):
-        world = problem.obstacles, problem.link_radius
-        swept_clearances(C, turns, Q, *world, RESOLUTION, workspace(arm.K), swept)
+    swept = swept_between(problem, Q)
     steps = np.abs(np.diff(Q, axis=0))
     most = problem.most_per_step
     return Measures(
@@ -99,5 +123,5 @@ def measure(problem: Problem, Q: FloatArray) -> Measures:
 @jit
 def _errors(C: Array, turns: Array, mask: Array, Q: Array, G: Array, W: Array, out: Array) -> None:
     for i in range(len(Q)):
-        position, rotation = residual(C, turns, mask, G[i], Q[i], W)
-        out[i, 0], out[i, 1] = np.sqrt(position), np.sqrt(rotation)
+        residual(C, turns, mask, G[i], Q[i], W)
+        out[i] = W[len(turns) + 1, 0:6]

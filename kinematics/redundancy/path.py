@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,6 +78,7 @@ class Path:
         r_dot: Its rate, 1/s.
         r_ddot: Its acceleration, 1/s².
         closed: Whether the last target is the first one.
+        at: Poses, shape (n, 12), where parts r of shape (n,) are covered: the curve itself.
     """
 
     targets: FloatArray
@@ -86,6 +87,7 @@ class Path:
     r_dot: FloatArray
     r_ddot: FloatArray
     closed: bool
+    at: Callable[[FloatArray], FloatArray]
 
     @property
     def samples(self) -> int:
@@ -139,7 +141,18 @@ def polyline(
         rates[rows] = law.T * [share, share / (count * duration), share / (count * duration) ** 2]
         rates[rows, 0] += first / intervals
         first += count
-    return _path(np.concatenate(targets), rates, task, sampling)
+    shares = np.array(counts) / intervals
+    starts = np.cumsum(shares) - shares
+
+    def at(r: FloatArray) -> FloatArray:
+        poses = np.empty((len(r), 4, 4))
+        whose = np.clip(np.searchsorted(starts, r, side="right") - 1, 0, len(pieces) - 1)
+        for k, piece in enumerate(pieces):
+            mine = whose == k
+            poses[mine] = piece.at((r[mine] - starts[k]) / shares[k])
+        return _flat(poses)
+
+    return _path(np.concatenate(targets), rates, at, task, sampling)
 
 
 def circle(start: FloatArray, about: Circle, task: Task, sampling: Sampling) -> Path:
@@ -171,12 +184,18 @@ def circle(start: FloatArray, about: Circle, task: Task, sampling: Sampling) -> 
         )
     s = np.linspace(0, 1, sampling.samples)
     law = np.array(sampling.time_law.at(s)).T
-    angle = 2 * np.pi * about.turns * law[:, :1]
-    poses = np.repeat(start[None], sampling.samples, axis=0)
-    poses[:, :3, 3] = about.center + along + np.cos(angle) * arm + np.sin(angle) * np.cross(n, arm)
-    poses[0] = start
+    center, across = about.center + along, np.cross(n, arm)
+
+    def at(r: FloatArray) -> FloatArray:
+        angle = 2 * np.pi * about.turns * r[:, None]
+        poses = np.repeat(start[None], len(r), axis=0)
+        poses[:, :3, 3] = center + np.cos(angle) * arm + np.sin(angle) * across
+        return _flat(poses)
+
+    targets = at(law[:, 0])
+    targets[0] = start[:3].reshape(12)
     rates = law * [1, 1 / sampling.tf, 1 / sampling.tf**2]
-    return _path(_flat(poses), rates, task, sampling)
+    return _path(targets, rates, at, task, sampling)
 
 
 @dataclass(frozen=True)
@@ -202,7 +221,7 @@ class _Piece:
         poses = np.repeat(self.start[None], len(r), axis=0)
         poses[:, :3, 3] += r[:, None] * self.shift
         if self.turn.any():
-            poses[:, :3, :3] = [rotation(part * self.turn) @ self.start[:3, :3] for part in r]
+            poses[:, :3, :3] = rotations(self.turn, r) @ self.start[:3, :3]
         return poses
 
 
@@ -220,7 +239,13 @@ def _shares(pieces: Sequence[_Piece], intervals: int) -> list[int]:
     return [int(count) for count in counts]
 
 
-def _path(targets: FloatArray, rates: FloatArray, task: Task, sampling: Sampling) -> Path:
+def _path(
+    targets: FloatArray,
+    rates: FloatArray,
+    at: Callable[[FloatArray], FloatArray],
+    task: Task,
+    sampling: Sampling,
+) -> Path:
     t = np.linspace(0, sampling.tf, sampling.samples)
     first, last = targets[0].reshape(3, 4), targets[-1].reshape(3, 4)
     away = np.abs((last - first)[list(task.positions), 3]).max(initial=0.0)
@@ -229,21 +254,20 @@ def _path(targets: FloatArray, rates: FloatArray, task: Task, sampling: Sampling
     elif task.rotations:
         away = max(away, np.abs((last - first)[:, :3]).max())
     r, r_dot, r_ddot = np.ascontiguousarray(rates.T)
-    return Path(targets, t, r, r_dot, r_ddot, bool(away <= CLOSED))
+    return Path(targets, t, r, r_dot, r_ddot, bool(away <= CLOSED), at)
 
 
 def _flat(poses: FloatArray) -> FloatArray:
     return np.ascontiguousarray(poses[:, :3, :].reshape(-1, 12))
 
 
-def rotation(vector: FloatArray) -> FloatArray:
-    """The rotation by a rotation vector (Rodrigues), 3x3."""
+def rotations(vector: FloatArray, parts: FloatArray) -> FloatArray:
+    """Rotations by parts, shape (n,), of a rotation vector that is not zero; shape (n, 3, 3)."""
     angle = float(np.linalg.norm(vector))
-    if angle == 0.0:
-        return np.eye(3)
     x, y, z = vector / angle
     S = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * S + 2 * np.sin(angle / 2) ** 2 * S @ S)
+    by = angle * parts[:, None, None]
+    return np.asarray(np.eye(3) + np.sin(by) * S + 2 * np.sin(by / 2) ** 2 * (S @ S))
 
 
 def rotation_vector(R: FloatArray) -> FloatArray:

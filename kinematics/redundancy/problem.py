@@ -10,6 +10,8 @@ import numpy as np
 
 from kinematics.errors import InvalidOption, WrongConfiguration
 from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.link_geometry import LinkGeometry
+from kinematics.redundancy.links import Links, skeleton
 from kinematics.redundancy.path import Path
 from robots.robot import FloatArray
 
@@ -50,9 +52,11 @@ class Problem:
         start: Whole configuration of sample 0, shape (dof,).
         path: The path; its first target is the arm's pose at the start.
         obstacles: See :func:`kinematics.redundancy.obstacles.encoded`; shape (M, 16).
-        link_radius: Radius of the capsules about the links, m.
+        link_radius: Radius of the capsules about the segments between joint origins, m: one for
+            all, or of each, shape (K,).
         d_safe: Clearance that is to be kept, m.
         tolerance: What counts as on the path.
+        shaped: The arm's own shapes, which then keep clear instead of those segments.
 
     Raises:
         WrongConfiguration: The start is outside the joint limits.
@@ -63,24 +67,26 @@ class Problem:
     start: FloatArray
     path: Path
     obstacles: FloatArray
-    link_radius: float = 0.0
+    link_radius: float | FloatArray = 0.0
     d_safe: float = 0.0
     tolerance: PathTolerance = field(default_factory=PathTolerance)
+    shaped: LinkGeometry | None = None
 
     def __post_init__(self) -> None:
         for name in ("link_radius", "d_safe"):
-            if not 0 <= getattr(self, name) <= 1e6:
-                raise InvalidOption(f"{name} is {getattr(self, name):g}; give 0 to 1e6", f"/{name}")
+            values = np.atleast_1d(getattr(self, name))
+            if not ((values >= 0) & (values <= 1e6)).all():
+                raise InvalidOption(f"{name} is {values.min():g}; give 0 to 1e6", f"/{name}")
         if len(self.obstacles) > MAX_OBSTACLES:
             raise InvalidOption(
                 f"there are {len(self.obstacles)} obstacles; give at most {MAX_OBSTACLES}",
                 "/obstacles",
             )
-        pairs = self.path.samples * len(self.obstacles) * self.arm.K
+        pairs = self.path.samples * len(self.obstacles) * len(self.links)
         if pairs > MAX_PAIRS * 10:
             raise InvalidOption(
-                f"{self.path.samples} samples, {len(self.obstacles)} obstacles and {self.arm.K}"
-                " links are too many together; give fewer samples or obstacles",
+                f"{self.path.samples} samples, {len(self.obstacles)} obstacles and"
+                f" {len(self.links)} links are too many together; give fewer samples or obstacles",
                 "/samples",
             )
         q, chain = self.arm.reduced(self.start), self.arm.chain
@@ -93,6 +99,13 @@ class Problem:
                 " them",
                 f"/q/{int(chain.columns[worst])}",
             )
+
+    @cached_property
+    def links(self) -> Links:
+        """What is to keep clear of the obstacles."""
+        if self.shaped is not None:
+            return self.shaped.links
+        return skeleton(self.arm, self.link_radius)
 
     @cached_property
     def first(self) -> FloatArray:

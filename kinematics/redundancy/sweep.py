@@ -15,7 +15,8 @@ import numpy as np
 
 from kinematics.compiled import inner, jit
 from kinematics.kernels import Array
-from kinematics.redundancy.distances import link_distance, link_points
+from kinematics.redundancy.distances import least_distance, link_distance
+from kinematics.redundancy.link_points import OFFSET, link_points
 
 RESOLUTION = 1e-5
 """What a reported swept clearance may be below the true one, m."""
@@ -28,16 +29,13 @@ MAX_DISTANCES = 100_000_000
 
 @inner
 def reaches(W: Array, K: int, R: Array) -> None:
-    """R[j, k] ≥ the distance of joint j from every point of link k: the lengths between, added."""
+    """R[j, k] ≥ the distance of joint j from joint k (K: the frame): the lengths between, added."""
     for j in range(K):
         total = 0.0
-        for k in range(K):
-            if k < j:
-                R[j, k] = 0.0
-                continue
-            x = W[k + 1, 3] - W[k, 3]
-            y = W[k + 1, 4] - W[k, 4]
-            z = W[k + 1, 5] - W[k, 5]
+        for k in range(j + 1, K + 1):
+            x = W[k, 3] - W[k - 1, 3]
+            y = W[k, 4] - W[k - 1, 4]
+            z = W[k, 5] - W[k - 1, 5]
             total += math.sqrt(x * x + y * y + z * z)
             R[j, k] = max(R[j, k], total)
 
@@ -49,7 +47,7 @@ def swept_clearance(
     a: Array,
     b: Array,
     obstacles: Array,
-    radius: float,
+    S: Array,
     enough: float,
     resolution: float,
     W: Array,
@@ -63,7 +61,7 @@ def swept_clearance(
         a: One end, shape (K,).
         b: The other.
         obstacles: Shape (M, 16).
-        radius: Link radius, m.
+        S: Links, shape (L, 11).
         enough: Stops where the clearance is proved to be at least this, m.
         resolution: How far the bound may be from an attained clearance, m.
         W: Workspace.
@@ -76,20 +74,21 @@ def swept_clearance(
     if len(obstacles) == 0:
         return math.inf
     d, q, out = b - a, np.empty(K), np.empty(4)
-    R = np.zeros((K, K))
-    link_points(C, turns, a, W)
+    R = np.zeros((K, K + 1))
+    link_points(C, turns, a, S, W)
     reaches(W, K, R)
-    attained = _least(W, K, obstacles, out)
-    link_points(C, turns, b, W)
+    attained, _, _ = least_distance(W, S, obstacles, out)
+    link_points(C, turns, b, S, W)
     reaches(W, K, R)
-    attained = min(attained, _least(W, K, obstacles, out)) - radius
+    other, _, _ = least_distance(W, S, obstacles, out)
+    attained = min(attained, other)
     spin = 0.0
     for j in range(K):
         spin += abs(d[j]) if turns[j] else 0.0
-    acceleration = np.zeros(K)
-    for k in range(K):
-        for j in range(min(K, k + 2)):
-            arm = R[j, k] if turns[j] else 1.0
+    acceleration = np.zeros(len(S))
+    for k in range(len(S)):
+        for j in range(K):
+            arm = max(_lever(S, R, turns, j, k, 0), _lever(S, R, turns, j, k, 1))
             acceleration[k] += 2.0 * spin * abs(d[j]) * arm
     bound, visits = math.inf, 0
     stack = np.empty((MAX_DEPTH + 2, 2))
@@ -101,14 +100,14 @@ def swept_clearance(
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         for j in range(K):
             q[j] = a[j] + middle * d[j]
-        link_points(C, turns, q, W)
+        link_points(C, turns, q, S, W)
         visits += 1
         certain = math.inf
-        for k in range(K):
-            v = max(_speed(W, turns, d, k, k), _speed(W, turns, d, k + 1, min(k + 1, K - 1)))
+        for k in range(len(S)):
+            v = max(_speed(W, turns, d, S, k, 0), _speed(W, turns, d, S, k, 1))
             loss = half * v + 0.5 * half * half * acceleration[k]
             for o in range(len(obstacles)):
-                c = link_distance(W, k, obstacles[o], out) - radius
+                c = link_distance(W, S, k, obstacles[o], out)
                 attained = min(attained, c)
                 certain = min(certain, c - loss)
         if certain >= min(enough, attained - resolution) or top >= MAX_DEPTH or visits >= most:
@@ -121,24 +120,27 @@ def swept_clearance(
 
 
 @inner
-def _least(W: Array, K: int, obstacles: Array, out: Array) -> float:
-    best = math.inf
-    for k in range(K):
-        for o in range(len(obstacles)):
-            best = min(best, link_distance(W, k, obstacles[o], out))
-    return best
+def _lever(S: Array, R: Array, turns: Array, j: int, k: int, end: int) -> float:
+    """Largest distance of joint j from an end of link k; 1 if it slides, 0 if it is beyond."""
+    row = int(S[k, end])
+    if j > row:
+        return 0.0
+    if not turns[j]:
+        return 1.0
+    at = OFFSET + 3 * end
+    x, y, z = S[k, at], S[k, at + 1], S[k, at + 2]
+    return float(R[j, row] + math.sqrt(x * x + y * y + z * z))
 
 
 @inner
-def _speed(W: Array, turns: Array, d: Array, point: int, last: int) -> float:
-    """Speed of the origin of a joint, or of the frame, that joints 0 to ``last`` move."""
+def _speed(W: Array, turns: Array, d: Array, S: Array, k: int, end: int) -> float:
+    """Speed of an end of link k."""
+    P = W[len(W) - len(S) + k, 3 * end : 3 * end + 3]
     x = y = z = 0.0
-    for j in range(last + 1):
+    for j in range(min(int(S[k, end]), len(d) - 1) + 1):
         zx, zy, zz = W[j, 0], W[j, 1], W[j, 2]
         if turns[j]:
-            rx = W[point, 3] - W[j, 3]
-            ry = W[point, 4] - W[j, 4]
-            rz = W[point, 5] - W[j, 5]
+            rx, ry, rz = P[0] - W[j, 3], P[1] - W[j, 4], P[2] - W[j, 5]
             x += d[j] * (zy * rz - zz * ry)
             y += d[j] * (zz * rx - zx * rz)
             z += d[j] * (zx * ry - zy * rx)
@@ -153,7 +155,7 @@ def swept_clearances(
     turns: Array,
     Q: Array,
     obstacles: Array,
-    radius: float,
+    S: Array,
     resolution: float,
     W: Array,
     found: Array,
@@ -163,10 +165,10 @@ def swept_clearances(
     Only the least of all is resolved; of the others is said that they are not below it.
     """
     enough = math.inf
-    work = max(1, len(turns) * len(obstacles) * (len(Q) - 1))
+    work = max(1, len(S) * len(obstacles) * (len(Q) - 1))
     most = max(16, min(MAX_VISITS, MAX_DISTANCES // work))
     for i in range(len(Q) - 1):
         found[i] = swept_clearance(
-            C, turns, Q[i], Q[i + 1], obstacles, radius, enough, resolution, W, most
+            C, turns, Q[i], Q[i + 1], obstacles, S, enough, resolution, W, most
         )
         enough = min(enough, found[i])

@@ -235,8 +235,8 @@ def _clearance(problem: Problem, measures: Measures) -> str:
     at = int(np.argmin(measures.clearance))
     link, obstacle = measures.nearest[at]
     return (
-        f"the clearance falls to {measures.min_swept:.4g} m (d_safe is {problem.d_safe:g}), link"
-        f" {link + 1} to obstacle {obstacle} about sample {at}"
+        f"the clearance falls to {measures.min_swept:.4g} m (d_safe is {problem.d_safe:g}),"
+        f" {problem.links.names[link]} to obstacle {obstacle} about sample {at}"
     )
 
 

@@ -66,6 +66,23 @@ def test_batch_answers_fit_their_schemas(client, document):
         jsonschema.validate(answer, resolved(document, schema))
 
 
+def test_paths_with_everything_fit_their_schemas(client, document):
+    body = {"q": [0, -0.5, 0, -2, 0, 1.6, 0.8, 0, 0], "target": {"position": [0.4, 0.2, 0.5]},
+            "task": "position", "samples": 11, "link_geometry": "urdf", "link_radius": 0.05,
+            "obstacles": [{"type": "half_space", "normal": [0, 0, 1]}],
+            "retime": {"acceleration": 5}}  # fmt: skip
+    for name in ("path", "path/compare"):
+        operation = document["paths"][f"/v1/robots/{{robot_id}}/{name}"]["post"]
+        content = operation["requestBody"]["content"]["application/json"]
+        jsonschema.validate(body, resolved(document, content["schema"]))
+        answer = client.post(f"/v1/robots/panda_urdf/{name}", json=body).json()
+        schema = operation["responses"]["200"]["content"]["application/json"]["schema"]
+        jsonschema.validate(answer, resolved(document, schema))
+        assert answer["links"]
+        assert answer["warnings"]
+        assert "501" in operation["responses"]
+
+
 def test_every_reference_resolves(document):
     names = set(document["components"]["schemas"])
     used = set(re.findall(r"#/components/schemas/(\w+)", str(document)))

@@ -302,6 +302,8 @@ def test_spatial_paths_with_every_obstacle(client):
         ({"task": "magic"}, "/task"),
         ({"task": "xy_phi"}, "/target"),
         ({"frame": "hand"}, "/frame"),
+        ({"frame": "base_link"}, "/frame"),
+        ({"secondary": [{"frame": "frame_0"}]}, "/secondary/0/frame"),
         ({"damping": 0}, "/damping"),
         ({"tolerance": {"position": -1}}, "/tolerance/position"),
         ({"secondary": [{"frame": "no"}]}, "/secondary/0/frame"),
@@ -317,3 +319,209 @@ def test_bad_paths_name_their_field(client, change, pointer):
     answer = client.post("/v1/path?angle=deg", json=body)
     assert answer.status_code == 422, answer.text
     assert answer.json()["errors"][0]["pointer"] == pointer
+
+
+LINE = {
+    "q": [0, -0.5, 0, -2.0, 0, 1.6, 0.8],
+    "target": {"position": [0.4, 0.2, 0.5]},
+    "task": "position",
+    "samples": 101,
+    "obstacles": [{"type": "sphere", "center": [0.7, 0.5, 0.5], "radius": 0.1}],
+    "link_radius": 0.05,
+}
+
+
+def test_a_path_in_the_shortest_time(client):
+    body = {**LINE, "retime": {"acceleration": 5, "samples": 301}}
+    url = "/v1/robots/panda/path"
+    answer = client.post(url, json=body).json()
+    assert answer["success"]
+    motion = answer["retimed"]
+    assert motion["status"] == "retimed"
+    assert motion["success"], motion["message"]
+    assert motion["violations"] == motion["warnings"] == []
+    assert 0.1 < motion["duration"] < 2
+    assert len(motion["t"]) == len(motion["q"]) == len(motion["velocity"]) == 301
+    assert motion["t"][-1] == pytest.approx(motion["duration"])
+    robot = client.get("/v1/robots/panda").json()
+    speeds = np.array([joint["velocity"] for joint in robot["joints"]])
+    assert motion["velocity_limits"] == speeds.tolist()
+    assert motion["acceleration_limits"] == [5.0] * 7
+    assert np.abs(np.array(motion["velocity"]) / speeds).max() <= 1 + 1e-9
+    assert np.abs(motion["acceleration"]).max() <= 5 * (1 + 1e-9)
+    np.testing.assert_allclose(motion["q"][-1], answer["q"][-1], atol=1e-12)
+    assert motion["max_position_deviation"] < 1e-4
+    assert motion["min_clearance"] <= answer["summary"]["min_clearance"]
+
+    # the same in degrees, and joint by joint
+    names = [joint["name"] for joint in robot["joints"]]
+    wide = dict.fromkeys(names, float(np.rad2deg(5)))
+    degrees = {
+        **body,
+        "q": np.rad2deg(LINE["q"]).tolist(),
+        "retime": {"acceleration": wide, "velocity": np.rad2deg(speeds).tolist(), "samples": 301},
+    }
+    turned = client.post(f"{url}?angle=deg", json=degrees).json()["retimed"]
+    assert turned["duration"] == pytest.approx(motion["duration"], rel=1e-6)
+    np.testing.assert_allclose(turned["velocity"], np.rad2deg(motion["velocity"]), atol=1e-3)
+    np.testing.assert_allclose(turned["acceleration_limits"], np.rad2deg(5))
+
+    assert client.post(url, json=LINE).json()["retimed"] is None
+
+
+def test_a_retimed_path_as_text_picture_npy_and_stream(client):
+    body = {**LINE, "retime": {"acceleration": 5, "samples": 50}}
+    url = "/v1/robots/panda/path"
+    plain = client.post(url, json=body).json()
+    text = client.post(f"{url}?format=text", json=body).text
+    assert "retimed:" in text
+    assert "  duration: " in text
+    picture = client.post(f"{url}?format=svg", json=body).text
+    assert "in the shortest time: speeds / limit" in picture
+    assert "nan" not in picture
+    array = np.load(io.BytesIO(client.post(f"{url}?format=npy", json=body).content))
+    assert array.shape == (101, 7)
+    lines = [
+        json.loads(line)
+        for line in client.post(f"{url}?format=ndjson", json=body).text.splitlines()
+    ]
+    assert len(lines) == 101 + 50 + 1
+    assert [line["retimed_sample"] for line in lines[101:-1]] == list(range(50))
+    np.testing.assert_allclose([line["q"] for line in lines[101:-1]], plain["retimed"]["q"])
+    last = lines[-1]["retimed"]
+    assert last["success"]
+    assert "q" not in last
+    assert last["duration"] == pytest.approx(plain["retimed"]["duration"])
+    untimed = client.post(f"{url}?format=ndjson", json=LINE).text.splitlines()
+    assert json.loads(untimed[-1])["retimed"] is None
+
+
+def test_methods_compared_by_their_shortest_time(client):
+    body = {**LINE, "methods": ["qp", "pseudo_inverse"], "retime": {"acceleration": 5}}
+    url = "/v1/robots/panda/path/compare"
+    table = client.post(url, json=body).json()
+    assert all(row["retimed_success"] and row["retimed_duration"] > 0 for row in table["rows"])
+    assert "the path takes" in table["messages"]["qp"]
+    csv_text = client.post(f"{url}?format=csv", json=body).text
+    rows = list(csv.DictReader(io.StringIO(csv_text)))
+    assert float(rows[0]["retimed_duration"]) == pytest.approx(table["rows"][0]["retimed_duration"])
+    del body["retime"]
+    assert client.post(url, json=body).json()["rows"][0]["retimed_duration"] is None
+
+
+def test_a_stuck_path_has_no_motion_to_time(client):
+    body = {"q": [0, 0, 0], "target": {"position": [0.9, 0]}, "task": "xy",
+            "method": "pseudo_inverse", "retime": {"acceleration": 1}}  # fmt: skip
+    url = "/v1/robots/planar_3r/path"
+    motion = client.post(url, json=body).json()["retimed"]
+    assert (motion["status"], motion["success"], motion["duration"]) == ("no_motion", False, 0)
+    assert motion["velocity_limits"] == [None] * 3
+    lines = client.post(f"{url}?format=ndjson", json=body).text.splitlines()
+    assert json.loads(lines[-1])["retimed"]["status"] == "no_motion"
+    assert "<svg" in client.post(f"{url}?format=svg", json=body).text
+
+
+SHAPED = """<robot name="shaped">
+<link name="base"><collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link>
+<link name="upper"><collision><origin xyz="0.25 0 0" rpy="0 1.5707963 0"/>
+  <geometry><cylinder radius="0.05" length="0.5"/></geometry></collision></link>
+<link name="lower"><collision><origin xyz="0.2 0 0" rpy="0 1.5707963 0"/>
+  <geometry><capsule radius="0.03" length="0.4"/></geometry></collision></link>
+<link name="wrist"><collision><geometry><mesh filename="wrist.stl"/></geometry></collision></link>
+<link name="tip"/>
+<joint name="j1" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+  <limit lower="-3" upper="3" velocity="2" effort="1"/></joint>
+<joint name="j2" type="revolute"><parent link="upper"/><child link="lower"/>
+  <origin xyz="0.5 0 0"/><axis xyz="0 0 1"/>
+  <limit lower="-3" upper="3" velocity="2" effort="1"/></joint>
+<joint name="j3" type="revolute"><parent link="lower"/><child link="wrist"/>
+  <origin xyz="0.4 0 0"/><axis xyz="0 0 1"/>
+  <limit lower="-3" upper="3" velocity="2" effort="1"/></joint>
+<joint name="end" type="fixed"><parent link="wrist"/><child link="tip"/>
+  <origin xyz="0.2 0 0"/></joint>
+</robot>"""
+
+
+def test_the_shapes_of_a_urdf(client):
+    body = {
+        "robot": {"urdf": SHAPED},
+        "q": [0.4, 0.5, 0.6],
+        "target": {"position": [0.3, 0.8]},
+        "task": "xy",
+        "obstacles": [
+            {"type": "sphere", "center": [0.6, -0.2, 0], "radius": 0.05},
+            {"type": "sphere", "center": [0, 0.2, 0], "radius": 0.1},
+        ],
+        "link_radius": {"j1": 0.01, "j2": 0.02, "j3": 0.04},
+        "link_geometry": "urdf",
+    }
+    answer = client.post("/v1/path", json=body).json()
+    parts = {part["link"]: part for part in answer["links"]}
+    assert set(parts) == {"upper", "lower", "segment 3"}
+    assert parts["upper"]["shape"] == "cylinder"
+    assert 0 < parts["upper"]["excess"] <= 0.06
+    lower = {"link": "lower", "joint": "j2", "shape": "capsule", "radius": 0.03, "excess": 0.0}
+    assert parts["lower"] == {**lower, "length": pytest.approx(0.4)}
+    segment = {"link": "segment 3", "joint": "j3", "shape": "segment", "radius": 0.04}
+    assert parts["segment 3"] == {**segment, "length": None, "excess": 0.0}
+    assert "meshes are not read, those of wrist" in answer["warnings"][0]
+    assert "link base, which no joint of the arm moves" in answer["warnings"][1]
+    assert "from obstacle 1" in answer["warnings"][1]
+    picture = client.post("/v1/path?format=svg", json=body).text
+    assert picture.count("#56b4e9") >= 27
+    assert "nan" not in picture
+    lines = client.post("/v1/path?format=ndjson", json=body).text.splitlines()
+    assert json.loads(lines[-1])["links"] == answer["links"]
+
+    bones = {**body, "link_geometry": "skeleton"}
+    plain = client.post("/v1/path", json=bones).json()
+    assert plain["links"] is None
+    assert plain["warnings"] == []
+    assert plain["clearance"][0] > answer["clearance"][0]
+    table = client.post("/v1/path/compare", json={**body, "methods": ["qp"]}).json()
+    assert table["links"] == answer["links"]
+    assert table["rows"][0]["min_clearance"] == answer["summary"]["min_clearance"]
+
+
+def test_radii_of_the_links_by_joint(client):
+    body = body_of(SCENARIOS["3R_obstacle"])
+    one = client.post("/v1/path?angle=deg", json={**body, "link_radius": 0.03}).json()
+    for radii in ([0.03] * 3, {"j1": 0.03, "j2": 0.03, "j3": 0.03}):
+        same = client.post("/v1/path?angle=deg", json={**body, "link_radius": radii}).json()
+        assert same["clearance"] == one["clearance"]
+    thin = client.post("/v1/path?angle=deg", json={**body, "link_radius": [0, 0, 0.03]}).json()
+    assert thin["clearance"][0] >= one["clearance"][0]
+    picture = client.post(
+        "/v1/path?angle=deg&format=svg", json={**body, "link_radius": [0, 0, 0.03]}
+    )
+    assert "<svg" in picture.text
+
+
+@pytest.mark.parametrize(
+    ("change", "pointer", "words"),
+    [
+        ({"retime": {}}, "/retime/acceleration", "give a number for all joints"),
+        ({"retime": {"acceleration": 0}}, "/retime/acceleration", "joint j1"),
+        ({"retime": {"acceleration": [1, -1, 1]}}, "/retime/acceleration/1", "joint j2"),
+        ({"retime": {"acceleration": [1, 1]}}, "/retime/acceleration", "2 values; give 3"),
+        ({"retime": {"acceleration": {"j1": 1}}}, "/retime/acceleration", "lacks joint j2"),
+        ({"retime": {"acceleration": {"j1": 1, "jx": 1}}}, "/retime/acceleration/jx", "unknown"),
+        ({"retime": {"acceleration": "fast"}}, "/retime/acceleration", ""),
+        ({"retime": {"acceleration": 1, "velocity": 1e12}}, "/retime/velocity", "give 1e-06"),
+        ({"retime": {"acceleration": 1, "samples": 1}}, "/retime/samples", "give 2"),
+        ({"retime": {"acceleration": 1, "samples": 10**6}}, "/retime/samples", "give 2"),
+        ({"retime": {"acceleration": 1, "jerk": 1}}, "/retime/jerk", "unknown"),
+        ({"link_radius": [0.1]}, "/link_radius", "1 values; give 3"),
+        ({"link_radius": {"j1": 0.1, "j2": -1, "j3": 0}}, "/link_radius/j2", "joint j2"),
+        ({"link_geometry": "mesh"}, "/link_geometry", "skeleton or urdf"),
+    ],
+)
+def test_bad_limits_and_links_name_their_field(client, change, pointer, words):
+    body = {**body_of(SCENARIOS["3R_free"]), **change}
+    for headers in ({}, {"Accept": "application/x-ndjson"}):
+        answer = client.post("/v1/path?angle=deg", json=body, headers=headers)
+        assert answer.status_code == 422, answer.text
+        assert answer.json()["errors"][0]["pointer"] == pointer
+        assert words in answer.json()["detail"]
+    compare = {key: value for key, value in body.items() if key != "method"}
+    assert client.post("/v1/path/compare?angle=deg", json=compare).status_code == 422

@@ -46,11 +46,11 @@ def follow(
 ) -> Generator[int, None, Stop | None]:
     """See :class:`kinematics.redundancy.methods.Method`."""
     arm, chain = problem.arm, problem.arm.chain
-    leaving, W = departure(problem, options), workspace(arm.K)
+    leaving, W = departure(problem, options), workspace(arm.K, len(problem.links))
     chosen = options.gains or GAINS
     gains = np.array([chosen.limits, chosen.manipulability, chosen.obstacles, chosen.posture])
     wanted = problem.first if options.posture_q is None else options.posture_q
-    world = problem.obstacles, problem.link_radius, problem.d_safe
+    world = problem.obstacles, problem.links.rows, problem.d_safe
     influence = options.reach_of_obstacles(problem)
 
     def solve(first: int, last: int) -> tuple[int, int]:
@@ -78,7 +78,7 @@ def _follow(
     upper: Array,
     wanted: Array,
     obstacles: Array,
-    radius: float,
+    S: Array,
     safe: float,
     influence: float,
     gains: Array,
@@ -104,7 +104,7 @@ def _follow(
             least_step(B, L, order, e, y, step)
             if iteration == 0:
                 downhill(
-                    C, turns, mask, rows, own, G[i], q, lower, upper, wanted, obstacles, radius,
+                    C, turns, mask, rows, own, G[i], q, lower, upper, wanted, obstacles, S,
                     safe, influence, gains, part, W, z,
                 )  # fmt: skip
                 project_null(B, z)
@@ -134,7 +134,7 @@ def downhill(
     upper: Array,
     wanted: Array,
     obstacles: Array,
-    radius: float,
+    S: Array,
     safe: float,
     influence: float,
     gains: Array,
@@ -165,7 +165,7 @@ def downhill(
         for k in range(K):
             z[k] -= gains[1] * part * g[k]
     if gains[2] > 0.0 and len(obstacles) > 0:
-        obstacle_potential(C, turns, q, obstacles, radius, safe, influence, W, g)
+        obstacle_potential(C, turns, q, obstacles, S, safe, influence, W, g)
         for k in range(K):
             z[k] -= gains[2] * part * g[k]
     if gains[3] > 0.0:

@@ -56,13 +56,13 @@ class _Program:
         self.problem = problem
         self.weight = options.obstacle_weight if len(problem.obstacles) else 0.0
         self.influence = options.reach_of_obstacles(problem)
-        pairs = min(MOST_PAIRS, arm.K * len(problem.obstacles))
+        pairs = min(MOST_PAIRS, len(problem.links) * len(problem.obstacles))
         self.d, self.g = np.empty(pairs), np.empty((pairs, arm.K))
         self.whose = np.empty((pairs, 2), dtype=np.int64)
         self.count = 0
         self.e, self.J = np.empty(arm.m), np.empty((arm.m, arm.K))
         self.phi = np.empty(arm.K)
-        self.W = workspace(arm.K)
+        self.W = workspace(arm.K, len(problem.links))
         self.seen = np.full(arm.K, np.nan)
         self.value = 0.0
 
@@ -74,7 +74,7 @@ class _Program:
         if len(problem.obstacles):
             C, turns, *_ = problem.arm.constants
             count, _ = near_pairs(
-                C, turns, previous, problem.obstacles, problem.link_radius, model.near, self.W,
+                C, turns, previous, problem.obstacles, problem.links.rows, model.near, self.W,
                 self.d, self.g, self.whose,
             )  # fmt: skip
         self.count = count
@@ -132,7 +132,7 @@ class _Program:
         self.seen[:] = q
         problem = self.problem
         self.value = look(
-            *problem.arm.constants, target, self.seen, problem.obstacles, problem.link_radius,
+            *problem.arm.constants, target, self.seen, problem.obstacles, problem.links.rows,
             problem.d_safe, self.influence, self.weight, self.whose, self.count, self.W, self.e,
             self.J, self.d, self.g, self.phi,
         )  # fmt: skip
@@ -148,7 +148,7 @@ def look(
     target: Array,
     q: Array,
     obstacles: Array,
-    radius: float,
+    S: Array,
     safe: float,
     influence: float,
     weight: float,
@@ -177,8 +177,8 @@ def look(
         exact_error_columns(mask, K, W)
     task_rows(rows, own, K, W, e, J)
     if count > 0:
-        listed_pairs(C, turns, q, obstacles, radius, whose, count, W, d, g)
+        listed_pairs(C, turns, q, obstacles, S, whose, count, W, d, g)
     phi[:] = 0.0
     if weight > 0.0:
-        return obstacle_potential(C, turns, q, obstacles, radius, safe, influence, W, phi)
+        return obstacle_potential(C, turns, q, obstacles, S, safe, influence, W, phi)
     return 0.0

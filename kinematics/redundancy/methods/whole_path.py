@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from kinematics.errors import InvalidOption, MethodUnavailable
+from kinematics.redundancy.link_points import OFFSET, RADIUS, WHOLE
 from kinematics.redundancy.measure import Measures, measure
 from kinematics.redundancy.methods import qp
 from kinematics.redundancy.methods.stop import Stop
@@ -43,7 +44,7 @@ def follow(
             "/method",
         ) from None
     arm = problem.arm
-    size = len(Q) * arm.K * (1 + len(problem.obstacles))
+    size = len(Q) * (arm.K + len(problem.links) * len(problem.obstacles))
     if size > MOST:
         raise InvalidOption(
             f"{len(Q)} samples are too many for one program with {arm.K} joints and"
@@ -81,9 +82,9 @@ class _Program:
         self.problem, self.N = problem, N
         arm, K = problem.arm, problem.arm.K
         q, G = casadi.SX.sym("q", K), casadi.SX.sym("G", 12)
-        points, T = _forward(casadi, problem, q)
+        carriers, T = _forward(casadi, problem, q)
         error = _error(casadi, problem, T, G)
-        apart = _distances(casadi, problem, points)
+        apart = _distances(casadi, problem, carriers)
         self.pairs = apart.numel()
         sample = casadi.Function("sample", [q, G], [error, apart]).map(N - 1)
         first = departure(problem, options)
@@ -129,11 +130,11 @@ class _Program:
 
 
 def _forward(casadi: Any, problem: Problem, q: Any) -> tuple[list[Any], Any]:
-    """Origins of the joints and of the frame, and the frame's 4x4 pose, as expressions."""
+    """Poses of the joints and of the frame, 4x4, and the latter again, as expressions."""
     chain = problem.arm.chain
     bottom = np.array([[0.0, 0.0, 0.0, 1.0]])
     constants = [np.concatenate((C.reshape(3, 4), bottom)) for C in chain.placements]
-    T, points = casadi.SX(constants[0]), []
+    T, carriers = casadi.SX(constants[0]), []
     for k in range(chain.length):
         M = casadi.SX.eye(4)
         if chain.turns[k]:
@@ -142,9 +143,9 @@ def _forward(casadi: Any, problem: Problem, q: Any) -> tuple[list[Any], Any]:
         else:
             M[2, 3] = q[k]
         T = T @ M
-        points.append(T[:3, 3])
+        carriers.append(T)
         T = T @ constants[k + 1]
-    return [*points, T[:3, 3]], T
+    return [*carriers, T], T
 
 
 def _error(casadi: Any, problem: Problem, T: Any, G: Any) -> Any:
@@ -166,20 +167,26 @@ def _error(casadi: Any, problem: Problem, T: Any, G: Any) -> Any:
     return every[[row for row, m in zip(task.rows, moved, strict=True) if m > 1e-12]]
 
 
-def _distances(casadi: Any, problem: Problem, points: list[Any]) -> Any:
+def _distances(casadi: Any, problem: Problem, carriers: list[Any]) -> Any:
     """Clearance of every pair of link and obstacle, not below zero for boxes."""
-    found = [
-        _distance(casadi, points[k], points[k + 1], row) - problem.link_radius
-        for k in range(len(points) - 1)
-        for row in problem.obstacles
-    ]
+    found = []
+    for link in problem.links.rows:
+        A, B = (
+            carriers[int(link[end])][:3, 3]
+            + carriers[int(link[end])][:3, :3] @ link[OFFSET + 3 * end : OFFSET + 3 * end + 3]
+            for end in range(2)
+        )
+        for row in problem.obstacles:
+            if row[0] == HALF_SPACE:
+                ends = (A, B) if link[WHOLE] else (B,)
+                found += [casadi.dot(row[1:4], p) - row[4] - link[RADIUS] for p in ends]
+            else:
+                found.append(_distance(casadi, A, B, row) - link[RADIUS])
     return casadi.vertcat(*found) if found else casadi.SX(0, 1)
 
 
 def _distance(casadi: Any, A: Any, B: Any, row: FloatArray) -> Any:
     kind, d = row[0], B - A
-    if kind == HALF_SPACE:
-        return casadi.dot(row[1:4], B) - row[4]
     if kind in (SPHERE, CIRCLE):
         keep = casadi.DM([1, 1, 0 if kind == CIRCLE else 1])
         d, a = d * keep, (A - row[1:4]) * keep

@@ -11,6 +11,7 @@ from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.distances import clearances, pair_distance
 from kinematics.redundancy.kernel import workspace
+from kinematics.redundancy.links import skeleton
 from kinematics.redundancy.obstacles import Box, Capsule, CircleObstacle, HalfSpace, Sphere, encoded
 from kinematics.redundancy.sweep import RESOLUTION, swept_clearance
 from kinematics.task import task_from
@@ -129,7 +130,8 @@ def test_nothing_is_missed_between_samples(name):
     arm = Arm.of(shipped_robot(name), None, task_from("position"))
     C, turns, *_ = arm.constants
     rng, tight = np.random.default_rng(3), 0
-    W = workspace(arm.K)
+    S = skeleton(arm, 0.03).rows
+    W = workspace(arm.K, len(S))
     for k in range(60):
         a = rng.uniform(-1.5, 1.5, arm.K)
         b = a + rng.normal(size=arm.K) * (0.3, 0.03, 1.0)[k % 3]
@@ -140,12 +142,12 @@ def test_nothing_is_missed_between_samples(name):
                 CircleObstacle(rng.uniform(-1, 1, 2), 0.1),
             ]
         )
-        bound = swept_clearance(C, turns, a, b, world, 0.03, np.inf, RESOLUTION, W)
+        bound = swept_clearance(C, turns, a, b, world, S, np.inf, RESOLUTION, W)
         Q = a + np.linspace(0, 1, 2001)[:, None] * (b - a)
         dense, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
-        clearances(C, turns, Q, world, 0.03, W, dense, whose)
+        clearances(C, turns, Q, world, S, W, dense, whose)
         assert bound <= dense.min() + 1e-12
         tight += bound >= dense.min() - 2 * RESOLUTION
         enough = dense.min() - 0.01
-        assert swept_clearance(C, turns, a, b, world, 0.03, enough, RESOLUTION, W) >= enough
+        assert swept_clearance(C, turns, a, b, world, S, enough, RESOLUTION, W) >= enough
     assert tight >= 50

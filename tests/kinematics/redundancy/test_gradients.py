@@ -14,6 +14,7 @@ from kinematics.redundancy.gradients import (
     posture_potential,
 )
 from kinematics.redundancy.kernel import exact_error_columns, task_rows, workspace
+from kinematics.redundancy.links import skeleton
 from kinematics.redundancy.obstacles import Box, Capsule, CircleObstacle, HalfSpace, Sphere, encoded
 from kinematics.task import task_from
 from robots.shipped import shipped_robot
@@ -93,18 +94,21 @@ def test_manipulability(name, task):
 
 def test_distances_and_repulsion(arm):
     C, turns, *_ = arm.constants
-    K, pairs = arm.K, arm.K * len(WORLD)
-    W = workspace(K)
+    S = skeleton(arm, 0.02).rows
+    K, pairs = arm.K, len(S) * len(WORLD)
+    W = workspace(K, len(S))
     d, g, whose = np.empty(pairs), np.empty((pairs, K)), np.empty((pairs, 2), dtype=np.int64)
 
     def all_distances(q):
         values, grads = np.empty(pairs), np.empty((pairs, K))
-        near_pairs(C, turns, q, WORLD, 0.02, 1e9, workspace(K), values, grads, np.empty_like(whose))
+        near_pairs(
+            C, turns, q, WORLD, S, 1e9, workspace(K, len(S)), values, grads, np.empty_like(whose)
+        )
         return values
 
     checked = 0
     for q in samples(arm):
-        count, least = near_pairs(C, turns, q, WORLD, 0.02, 1e9, W, d, g, whose)
+        count, least = near_pairs(C, turns, q, WORLD, S, 1e9, W, d, g, whose)
         assert count == pairs
         assert least == d.min()
         coarse, fine = numeric(all_distances, q, 1e-4).T, numeric(all_distances, q, 3e-5).T
@@ -114,7 +118,7 @@ def test_distances_and_repulsion(arm):
         checked += smooth.sum()
         total = np.empty(K)
         if d.min() > 0.0 and smooth.all():
-            arguments = WORLD, 0.02, 0.01, 0.3, workspace(K)
+            arguments = WORLD, S, 0.01, 0.3, workspace(K, len(S))
             obstacle_potential(C, turns, q, *arguments, total)
             expected = numeric(
                 lambda x, a=arguments: obstacle_potential(C, turns, x, *a, np.empty(K)), q, 1e-4

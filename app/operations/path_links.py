@@ -1,0 +1,67 @@
+"""What of the arm keeps clear of obstacles: fields of a path, and what the answer says of them."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from app.operations.per_joint import PerJoint, read_per_joint
+from dh_to_urdf.errors import quoted
+from kinematics.errors import InvalidOption
+from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.link_geometry import LinkGeometry, link_geometry, too_near
+from kinematics.redundancy.problem import Problem
+from robots.robot import FloatArray
+
+GEOMETRIES = ("skeleton", "urdf")
+MAX_RADIUS = 1e6
+
+
+class LinkPart(msgspec.Struct, kw_only=True):
+    """A capsule that is kept clear of obstacles: a shape of a link, or what bounds it.
+
+    ``joint`` is the last joint that moves it; ``excess`` how far the capsule sticks out of the
+    shape at most, 0 where it is the shape. Lengths in m.
+    """
+
+    link: str
+    joint: str
+    shape: str
+    radius: float
+    length: float | None
+    excess: float
+
+
+def read_radius(value: PerJoint, arm: Arm) -> float | FloatArray:
+    """link_radius: one for all, or that of the segment that begins at each joint, shape (K,)."""
+    radii = read_per_joint(value, arm, "/link_radius", 0.0, MAX_RADIUS)
+    return value if isinstance(value, float | int) else arm.reduced(radii)
+
+
+def read_geometry(
+    name: str, radius: float | FloatArray, arm: Arm, q: FloatArray
+) -> LinkGeometry | None:
+    """The arm's own shapes, where the request asks for them.
+
+    Raises:
+        InvalidOption: There is no such geometry.
+    """
+    if name not in GEOMETRIES:
+        raise InvalidOption(
+            f"link_geometry is {quoted(name)}; give {' or '.join(GEOMETRIES)}", "/link_geometry"
+        )
+    if name == "skeleton":
+        return None
+    return link_geometry(arm, q, np.broadcast_to(np.asarray(radius, dtype=np.float64), (arm.K,)))
+
+
+def told_of_links(problem: Problem) -> dict[str, Any]:
+    """Capsules and warnings for the answer."""
+    shaped = problem.shaped
+    if shaped is None:
+        return {"links": None, "warnings": []}
+    warnings = [*shaped.warnings, *too_near(shaped, problem.obstacles, problem.d_safe)]
+    return {"links": [asdict(part) for part in shaped.parts], "warnings": warnings}

@@ -1,0 +1,69 @@
+"""Fields with a value for each joint: one number for all, a list, or an object by joint name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TypeAlias
+
+import numpy as np
+
+from dh_to_urdf.errors import escaped, quoted
+from kinematics.configuration import joint_names
+from kinematics.errors import InvalidOption
+from kinematics.redundancy.arm import Arm
+from robots.errors import hint
+from robots.robot import FloatArray
+
+PerJoint: TypeAlias = float | list[float] | dict[str, float]
+
+
+def read_per_joint(
+    value: PerJoint, arm: Arm, pointer: str, lowest: float, highest: float
+) -> FloatArray:
+    """The values of all joints of the robot, shape (dof,), as they are given.
+
+    An object may leave out joints that do not belong to the arm, which are not looked at; they
+    get the lowest value.
+
+    Raises:
+        InvalidOption: A joint is missing or unknown, or a value out of range.
+    """
+    names = tuple(joint_names(arm.robot))
+    field = pointer[1:].replace("/", ".")
+    if isinstance(value, dict):
+        for name in value:
+            if name not in names:
+                raise InvalidOption(
+                    f"{field} names joint {quoted(name)}, which is unknown; {hint(name, names)}",
+                    f"{pointer}/{escaped(name)}",
+                )
+        for name in arm.names:
+            if name not in value:
+                raise InvalidOption(f"{field} lacks joint {name}; give every joint", pointer)
+    elif isinstance(value, list) and len(value) != len(names):
+        raise InvalidOption(
+            f"{field} has {len(value)} values; give {len(names)}, one a joint", pointer
+        )
+    found = np.full(len(names), lowest)
+    for k, one, where in _entries(value, names, pointer):
+        if not lowest <= one <= highest:
+            raise InvalidOption(
+                f"{field} is {one:g} for joint {names[k]}; give {lowest:g} to {highest:g}", where
+            )
+        found[k] = one
+    return found
+
+
+def _entries(
+    value: PerJoint, names: tuple[str, ...], pointer: str
+) -> Iterator[tuple[int, float, str]]:
+    """Column, value and JSON pointer of each value that is given."""
+    if isinstance(value, dict):
+        for name, one in value.items():
+            yield names.index(name), one, f"{pointer}/{escaped(name)}"
+    elif isinstance(value, list):
+        for k, one in enumerate(value):
+            yield k, one, f"{pointer}/{k}"
+    else:
+        for k in range(len(names)):
+            yield k, value, pointer
