@@ -104,7 +104,7 @@ class RobotStore:
         self._memory: RobotMemory[tuple[Signature, StoredRobot]] = RobotMemory()
         self._summaries: dict[str, tuple[Signature, RobotSummary]] = {}
         self._unusable: dict[str, int | None] = {}
-        self._merged: tuple[tuple[str, ...], tuple[str, ...]] = ((), shipped_ids())
+        self._merged: tuple[tuple[str, ...] | None, tuple[str, ...]] = (None, ())
         with suppress(StorageError), self._directory.turn(_STARTING_PATIENCE) as turn:
             turn.recover()
 
