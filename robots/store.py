@@ -150,7 +150,7 @@ class RobotStore:
             DamagedRobot: The stored file cannot be served.
             StorageUnavailable: The directory cannot be read.
         """
-        if is_shipped(robot_id):
+        if robot_id in shipped_ids():
             head = shipped_file(robot_id)
             return RobotSummary(robot_id, "urdf" if head.urdf else "dh", head.title, head.dof, True)
         signature = self._directory.signature(robot_id)

@@ -41,12 +41,12 @@ class Turn:
             OSError: It is not stored; what was there before is.
         """
         path, old = self._path(robot_id), self._size(robot_id)
+        if old is None and os.path.lexists(path):
+            self.set_aside(robot_id, "foreign")
         usage = Usage(
             self.usage.robots + (old is None), self.usage.bytes + len(content) - (old or 0)
         )
         self.quotas.check(self.usage, usage)
-        if old is None and os.path.lexists(path):
-            self.set_aside(robot_id, "foreign")
         with self._change(usage):
             write_durably(path, content)
             sync_directory(path.parent)
@@ -72,10 +72,10 @@ class Turn:
         Raises:
             OSError: It lies where it lay.
         """
-        old = self._size(robot_id)
-        usage = Usage(self.usage.robots - (old is not None), self.usage.bytes - (old or 0))
-        with self._change(usage):
-            self.quarantine.take(self._path(robot_id), robot_id, reason)
+        blank(self._descriptor, self._ledger)
+        self.quarantine.take(self._path(robot_id), robot_id, reason)
+        # Whatever damaged the file may have changed its size.
+        self.recover()
 
     def recover(self) -> None:
         """Removes what killed writers left behind, and counts what is stored."""
