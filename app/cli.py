@@ -15,7 +15,7 @@ from app.units import Units
 from dh_to_urdf import DHError, read_json, read_par, read_yaml
 from kinematics.errors import KinematicsError
 from kinematics.warm import warm_up
-from robots.errors import RobotError
+from robots.errors import RobotError, StorageError
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 from robots.store import RobotStore
 
@@ -70,7 +70,11 @@ def list_robots() -> None:
     """Lists the robots that the service knows."""
     store = RobotStore(Settings().data_dir)
     for robot_id in store.ids():
-        line = store.summary(robot_id)
+        try:
+            line = store.summary(robot_id)
+        except RobotError as error:
+            click.echo(str(error), err=True)
+            continue
         click.echo(f"{line.id:20} {line.kind:5} {line.dof:3}  {line.title}")
 
 
@@ -98,7 +102,7 @@ def forward(robot: str, q: str, angle: str, frames: tuple[str, ...], euler: str 
             values = units.joints_in(loaded, values)
         poses = fk(loaded, values, frames or None)
         views = {name: pose_view(T, units, euler) for name, T in poses.items()}
-    except (DHError, RobotError, KinematicsError) as error:
+    except (DHError, RobotError, StorageError, KinematicsError) as error:
         raise click.ClickException(str(error)) from None
     click.echo(render_text({"units": units.named, **views}), nl=False)
 

@@ -19,13 +19,17 @@ from app.settings import Settings
 from app.wire import decode_json
 from kinematics.symbolic import SymbolicWorkers
 from robots.robot import Robot
+from robots.storage.ledger import Quotas
 from robots.store import RobotStore, StoredRobot
 
 T = TypeVar("T")
 INLINE_WEIGHT = 20_000
 """Bound on the sum of dof² of inline robots in memory; a working memory grows with its square."""
 LOADING_THREADS = 4
+STORING_THREADS = 8
 WAITING_THREADS = 32
+CHECKED_AT_START = 0.5
+"""Seconds for which a start waits for the check of the uploads, which then goes on beside."""
 
 
 class InlineRobots:
@@ -75,11 +79,15 @@ class Services:
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
-        self.store = RobotStore(settings.data_dir)
+        self.store = RobotStore(
+            settings.data_dir, Quotas(settings.max_robots, settings.max_stored_bytes)
+        )
         self.inline = InlineRobots()
         self.symbolic = SymbolicWorkers(settings.symbolic_workers)
         self._compute = anyio.CapacityLimiter(settings.compute_threads)
         self._load = anyio.CapacityLimiter(LOADING_THREADS)
+        self._store = anyio.CapacityLimiter(STORING_THREADS)
+        self._stopping = threading.Event()
         self._wait = anyio.CapacityLimiter(WAITING_THREADS)
 
     async def computed(self, call: Callable[[], T]) -> T:
@@ -91,8 +99,25 @@ class Services:
         return await run_sync(call, limiter=self._wait)
 
     async def loaded(self, call: Callable[[], T]) -> T:
-        """Reads or writes robots in a thread: a lane of its own, not held up by computations."""
+        """Reads robots in a thread: a lane of its own, not held up by computations."""
         return await run_sync(call, limiter=self._load)
+
+    async def stored(self, call: Callable[[], T]) -> T:
+        """Writes robots in a thread: may wait for other writers, and holds up no reader."""
+        return await run_sync(call, limiter=self._store)
+
+    def check_uploads(self) -> None:
+        """Checks all uploads, of many only the first ones before it returns."""
+        check = threading.Thread(
+            target=self.store.check, args=(self._stopping.is_set,), name="uploads", daemon=True
+        )
+        check.start()
+        check.join(CHECKED_AT_START)
+
+    def close(self) -> None:
+        """Ends what goes on besides requests."""
+        self._stopping.set()
+        self.symbolic.close()
 
     async def robot(self, robot_id: str) -> StoredRobot:
         """A robot by id; loaded in a thread where it is not in memory.

@@ -37,11 +37,12 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         app.state.services = Services(chosen)
+        await run_sync(app.state.services.check_uploads)
         await run_sync(warm_up)
         if chosen.preload:
             await rehearse(app, app.state.services)
         yield
-        app.state.services.symbolic.close()
+        app.state.services.close()
 
     app = FastAPI(
         title="Denavit",

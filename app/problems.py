@@ -77,6 +77,11 @@ BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     robots.ReadOnlyRobot: ProblemType("read-only-robot", 409, "Shipped robots are read-only"),
     robots.RevisionMismatch: ProblemType("revision-mismatch", 412, "The robot has changed"),
     robots.DamagedRobot: ProblemType("damaged-robot", 409, "The stored robot is damaged"),
+    robots.QuotaReached: ProblemType("quota-reached", 409, "No more robots are taken"),
+    robots.StorageFull: ProblemType("storage-full", 507, "The disk is full"),
+    robots.StorageUnavailable: ProblemType(
+        "storage-unavailable", 503, "Uploaded robots cannot be reached now"
+    ),
     kinematics.WrongConfiguration: ProblemType("invalid-q", 422, "q does not fit the robot"),
     kinematics.WrongVector: ProblemType("invalid-vector", 422, "A twist or wrench does not fit"),
     kinematics.UnknownTask: ProblemType("unknown-task", 422, "There is no such task space"),

@@ -34,6 +34,10 @@ class Settings(BaseSettings):
     max_compute_bytes: int = Field(
         default=64_000_000, ge=1000, description="Largest body of a computation, batches included."
     )
+    max_robots: int = Field(default=10_000, ge=0, description="Most uploaded robots.")
+    max_stored_bytes: int = Field(
+        default=1_000_000_000, ge=0, description="Most bytes in the files of uploaded robots."
+    )
     max_batch: int = Field(default=200_000, ge=1, description="Most configurations in one request.")
     max_ik_batch: int = Field(default=10_000, ge=1, description="Most IK targets in one request.")
     max_request_seconds: float = Field(

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from typing import Final
 
 MAX_SHOWN = 12
+DAMAGED: Final = "damaged"
+"""Stands for the revision of a robot whose file cannot be served."""
 
 
 class RobotError(ValueError):
@@ -41,11 +44,18 @@ class UnknownFrame(RobotError):
 
 
 class RobotNotFound(RobotError):
-    """No robot has this id."""
+    """No robot has this id.
 
-    def __init__(self, robot_id: str, valid: Iterable[str]) -> None:
+    Args:
+        robot_id: The id.
+        valid: Ids that exist, of many those near it.
+        total: How many there are, where ``valid`` does not hold them all.
+    """
+
+    def __init__(self, robot_id: str, valid: Iterable[str], total: int | None = None) -> None:
         self.robot_id = robot_id
-        super().__init__(f"there is no robot {robot_id[:64]!r}; {hint(robot_id, tuple(valid))}")
+        shown = hint(robot_id, tuple(valid), total)
+        super().__init__(f"there is no robot {robot_id[:64]!r}; {shown}")
 
 
 class InvalidRobotId(RobotError):
@@ -84,8 +94,12 @@ class RevisionMismatch(RobotError):
 
     def __init__(self, robot_id: str, current: str | None) -> None:
         self.current = current
-        state = f"is at revision {current}" if current else "does not exist"
-        super().__init__(f"robot {robot_id!r} {state}; read it again and repeat the request")
+        if current == DAMAGED:
+            state = "is damaged; upload it without If-Match"
+        else:
+            found = f"is at revision {current}" if current else "does not exist"
+            state = f"{found}; read it again and repeat the request"
+        super().__init__(f"robot {robot_id!r} {state}")
 
 
 class MeshNotFound(RobotError):
@@ -97,19 +111,71 @@ class MeshNotFound(RobotError):
 
 
 class DamagedRobot(RobotError):
-    """A stored file whose checksum does not hold; it is never served."""
+    """A stored file that cannot be served, and never is.
 
-    def __init__(self, robot_id: str) -> None:
+    Attributes:
+        robot_id: The robot.
+        moved: True where the file lies in quarantine now.
+    """
+
+    def __init__(self, robot_id: str, fault: str, *, moved: bool) -> None:
+        self.robot_id = robot_id
+        self.moved = moved
+        where = "; it was moved to quarantine" if moved else ""
         super().__init__(
-            f"the stored file of robot {robot_id!r} is damaged; upload the robot again (PUT)"
+            f"the stored file of robot {robot_id!r} {fault}{where}; upload the robot again (PUT"
+            f" /v1/robots/{robot_id}), or delete it"
         )
 
 
-def hint(name: str, valid: tuple[str, ...]) -> str:
+class QuotaReached(RobotError):
+    """One more robot, or its bytes, would exceed what the store takes."""
+
+    def __init__(self, quota: str) -> None:
+        super().__init__(
+            f"the store takes {quota}, and this robot would exceed that; delete robots (DELETE"
+            " /v1/robots/{id}), or send the robot in the body of a computation: that stores nothing"
+        )
+
+
+class StorageError(RuntimeError):
+    """The disk, not the robot, is at fault: nothing was changed, and reading goes on."""
+
+    pointer = ""
+
+
+class StorageFull(StorageError):
+    """No space left for a file."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "the disk of the service is full and the robot was not stored; what was stored before"
+            " is intact; delete robots, or have the operator make room, then repeat the request"
+        )
+
+
+class StorageUnavailable(StorageError):
+    """The directory of the uploads cannot be used now.
+
+    Attributes:
+        retry_after: Seconds after which another try may succeed.
+    """
+
+    retry_after: Final = 5.0
+
+    def __init__(self, fault: str) -> None:
+        super().__init__(
+            f"{fault}; shipped robots and robots in the body of a request work; repeat the request"
+            " later"
+        )
+
+
+def hint(name: str, valid: tuple[str, ...], total: int | None = None) -> str:
     """Names the closest valid names, or the first few."""
     close = difflib.get_close_matches(name[:64], valid, n=3)
     if close:
         return "did you mean " + " or ".join(close) + "?"
     shown = ", ".join(valid[:MAX_SHOWN])
-    more = f" and {len(valid) - MAX_SHOWN} more" if len(valid) > MAX_SHOWN else ""
+    count = len(valid) if total is None else total
+    more = f" and {count - MAX_SHOWN} more" if count > MAX_SHOWN else ""
     return f"known are {shown}{more}"

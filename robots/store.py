@@ -1,46 +1,59 @@
 """RobotStore: shipped robots, and uploaded ones as plain files that survive crashes.
 
-One JSON file a robot, with its own checksum. A write goes to a temporary file, is flushed to the
-disk and takes its final name in one step, so that a reader in any process sees the old robot or
-the new one, never a part. Writers of all processes take turns by a lock file; readers need none:
-they compare a file's identity with what they have in memory.
+One file a robot, with its own checksum. A write goes to a temporary file, is flushed to the disk
+and takes its final name in one step, so that a reader in any process sees the old robot or the new
+one, never a part. Writers of all processes take turns (:mod:`robots.storage.directory`); readers
+need none: they compare a file's identity with what they have in memory. A file that is damaged is
+never served: it is moved to quarantine, and its robot is refused until it is uploaded again or
+deleted.
 """
 
 from __future__ import annotations
 
-import fcntl
-import hashlib
-import json
 import os
-import re
-import tempfile
-import threading
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final, TypeVar
 
-from dh_to_urdf import DHTable, read_mapping
-from dh_to_urdf.documents.writing import table_to_mapping
 from robots.errors import (
+    DAMAGED,
     DamagedRobot,
     InvalidRobotId,
     ReadOnlyRobot,
     RevisionMismatch,
+    RobotError,
     RobotExists,
     RobotNotFound,
+    StorageError,
 )
-from robots.robot import Robot, robot_from_table, robot_from_urdf
+from robots.robot import Robot
 from robots.shipped import is_shipped, shipped_file, shipped_ids, shipped_robot
+from robots.storage.directory import RobotDirectory
+from robots.storage.durable import storage_errors
+from robots.storage.ledger import Quotas, Usage
+from robots.storage.memory import RobotMemory, weight_of
+from robots.storage.stored_file import (
+    FAULTS,
+    ROBOT_ID,
+    BrokenFile,
+    Signature,
+    UnusableFile,
+    decode,
+    encode,
+    read_file,
+    read_head,
+)
 
 ANY: Final = "*"
-ROBOT_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
-_FORMAT = 1
-_LEFTOVER_AGE = 600.0
-_Signature = tuple[int, int, int]
-_SHIPPED: _Signature = (0, 0, 0)
+T = TypeVar("T")
+_UNKNOWN: Final = "was found damaged"
+_NEAR: Final = 100
+"""Ids on either side of an unknown one among which the nearest names are sought."""
+_READERS_PATIENCE: Final = 1.0
+_STARTING_PATIENCE: Final = 2.0
 
 
 @dataclass(frozen=True)
@@ -76,60 +89,97 @@ class RobotSummary:
 class RobotStore:
     """Robots by id: the shipped library and a directory of uploads."""
 
-    def __init__(self, directory: Path) -> None:
+    def __init__(self, directory: Path, quotas: Quotas | None = None) -> None:
         """Opens a store, creating its directory where it is missing.
+
+        Clears what killed writers left behind. A directory that cannot be written to is no
+        hindrance: what can be read is served.
 
         Args:
             directory: Where uploads are kept; several processes may share it.
+            quotas: How much may be kept.
         """
-        self._files = directory / "robots"
-        self._files.mkdir(parents=True, exist_ok=True)
-        self._lock_file = directory / "robots.lock"
-        self._cache: dict[str, tuple[_Signature, StoredRobot]] = {}
-        self._summaries: dict[str, tuple[_Signature | None, RobotSummary]] = {}
-        self._cache_lock = threading.Lock()
-        self._sweep()
+        self._directory = RobotDirectory(directory, quotas or Quotas())
+        self._shipped: dict[str, StoredRobot] = {}
+        self._memory: RobotMemory[tuple[Signature, StoredRobot]] = RobotMemory()
+        self._summaries: dict[str, tuple[Signature, RobotSummary]] = {}
+        self._unusable: dict[str, int | None] = {}
+        self._merged: tuple[tuple[str, ...] | None, tuple[str, ...]] = (None, ())
+        with suppress(StorageError), self._directory.turn(_STARTING_PATIENCE) as turn:
+            turn.recover()
 
     def ids(self) -> tuple[str, ...]:
-        """Ids of all robots, sorted."""
-        uploaded = (path.stem for path in self._files.glob("*.json"))
-        return tuple(sorted({*shipped_ids(), *(i for i in uploaded if ROBOT_ID.fullmatch(i))}))
+        """Ids of all robots, sorted.
+
+        Raises:
+            StorageUnavailable: The directory cannot be read.
+        """
+        uploaded, merged = self._merged
+        current = self._directory.ids()
+        if current is not uploaded:
+            merged = tuple(sorted({*shipped_ids(), *current}))
+            self._merged = current, merged
+            if len(self._summaries) > 2 * len(current) + 1000:
+                self._summaries.clear()
+        return merged
+
+    def ids_after(self, robot_id: str, count: int) -> tuple[str, ...]:
+        """The first ``count`` ids after one, which need not exist.
+
+        Raises:
+            StorageUnavailable: The directory cannot be read.
+        """
+        ids = self.ids()
+        first = bisect_right(ids, robot_id)
+        return ids[first : first + count]
+
+    def usage(self) -> Usage:
+        """What the uploads take now.
+
+        Raises:
+            StorageError: The directory cannot be used.
+        """
+        with self._directory.turn() as turn:
+            return turn.usage
 
     def summary(self, robot_id: str) -> RobotSummary:
-        """What a list shows of a robot; a shipped one is not loaded for it.
+        """What a list shows of a robot, which is not built for it; the file's checksum is verified.
 
         Raises:
             RobotNotFound: No robot has this id.
-            DamagedRobot: The stored file fails its checksum.
+            DamagedRobot: The stored file cannot be served.
+            StorageUnavailable: The directory cannot be read.
         """
-        if is_shipped(robot_id):
+        if robot_id in shipped_ids():
             head = shipped_file(robot_id)
             return RobotSummary(robot_id, "urdf" if head.urdf else "dh", head.title, head.dof, True)
-        signature = self._signature(robot_id)
+        signature = self._directory.signature(robot_id)
         known = self._summaries.get(robot_id)
         if known is None or known[0] != signature:
-            stored = self.get(robot_id)
-            robot = stored.robot
-            summary = RobotSummary(robot_id, robot.kind, stored.title, robot.dof, False)
-            known = self._summaries[robot_id] = (signature, summary)
+            known = self._summaries[robot_id] = self._read(robot_id, self._summarised)
         return known[1]
 
     def in_memory(self, robot_id: str) -> StoredRobot | None:
-        """The robot if it is loaded and current; does not read the file's content."""
-        entry = self._cache.get(robot_id)
-        if entry is None:
+        """The robot if it is loaded and current; does not read the file's content.
+
+        Raises:
+            StorageUnavailable: The directory cannot be looked into.
+        """
+        shipped = self._shipped.get(robot_id)
+        if shipped is not None:
+            return shipped
+        entry = self._memory.get(robot_id)
+        if entry is None or self._directory.signature(robot_id) != entry[0]:
             return None
-        signature, stored = entry
-        if stored.shipped or self._signature(robot_id) == signature:
-            return stored
-        return None
+        return entry[1]
 
     def get(self, robot_id: str) -> StoredRobot:
         """Loads a robot.
 
         Raises:
             RobotNotFound: No robot has this id.
-            DamagedRobot: The stored file fails its checksum.
+            DamagedRobot: The stored file cannot be served.
+            StorageUnavailable: The directory cannot be read.
         """
         found = self.in_memory(robot_id)
         if found is not None:
@@ -137,17 +187,9 @@ class RobotStore:
         if is_shipped(robot_id):
             head = shipped_file(robot_id)
             stored = StoredRobot(robot_id, shipped_robot(robot_id), True, head.title, head.source)
-            signature = _SHIPPED
-        else:
-            found_signature = self._signature(robot_id)
-            loaded = self._load(robot_id) if found_signature else None
-            if found_signature is None or loaded is None:
-                raise RobotNotFound(robot_id, self.ids())
-            signature, stored = found_signature, loaded
-        with self._cache_lock:
-            while len(self._cache) >= 512:
-                self._cache.pop(next(iter(self._cache)))
-            self._cache[robot_id] = (signature, stored)
+            return self._shipped.setdefault(robot_id, stored)
+        stored = self._read(robot_id, self._load)
+        self._unusable.pop(robot_id, None)
         return stored
 
     def put(
@@ -174,85 +216,163 @@ class RobotStore:
             ReadOnlyRobot: The id belongs to the shipped library.
             RobotExists: ``create_only`` and the id is taken.
             RevisionMismatch: ``if_match`` does not hold.
+            QuotaReached: It would exceed a quota.
+            StorageError: The disk does not take it; what was stored before is intact.
         """
         if ROBOT_ID.fullmatch(robot_id) is None:
             raise InvalidRobotId(robot_id)
         if is_shipped(robot_id):
             raise ReadOnlyRobot(robot_id)
-        content = _encode(robot)
-        with self._exclusive():
-            current = self._revision(robot_id)
+        content = encode(robot)
+        self._warm(robot_id, if_match)
+        with self._directory.turn() as turn:
+            current = self._state(robot_id, if_match)
             if create_only and current is not None:
                 raise RobotExists(robot_id)
             _check_revision(robot_id, current, if_match)
-            _write_durably(self._path(robot_id), content)
+            turn.write(robot_id, content)
         return StoredRobot(robot_id, robot, False, robot.name), current is None
 
     def delete(self, robot_id: str, *, if_match: tuple[str, ...] = ()) -> None:
-        """Removes an uploaded robot.
+        """Removes an uploaded robot, and what was moved to quarantine from its id.
 
         Raises:
             ReadOnlyRobot: The robot is shipped.
             RobotNotFound: No robot has this id.
             RevisionMismatch: ``if_match`` does not hold.
+            StorageError: The directory cannot be written to.
         """
         if is_shipped(robot_id):
             raise ReadOnlyRobot(robot_id)
-        with self._exclusive():
-            current = self._revision(robot_id)
-            if current is None:
-                raise RobotNotFound(robot_id, self.ids())
-            _check_revision(robot_id, current, if_match)
-            self._path(robot_id).unlink(missing_ok=True)
-            _sync_directory(self._files)
-        with self._cache_lock:
-            self._cache.pop(robot_id, None)
-            self._summaries.pop(robot_id, None)
+        self._warm(robot_id, if_match)
+        with self._directory.turn() as turn:
+            current = self._state(robot_id, if_match)
+            if current is not None:
+                _check_revision(robot_id, current, if_match)
+                turn.remove(robot_id)
+        self._memory.forget(robot_id)
+        self._summaries.pop(robot_id, None)
+        if current is None:
+            raise self._not_found(robot_id)
 
-    def _sweep(self) -> None:
-        """Removes what writers left behind that were killed before their file took its name."""
-        for leftover in self._files.glob(".*.tmp"):
-            with suppress(FileNotFoundError):
-                if time.time() - leftover.stat().st_mtime > _LEFTOVER_AGE:
-                    leftover.unlink()
+    def check(self, stopped: Callable[[], bool] = lambda: False) -> None:
+        """Verifies the checksum of every upload, and remembers what a list shows of it.
 
-    def _path(self, robot_id: str) -> Path:
-        return self._files / f"{robot_id}.json"
+        Args:
+            stopped: Asked between robots; True ends the check.
+        """
+        with suppress(StorageError):
+            for robot_id in self._directory.ids():
+                if stopped():
+                    return
+                with suppress(RobotError):
+                    self.summary(robot_id)
 
-    def _signature(self, robot_id: str) -> _Signature | None:
-        if ROBOT_ID.fullmatch(robot_id) is None:
-            return None
-        try:
-            status = os.stat(self._path(robot_id))  # noqa: PTH116 - twice as fast on the hot path
-        except OSError:
-            return None
-        return status.st_ino, status.st_mtime_ns, status.st_size
+    def damaged(self) -> tuple[str, ...]:
+        """Ids of robots whose stored files were found damaged and not replaced since, sorted.
 
-    def _revision(self, robot_id: str) -> str | None:
-        """Revision on the disk; ``damaged`` for a file that cannot be served."""
-        try:
-            stored = self._load(robot_id)
-        except DamagedRobot:
-            return "damaged"
-        return stored.robot.revision if stored else None
+        Raises:
+            StorageUnavailable: The directory cannot be read.
+        """
+        with storage_errors():
+            moved = {file.robot_id for file in self._directory.quarantine.files()}
+        signature = self._directory.signature
+        left = {
+            robot_id
+            for robot_id, changed in tuple(self._unusable.items())
+            if changed is not None and self._changed(robot_id) == changed
+        }
+        return tuple(sorted(left | {i for i in moved if signature(i) is None}))
 
     def _load(self, robot_id: str) -> StoredRobot | None:
-        if ROBOT_ID.fullmatch(robot_id) is None:
+        found = read_file(self._directory.path(robot_id))
+        if found is None:
             return None
-        try:
-            content = self._path(robot_id).read_bytes()
-        except FileNotFoundError:
-            return None
-        except OSError:
-            raise DamagedRobot(robot_id) from None
-        robot = _decode(robot_id, content)
-        return StoredRobot(robot_id, robot, False, robot.name)
+        content, signature = found
+        robot = decode(content)
+        stored = StoredRobot(robot_id, robot, False, robot.name)
+        self._memory.keep(robot_id, (signature, stored), weight_of(robot))
+        return stored
 
-    @contextmanager
-    def _exclusive(self) -> Iterator[None]:
-        with self._lock_file.open("a") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
-            yield
+    def _summarised(self, robot_id: str) -> tuple[Signature, RobotSummary] | None:
+        found = read_file(self._directory.path(robot_id))
+        if found is None:
+            return None
+        content, signature = found
+        head = read_head(content)
+        if head is None:
+            robot = decode(content)
+            return signature, RobotSummary(robot_id, robot.kind, robot.name, robot.dof, False)
+        return signature, RobotSummary(robot_id, head.kind, head.title, head.dof, False)
+
+    def _read(self, robot_id: str, read: Callable[[str], T | None]) -> T:
+        """Reads a robot's file; what is no robot's goes to quarantine."""
+        if ROBOT_ID.fullmatch(robot_id) is None:
+            raise self._not_found(robot_id)
+        try:
+            try:
+                found = read(robot_id)
+            except BrokenFile as error:
+                found = self._set_aside(robot_id, read, FAULTS[error.reason])
+        except UnusableFile as error:
+            self._unusable[robot_id] = self._changed(robot_id)
+            raise DamagedRobot(robot_id, error.fault, moved=False) from None
+        if found is None:
+            moved = self._directory.quarantine.of(robot_id)
+            if moved:
+                raise DamagedRobot(robot_id, FAULTS.get(moved[-1].reason, _UNKNOWN), moved=True)
+            raise self._not_found(robot_id)
+        return found
+
+    def _set_aside(self, robot_id: str, read: Callable[[str], T | None], fault: str) -> T | None:
+        """Moves a broken file to quarantine, unless another process was first or replaced it."""
+        try:
+            with self._directory.turn(_READERS_PATIENCE) as turn:
+                try:
+                    return read(robot_id)
+                except BrokenFile as error:
+                    turn.set_aside(robot_id, error.reason)
+        except StorageError:
+            raise UnusableFile(fault) from None
+        return None
+
+    def _changed(self, robot_id: str) -> int | None:
+        """When anything about a file changed, its permissions included."""
+        try:
+            return os.lstat(self._directory.path(robot_id)).st_ctime_ns
+        except OSError:
+            return None
+
+    def _warm(self, robot_id: str, if_match: tuple[str, ...]) -> None:
+        """Loads the robot whose revision is asked for, so that others need not wait for that."""
+        if _names_a_revision(if_match):
+            with suppress(BrokenFile, UnusableFile):
+                self._current(robot_id)
+
+    def _current(self, robot_id: str) -> StoredRobot | None:
+        return self.in_memory(robot_id) or self._load(robot_id)
+
+    def _state(self, robot_id: str, if_match: tuple[str, ...]) -> str | None:
+        """What is stored now: a revision, where ``if_match`` asks for one; None for nothing."""
+        if self._directory.signature(robot_id) is None:
+            return DAMAGED if self._directory.quarantine.of(robot_id) else None
+        if not _names_a_revision(if_match):
+            return ANY
+        try:
+            stored = self._current(robot_id)
+        except (BrokenFile, UnusableFile):
+            return DAMAGED
+        return stored.robot.revision if stored else None
+
+    def _not_found(self, robot_id: str) -> RobotNotFound:
+        ids = self.ids()
+        place = bisect_left(ids, robot_id)
+        near = ids[max(0, place - _NEAR) : place + _NEAR]
+        return RobotNotFound(robot_id, sorted({*near, *shipped_ids()}), len(ids))
+
+
+def _names_a_revision(if_match: tuple[str, ...]) -> bool:
+    return bool(if_match) and ANY not in if_match
 
 
 def _check_revision(robot_id: str, current: str | None, if_match: tuple[str, ...]) -> None:
@@ -260,63 +380,3 @@ def _check_revision(robot_id: str, current: str | None, if_match: tuple[str, ...
         return
     if current not in if_match:
         raise RevisionMismatch(robot_id, current)
-
-
-def _encode(robot: Robot) -> bytes:
-    document: dict[str, Any] = {"format": _FORMAT, "kind": robot.kind}
-    if robot.table is not None:
-        document["table"] = table_to_mapping(robot.table)
-        document["warnings"] = list(robot.warnings)
-    else:
-        document.update(urdf=robot.urdf, base=robot.base_frame, tip=robot.tip_frame)
-        document["warnings"] = list(robot.warnings)
-    body = json.dumps(document, ensure_ascii=False).encode()
-    return hashlib.sha256(body).hexdigest().encode() + b"\n" + body
-
-
-def _decode(robot_id: str, content: bytes) -> Robot:
-    checksum, _, body = content.partition(b"\n")
-    if hashlib.sha256(body).hexdigest().encode() != checksum:
-        raise DamagedRobot(robot_id)
-    try:
-        return _robot_of(json.loads(body))
-    except (LookupError, TypeError, ValueError):
-        raise DamagedRobot(robot_id) from None
-
-
-def _robot_of(document: dict[str, Any]) -> Robot:
-    if document["kind"] == "dh":
-        table = read_mapping(document["table"])
-        warnings = tuple(document["warnings"])
-        return robot_from_table(
-            DHTable(table.name, table.convention, table.rows, table.base, table.tool, warnings)
-        )
-    return robot_from_urdf(
-        document["urdf"],
-        base=document["base"],
-        tip=document["tip"],
-        warnings=tuple(document["warnings"]),
-    )
-
-
-def _write_durably(path: Path, content: bytes) -> None:
-    """Temporary file, flush to the disk, rename, flush of the directory."""
-    descriptor, temporary = tempfile.mkstemp(prefix=".", suffix=".tmp", dir=path.parent)
-    try:
-        with os.fdopen(descriptor, "wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
-    _sync_directory(path.parent)
-
-
-def _sync_directory(directory: Path) -> None:
-    descriptor = os.open(directory, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -10,14 +10,22 @@ from fastapi import APIRouter, Request, Response
 from app.dependencies import ServicesDep
 from app.problems import ALL_TYPES, ProblemType, RequestProblem
 from app.wire import JSON, TEXT, respond, wanted_type
+from robots.errors import StorageUnavailable
 
 router = APIRouter()
+MAX_NAMED = 100
 
 
 class Health(msgspec.Struct, kw_only=True):
-    """State of the service."""
+    """State of the service.
+
+    ``damaged`` names uploaded robots whose files cannot be served, until they are uploaded again
+    or deleted; the service works all the same.
+    """
 
     status: str
+    damaged: list[str]
+    damaged_count: int
 
 
 @router.get("/health/live", tags=["health"], summary="Is the process alive?")
@@ -28,11 +36,18 @@ async def live() -> Response:
 
 @router.get("/health/ready", tags=["health"], summary="Can it do its work?")
 async def ready(services: ServicesDep) -> Response:
-    """Loads a shipped robot and checks that uploads can be written."""
+    """Loads a shipped robot, checks that uploads can be written, and names the damaged ones."""
     await services.robot("planar_2r")
+    try:
+        damaged = await services.loaded(services.store.damaged)
+    except StorageUnavailable as error:
+        return respond({"status": str(error), "damaged": [], "damaged_count": 0}, status=503)
     writable = os.access(services.settings.data_dir, os.W_OK)
     state = "ready" if writable else "data directory is not writable"
-    return respond({"status": state}, status=200 if writable else 503)
+    return respond(
+        {"status": state, "damaged": damaged[:MAX_NAMED], "damaged_count": len(damaged)},
+        status=200 if writable else 503,
+    )
 
 
 @router.get("/", include_in_schema=False)

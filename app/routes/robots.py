@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from typing import Annotated, Any
 
 import msgspec
@@ -226,13 +227,12 @@ def build_router(max_body: int) -> APIRouter:
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
         name = request.query_params.get("name")
 
-        def create() -> StoredRobot:
-            robot = robot_from_body(request, body, default_name=None)
-            robot_id = id_from_name(name or robot.name)
-            stored, _ = services.store.put(robot_id, robot, create_only=True)
-            return stored
-
-        return _created(request, await services.loaded(create), wanted)
+        robot = await services.loaded(lambda: robot_from_body(request, body, default_name=None))
+        robot_id = id_from_name(name or robot.name)
+        stored, _ = await services.stored(
+            lambda: services.store.put(robot_id, robot, create_only=True)
+        )
+        return _created(request, stored, wanted)
 
     @router.get("/{robot_id}", summary="Read a robot", responses=view)
     async def read_robot(request: Request, stored: RobotDep) -> Response:
@@ -252,9 +252,12 @@ def build_router(max_body: int) -> APIRouter:
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
         replace = request.headers.get("if-none-match", "").strip() != "*"
 
-        def put() -> tuple[StoredRobot, bool]:
+        def read() -> Robot:
             robot = robot_from_body(request, body, default_name=robot_id)
             _check_name(request, robot, robot_id)
+            return robot
+
+        def put() -> tuple[StoredRobot, bool]:
             try:
                 return services.store.put(
                     robot_id, robot, create_only=not replace, if_match=_if_match(request)
@@ -262,7 +265,8 @@ def build_router(max_body: int) -> APIRouter:
             except RobotExists:
                 raise RevisionMismatch(robot_id, "another") from None
 
-        stored, created = await services.loaded(put)
+        robot = await services.loaded(read)
+        stored, created = await services.stored(put)
         if created:
             return _created(request, stored, wanted)
         headers = {"ETag": etag(stored.robot)}
@@ -274,7 +278,7 @@ def build_router(max_body: int) -> APIRouter:
     ) -> Response:
         check_query(request)
         if_match = _if_match(request)
-        await services.loaded(lambda: services.store.delete(robot_id, if_match=if_match))
+        await services.stored(lambda: services.store.delete(robot_id, if_match=if_match))
         return Response(status_code=204)
 
     @router.get("/{robot_id}/urdf", summary="The URDF of a robot", response_class=Response,
@@ -291,14 +295,13 @@ def build_router(max_body: int) -> APIRouter:
 
 
 def _page(services: Any, page_size: int, page_token: str, wanted: str) -> Response:
-    later = [robot_id for robot_id in services.store.ids() if robot_id > page_token]
+    later = services.store.ids_after(page_token, page_size + 1)
     lines = []
     for robot_id in later[:page_size]:
-        try:
+        # Deleted a moment ago, or damaged: then /health/ready names it.
+        with suppress(RobotError):
             line = services.store.summary(robot_id)
-        except RobotError:
-            continue
-        lines.append({name: getattr(line, name) for name in RobotLine.__struct_fields__})
+            lines.append({name: getattr(line, name) for name in RobotLine.__struct_fields__})
     token = later[page_size - 1] if len(later) > page_size else None
     return respond({"robots": lines, "next_page_token": token}, wanted)
 

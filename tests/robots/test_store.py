@@ -16,6 +16,7 @@ from robots.errors import (
     RevisionMismatch,
     RobotExists,
     RobotNotFound,
+    StorageFull,
 )
 from robots.robot import robot_from_urdf
 from robots.shipped import shipped_ids
@@ -277,14 +278,17 @@ def test_a_file_with_any_byte_changed_is_never_served_and_put_heals_it(tmp_path,
         damaged = bytearray(sound)
         damaged[rng.randrange(len(sound))] ^= 1 << rng.randrange(8)
         path.write_bytes(damaged)
-        with pytest.raises(DamagedRobot, match="upload the robot again"):
-            RobotStore(tmp_path).get("probe")
+        for _ in range(2):
+            with pytest.raises(DamagedRobot, match="moved to quarantine; upload the robot again"):
+                RobotStore(tmp_path).get("probe")
     with pytest.raises(DamagedRobot):
         store.get("probe")
-    assert "probe" in store.ids()
+    assert "probe" not in store.ids()
+    assert store.damaged() == ("probe",)
     store.put("probe", robot)
     assert path.read_bytes() == sound
     assert store.get("probe").robot.revision == robot.revision
+    assert store.damaged() == ()
 
 
 @pytest.mark.parametrize("content", [b"", b"\n", b"{}", b"\x00" * 500, b"x" * 64 + b"\n{}"])
@@ -294,8 +298,12 @@ def test_a_file_of_something_else_is_damaged(tmp_path, store, content):
         store.get("probe")
     with pytest.raises(DamagedRobot):
         store.summary("probe")
+    assert [path.read_bytes() for path in (tmp_path / "quarantine").iterdir()] == [content]
     store.delete("probe")
-    assert "probe" not in store.ids()
+    assert store.damaged() == ()
+    assert not list((tmp_path / "quarantine").iterdir())
+    with pytest.raises(RobotNotFound):
+        store.get("probe")
 
 
 DOCUMENTS = [
@@ -311,10 +319,13 @@ DOCUMENTS = [
 def test_a_sound_file_that_holds_no_robot_is_damaged_too(tmp_path, store, make_robot, body):
     checksum = hashlib.sha256(body).hexdigest().encode()
     file_of(tmp_path, "probe").write_bytes(checksum + b"\n" + body)
-    with pytest.raises(DamagedRobot):
+    with pytest.raises(DamagedRobot, match="this version of the service refuses; upload"):
         store.get("probe")
+    assert file_of(tmp_path, "probe").exists()
+    assert store.damaged() == ("probe",)
     store.put("probe", make_robot())
     assert store.get("probe").robot.dof == 3
+    assert store.damaged() == ()
 
 
 def test_a_truncated_file_is_damaged(tmp_path, store, make_robot):
@@ -327,24 +338,31 @@ def test_a_truncated_file_is_damaged(tmp_path, store, make_robot):
 
 def test_a_damaged_robot_has_no_revision_to_match(tmp_path, store, make_robot):
     file_of(tmp_path, "probe").write_bytes(b"")
-    with pytest.raises(RobotExists):
-        store.put("probe", make_robot(), create_only=True)
-    with pytest.raises(RevisionMismatch):
-        store.put("probe", make_robot(), if_match=(make_robot().revision,))
+    for _ in ("in its place", "in quarantine"):
+        with pytest.raises(RobotExists):
+            store.put("probe", make_robot(), create_only=True)
+        with pytest.raises(RevisionMismatch, match="is damaged; upload it without If-Match"):
+            store.put("probe", make_robot(), if_match=(make_robot().revision,))
+        with pytest.raises(RevisionMismatch):
+            store.delete("probe", if_match=(make_robot().revision,))
+        with pytest.raises(DamagedRobot):
+            store.get("probe")
     store.put("probe", make_robot(), if_match=(ANY,))
     assert store.get("probe").robot.dof == 3
 
 
-def test_leftovers_of_killed_writers_are_swept_when_they_are_old(tmp_path, store, make_robot):
+def test_what_killed_writers_left_behind_is_removed_at_the_start_and_by_the_next_writer(
+    tmp_path, store, make_robot
+):
     store.put("probe", make_robot())
-    old, young = (tmp_path / "robots" / name for name in (".old.tmp", ".young.tmp"))
-    for leftover in (old, young):
-        leftover.write_text("half a robo")
-    hour_ago = time.time() - 3600
-    os.utime(old, (hour_ago, hour_ago))
-    os.utime(file_of(tmp_path, "probe"), (hour_ago, hour_ago))
+    leftover = tmp_path / "robots" / ".probe.tmp"
+    leftover.write_text("half a robo")
     assert RobotStore(tmp_path).ids() == tuple(sorted(("probe", *shipped_ids())))
-    assert (old.exists(), young.exists()) == (False, True)
+    assert not leftover.exists()
+    leftover.write_text("half a robo")
+    store.put("probe", make_robot(2))
+    assert not leftover.exists()
+    assert store.get("probe").robot.revision == make_robot(2).revision
 
 
 def test_a_failed_write_leaves_the_old_robot_and_no_file_behind(
@@ -356,7 +374,7 @@ def test_a_failed_write_leaves_the_old_robot_and_no_file_behind(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", no_space_left)
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(StorageFull, match="what was stored before is intact"):
         store.put("probe", make_robot(2))
     assert [path.name for path in (tmp_path / "robots").iterdir()] == ["probe.json"]
     assert RobotStore(tmp_path).get("probe").robot.revision == make_robot(1).revision

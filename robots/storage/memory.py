@@ -1,0 +1,58 @@
+"""RobotMemory: loaded robots by id, the last used ones, within a bound on their weight."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from typing import Generic, TypeVar
+
+from robots.robot import Robot
+
+Entry = TypeVar("Entry")
+MAX_WEIGHT = 20_000.0
+
+
+def weight_of(robot: Robot) -> float:
+    """What a robot costs: its working memories grow with dof², its texts with their length."""
+    return 20.0 + robot.dof**2 + len(robot.urdf) / 1000.0
+
+
+class RobotMemory(Generic[Entry]):
+    """Entries by id; the one that was not used for longest goes first. Safe between threads."""
+
+    def __init__(self, max_weight: float = MAX_WEIGHT) -> None:
+        self._max_weight = max_weight
+        self._entries: OrderedDict[str, tuple[float, Entry]] = OrderedDict()
+        self._weight = 0.0
+        self._lock = threading.Lock()
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def get(self, robot_id: str) -> Entry | None:
+        """The entry, which is then the last one to go."""
+        with self._lock:
+            found = self._entries.get(robot_id)
+            if found is None:
+                return None
+            self._entries.move_to_end(robot_id)
+            return found[1]
+
+    def keep(self, robot_id: str, entry: Entry, weight: float) -> None:
+        """Remembers an entry, and forgets others where the bound asks for it."""
+        with self._lock:
+            self._drop(robot_id)
+            self._entries[robot_id] = (weight, entry)
+            self._weight += weight
+            while self._weight > self._max_weight and len(self._entries) > 1:
+                self._drop(next(iter(self._entries)))
+
+    def forget(self, robot_id: str) -> None:
+        """Drops an entry where there is one."""
+        with self._lock:
+            self._drop(robot_id)
+
+    def _drop(self, robot_id: str) -> None:
+        dropped = self._entries.pop(robot_id, None)
+        if dropped is not None:
+            self._weight -= dropped[0]

@@ -1,0 +1,203 @@
+"""The file of an uploaded robot: three lines, and what can be wrong with them.
+
+The first line is the SHA-256 of the rest, the second what a list shows (JSON), the third the robot
+(JSON). Files of format 1 had the robot in the second line.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import json
+import os
+import re
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from dh_to_urdf import DHTable, read_mapping
+from dh_to_urdf.documents.writing import table_to_mapping
+from robots.errors import RobotTooLarge, StorageUnavailable
+from robots.robot import Robot, robot_from_table, robot_from_urdf
+
+ROBOT_ID: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
+SUFFIX: Final = ".json"
+FORMAT: Final = 2
+MAX_FILE_BYTES: Final = 64_000_000
+"""No robot that passes the checks on uploads comes near it."""
+
+Signature = tuple[int, int, int]
+"""Inode, time of the last change in ns, size: another one, another file."""
+
+_SHORT_OF = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EAGAIN, errno.ESTALE, errno.EINTR)
+
+
+class BrokenFile(Exception):
+    """A file that is no robot's and never will be: to be moved aside.
+
+    Attributes:
+        reason: One word.
+    """
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)
+        self.reason = reason
+
+
+class UnusableFile(Exception):
+    """A file that may be right, but cannot be used now: to be left where it is.
+
+    Attributes:
+        fault: What is wrong, as the predicate of a sentence.
+    """
+
+    def __init__(self, fault: str) -> None:
+        super().__init__(fault)
+        self.fault = fault
+
+
+FAULTS: Final = {
+    "empty": "was found empty",
+    "checksum": "was found damaged (it fails its checksum)",
+    "foreign": "was found to be something else than a file",
+    "size": "was found damaged (it is larger than any robot)",
+    "content": "was found damaged (it holds no robot)",
+}
+"""What each reason of a :class:`BrokenFile` says."""
+
+
+@dataclass(frozen=True, slots=True)
+class FileHead:
+    """What a list shows, without the robot."""
+
+    kind: str
+    title: str
+    dof: int
+
+
+def encode(robot: Robot) -> bytes:
+    """The file of a robot.
+
+    Raises:
+        RobotTooLarge: The file would be larger than any that is read.
+    """
+    head = {"format": FORMAT, "kind": robot.kind, "title": robot.name, "dof": robot.dof}
+    document: dict[str, Any] = {"kind": robot.kind, "warnings": list(robot.warnings)}
+    if robot.table is not None:
+        document["table"] = table_to_mapping(robot.table)
+    else:
+        document.update(urdf=robot.urdf, base=robot.base_frame, tip=robot.tip_frame)
+    body = b"\n".join(json.dumps(part, ensure_ascii=False).encode() for part in (head, document))
+    content = hashlib.sha256(body).hexdigest().encode() + b"\n" + body
+    if len(content) > MAX_FILE_BYTES:
+        raise RobotTooLarge(f"the robot takes {len(content)} bytes; at most {MAX_FILE_BYTES}")
+    return content
+
+
+def read_file(path: Path) -> tuple[bytes, Signature] | None:
+    """Content and identity of a regular file; None where there is none.
+
+    Whatever lies there (a pipe, a device, a link, something huge) is neither followed nor waited
+    for.
+
+    Raises:
+        BrokenFile: It is no file that a robot can be in.
+        UnusableFile: The system does not let it be read.
+        StorageUnavailable: The process or the machine is short of something; the file may be right.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except OSError as error:
+        raise _unread(path, error) from None
+    try:
+        status = os.fstat(descriptor)
+        if not stat.S_ISREG(status.st_mode):
+            raise BrokenFile("foreign")
+        if status.st_size > MAX_FILE_BYTES:
+            raise BrokenFile("size")
+        with os.fdopen(descriptor, "rb", closefd=False) as stream:
+            content = stream.read(MAX_FILE_BYTES + 1)
+    except OSError as error:
+        raise _unread(path, error) from None
+    finally:
+        os.close(descriptor)
+    return content, signature_of(status)
+
+
+def signature_of(status: os.stat_result) -> Signature:
+    """The identity of a file's content."""
+    return status.st_ino, status.st_mtime_ns, status.st_size
+
+
+def read_head(content: bytes) -> FileHead | None:
+    """What a list shows; None for a file of format 1, which does not say it.
+
+    Raises:
+        BrokenFile: It fails its checksum.
+        UnusableFile: It is of a later version.
+    """
+    head, body = _parts(content)
+    return None if body is None else _head(head)
+
+
+def decode(content: bytes) -> Robot:
+    """The robot of a file.
+
+    Raises:
+        BrokenFile: It fails its checksum.
+        UnusableFile: It is of a later version, or this version does not accept the robot.
+    """
+    head, body = _parts(content)
+    if body is not None:
+        _head(head)
+    try:
+        return _robot_of(json.loads(head if body is None else body))
+    except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
+        raise UnusableFile("holds a robot that this version of the service refuses") from None
+
+
+def _unread(path: Path, error: OSError) -> Exception:
+    if error.errno in _SHORT_OF or not os.access(path.parent, os.X_OK):
+        return StorageUnavailable("the stored robots cannot be read now")
+    if error.errno in (errno.ELOOP, errno.ENXIO, errno.EISDIR, errno.ENODEV):
+        return BrokenFile("foreign")
+    return UnusableFile("cannot be read")
+
+
+def _parts(content: bytes) -> tuple[bytes, bytes | None]:
+    if not content:
+        raise BrokenFile("empty")
+    checksum, _, rest = content.partition(b"\n")
+    if hashlib.sha256(rest).hexdigest().encode() != checksum:
+        raise BrokenFile("checksum")
+    head, separator, body = rest.partition(b"\n")
+    return head, body if separator else None
+
+
+def _head(line: bytes) -> FileHead:
+    try:
+        head = json.loads(line)
+        if head["format"] != FORMAT:
+            raise UnusableFile("was written by another version of the service")
+        return FileHead(str(head["kind"]), str(head["title"]), int(head["dof"]))
+    except (LookupError, RecursionError, TypeError, ValueError):
+        raise BrokenFile("content") from None
+
+
+def _robot_of(document: Any) -> Robot:
+    if not isinstance(document, dict):
+        raise TypeError("a robot is an object")
+    if document.get("format", 1) != 1:
+        raise UnusableFile("was written by another version of the service")
+    warnings = tuple(document["warnings"])
+    if document["kind"] == "dh":
+        table = read_mapping(document["table"])
+        return robot_from_table(
+            DHTable(table.name, table.convention, table.rows, table.base, table.tool, warnings)
+        )
+    return robot_from_urdf(
+        document["urdf"], base=document["base"], tip=document["tip"], warnings=warnings
+    )
