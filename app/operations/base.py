@@ -11,8 +11,9 @@ import numpy as np
 
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
+from app.strict_json import PIECE, OddRow, decode_json, decode_numbers, decode_rows
 from app.units import Units
-from app.wire import CSV, JSON, NDJSON, NPY, SVG, TEXT, decode_json, decode_rows
+from app.wire import CSV, JSON, NDJSON, NPY, SVG, TEXT
 from dh_to_urdf.errors import escaped, quoted
 from kinematics.configuration import configuration, configuration_by_name
 from kinematics.jacobian import ReferenceFrame
@@ -171,7 +172,7 @@ def is_light(robot: Robot, request: Any) -> bool:
     raw = request.q
     if isinstance(raw, np.ndarray):
         return raw.ndim == 1 and robot.dof <= LIGHT_DOF
-    batch = bytes(raw)[1:64].lstrip()[:1] == b"["
+    batch = memoryview(raw)[1:64].tobytes().lstrip()[:1] == b"["
     return not batch and robot.dof <= LIGHT_DOF and len(robot.frames) <= LIGHT_FRAMES
 
 
@@ -204,7 +205,8 @@ def read_configuration(
         RequestProblem: Not numbers, or more configurations than one request may hold.
         WrongConfiguration: It does not fit the robot.
     """
-    q = raw if isinstance(raw, np.ndarray) else _from_json(raw, robot, pointer)
+    most = context.settings.max_batch
+    q = raw if isinstance(raw, np.ndarray) else _from_json(raw, robot, pointer, most)
     q = configuration(robot, q, pointer)
     if q.ndim == 2 and not 1 <= len(q) <= context.settings.max_batch:
         raise RequestProblem(
@@ -249,33 +251,35 @@ def read_reference_frame(name: str | None) -> ReferenceFrame:
     return ReferenceFrame(name)
 
 
-def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str) -> Any:
+def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str, most: int) -> Any:
     text = bytes(raw)
+    name = pointer.rsplit("/", 1)[-1]
     if text[:1] == b"{":
+        if len(text) > PIECE:
+            raise RequestProblem(
+                INVALID_REQUEST, f"{name} has {len(text)} bytes; name each joint once", pointer
+            )
         values = decode_json(text, dict[str, Any], pointer)
-        for name, value in values.items():
+        for joint, value in values.items():
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 raise RequestProblem(
                     INVALID_REQUEST,
-                    f"{pointer.rsplit('/', 1)[-1]} of joint {name[:64]} is {quoted(value)}; give a"
-                    " number",
-                    f"{pointer}/{escaped(name)}",
+                    f"{name} of joint {joint[:64]} is {quoted(value)}; give a number",
+                    f"{pointer}/{escaped(joint)}",
                 )
         return configuration_by_name(robot, values, pointer)
     if text[:1] != b"[":
         raise RequestProblem(
             INVALID_REQUEST,
-            f"{pointer.rsplit('/', 1)[-1]} is {text[:32].decode(errors='replace')}; give a list of"
-            " numbers, one a joint",
+            f"{name} is {text[:32].decode(errors='replace')}; give a list of numbers, one a joint",
             pointer,
         )
     if text[1:64].lstrip()[:1] == b"[":
-        rows = decode_rows(text, pointer)
-        for index, row in enumerate(rows if isinstance(rows, list) else rows[:1]):
-            if len(row) != robot.dof:
-                return configuration(robot, row, f"{pointer}/{index}")
-        return rows
-    return decode_json(text, list[float], pointer)
+        try:
+            return decode_rows(text, pointer, robot.dof, most)
+        except OddRow as odd:
+            return configuration(robot, odd.row, f"{pointer}/{odd.index}")
+    return decode_numbers(text, pointer)
 
 
 UNITS_SCHEMA = Annotated[
