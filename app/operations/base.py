@@ -9,6 +9,7 @@ from typing import Annotated, Any, TypeAlias
 import msgspec
 import numpy as np
 
+from app.operations.schema import TASK, one_of
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
 from app.strict_json import PIECE, OddRow, decode_json, decode_numbers, decode_rows
@@ -40,6 +41,13 @@ SingleConfiguration = Annotated[
         extra_json_schema={"anyOf": [_ONE_Q, _BY_NAME]},
     ),
 ]
+OptionalConfiguration = Annotated[
+    msgspec.Raw,
+    msgspec.Meta(
+        description="One q, as a list or an object {joint name: value}; may be left out.",
+        extra_json_schema={"anyOf": [_ONE_Q, _BY_NAME, {"type": "null"}]},
+    ),
+]
 TaskField = Annotated[
     str | list[int],
     msgspec.Meta(
@@ -47,6 +55,7 @@ TaskField = Annotated[
         " (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx,"
         " wy, wz.",
     ),
+    TASK,
 ]
 FrameField = Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")]
 ReferenceFrameField = Annotated[
@@ -56,10 +65,14 @@ ReferenceFrameField = Annotated[
         " the body point at the base's origin, in base axes. local: at the frame's origin, in the"
         " frame's own axes."
     ),
+    one_of(ReferenceFrame, null=True),
 ]
 RankToleranceField = Annotated[
     float,
-    msgspec.Meta(description="Singular values below tolerance * max(1, largest) count as zero."),
+    msgspec.Meta(
+        description="Singular values below tolerance * max(1, largest) count as zero.",
+        extra_json_schema={"minimum": 0, "exclusiveMaximum": 1},
+    ),
 ]
 Numbers: TypeAlias = list[Any]
 """In answers: nested lists of numbers, with a leading axis n for batches."""

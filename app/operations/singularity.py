@@ -21,6 +21,7 @@ from app.operations.base import (
     check_size,
     read_configuration,
 )
+from app.operations.schema import within
 from kinematics.chain import chain_of
 from kinematics.configuration import joint_names
 from kinematics.dexterity import characteristic_length, dexterity
@@ -47,6 +48,7 @@ class SingularityRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=Tru
             description="Length by which linear rows are divided in `dexterity`, m; default the"
             " root mean square distance of the frame from the turning axes over all postures."
         ),
+        within(1e-6, 1e6),
     ] = None
 
 
