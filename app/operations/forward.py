@@ -99,7 +99,7 @@ def _frames(robot: Robot, asked: list[str] | str | None) -> Sequence[str]:
         raise RequestProblem(
             INVALID_REQUEST, 'frames is empty; name frames, give "all" or leave it out', "/frames"
         )
-    return [asked] if isinstance(asked, str) else asked
+    return [asked] if isinstance(asked, str) else list(dict.fromkeys(asked))
 
 
 def _run(robot: Robot, request: FKRequest, context: Context) -> Answer:

@@ -65,6 +65,12 @@ class Client:
     def _fresh(self) -> RawConnection:
         return RawConnection("127.0.0.1", self.port, timeout=HANG)
 
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.connection.close()
+
     def send(self, sent: Sent) -> Received:
         """The answer.
 

@@ -14,7 +14,7 @@ from tests.torture.exchange import Received, Sent
 MAX_PROBLEM_BYTES = 4096
 MAX_ERRORS = 10
 HANG = 5.0
-QUEUE = 12.0
+QUEUE = 20.0
 """Symbolic work waits for one process, which imports its library at first."""
 DELIBERATE = {501, 503}
 """Without an optional package, or without room: named, not failures."""

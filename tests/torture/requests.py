@@ -19,7 +19,7 @@ from pathlib import Path
 from random import Random
 
 from tests.conftest import running_server
-from tests.torture.exchange import Client, Sent
+from tests.torture.exchange import Client, Received, Sent
 from tests.torture.mutations import mutated
 from tests.torture.oracle import faults
 from tests.torture.seeds import document_of, seeds
@@ -41,12 +41,29 @@ class Report:
 
     count: int = 0
     statuses: Counter[int] = field(default_factory=Counter)
-    changes: Counter[str] = field(default_factory=Counter)
     failures: list[str] = field(default_factory=list)
     slowest: tuple[float, str] = (0.0, "")
     health: list[float] = field(default_factory=list)
     megabytes: list[float] = field(default_factory=list)
     seconds: float = 0.0
+
+    def add(
+        self, number: int, sent: Sent, got: Received | None, wrong: list[str], lock: threading.Lock
+    ) -> None:
+        """Counts one case; tells what is wrong with it so that it can be repeated."""
+        status, seconds, body = (
+            (0, 0.0, b"") if got is None else (got.status, got.seconds, got.body)
+        )
+        with lock:
+            self.count += 1
+            self.statuses[status] += 1
+            if seconds > self.slowest[0]:
+                self.slowest = (seconds, f"{number}: {sent.method} {sent.target[:80]}")
+            if wrong:
+                self.failures.append(
+                    f"{number} [{sent.what}]: {'; '.join(wrong)}\n  {sent.shown()}\n"
+                    f"  -> {status} {body[:500]!r}"
+                )
 
     def text(self) -> str:
         health = sorted(self.health) or [0.0]
@@ -79,44 +96,27 @@ def campaign(
     done, started = threading.Event(), time.monotonic()
 
     def attack(offset: int) -> None:
-        client = Client(port)
-        for number in range(first + offset, first + count, CLIENTS):
-            if minutes and time.monotonic() - started > 60 * minutes:
-                return
-            try:
-                sent = case(pool, seed, number)
-            except Exception as error:  # a fault of this campaign, told as one
-                with lock:
+        with Client(port) as client:
+            for number in range(first + offset, first + count, CLIENTS):
+                if minutes and time.monotonic() - started > 60 * minutes:
+                    return
+                try:
+                    sent = case(pool, seed, number)
+                except Exception as error:  # a fault of this campaign, told as one
                     report.failures.append(f"{number}: no such case: {error!r}")
-                continue
-            try:
-                got = client.send(sent)
-                wrong, status, seconds = faults(sent, got), got.status, got.seconds
-                shown = got.body[:500]
-            except (OSError, http.client.HTTPException) as error:
-                wrong, status, seconds, shown = [f"no answer: {error!r}"], 0, 0.0, b""
-            with lock:
-                report.count += 1
-                report.statuses[status] += 1
-                if seconds > report.slowest[0]:
-                    report.slowest = (seconds, f"{number}: {sent.method} {sent.target[:80]}")
-                if wrong:
-                    report.failures.append(
-                        f"{number} [{sent.what}]: {'; '.join(wrong)}\n  {sent.shown()}\n"
-                        f"  -> {status} {shown!r}"
-                    )
+                    continue
+                report.add(number, sent, *answered(client, sent), lock)
 
     def watch() -> None:
-        client, ask = Client(port), Sent("GET", "/health/live")
-        while not done.wait(0.05):
-            try:
-                got = client.send(ask)
-                report.health.append(got.seconds)
-                if got.status != 200:
-                    report.failures.append(f"/health/live answered {got.status}")
-            except (OSError, http.client.HTTPException) as error:
-                report.failures.append(f"/health/live did not answer: {error!r}")
-            report.megabytes.append(max(map(megabytes, workers), default=0.0))
+        ask = Sent("GET", "/health/live")
+        with Client(port) as client:
+            while not done.wait(0.05):
+                got, wrong = answered(client, ask)
+                if got is not None:
+                    report.health.append(got.seconds)
+                if wrong or got is None or got.status != 200:
+                    report.failures.append(f"/health/live: {wrong} {got}")
+                report.megabytes.append(max(map(megabytes, workers), default=0.0))
 
     threads = [threading.Thread(target=attack, args=(k,)) for k in range(CLIENTS)]
     watcher = threading.Thread(target=watch)
@@ -132,6 +132,15 @@ def campaign(
     if max(report.megabytes) > MAX_MEGABYTES:
         report.failures.append(f"a worker took {max(report.megabytes):.0f} MB")
     return report
+
+
+def answered(client: Client, sent: Sent) -> tuple[Received | None, list[str]]:
+    """What came back, and what is wrong with it."""
+    try:
+        got = client.send(sent)
+    except (OSError, http.client.HTTPException) as error:
+        return None, [f"no answer: {error!r}"]
+    return got, faults(sent, got)
 
 
 def workers_of(pid: int) -> list[int]:
