@@ -363,14 +363,10 @@ def test_head_is_get_without_a_body_on_every_route(client):
     paths = [path for path, item in document["paths"].items() if "get" in item]
     for path in (*paths, "/", "/docs", "/openapi.json", "/problems/invalid-q"):
         parameters = document["paths"].get(path, {}).get("get", {}).get("parameters", [])
-        query = {
-            p["name"]: p["example"] for p in parameters if "example" in p and p["in"] == "query"
-        }
-        robot = next(
-            (p["example"] for p in parameters if p["in"] == "path" and "example" in p), "ur5"
-        )
+        examples = {p["name"]: p["example"] for p in parameters if "example" in p}
+        robot = examples.pop("robot_id", "ur5")
         url = path.replace("{robot_id}", robot)
-        head, get = client.head(url, params=query), client.get(url, params=query)
+        head, get = client.head(url, params=examples), client.get(url, params=examples)
         assert (head.status_code, head.content) == (get.status_code, b""), url
         assert head.headers["content-type"] == get.headers["content-type"]
     assert client.head("/v1/fk").status_code == 405
