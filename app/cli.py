@@ -62,6 +62,8 @@ def serve(
         access_log=log_level in ("debug", "trace"),
         server_header=False,
         timeout_graceful_shutdown=30,
+        # A busy machine takes longer than the default of 5 s to import a worker: not a dead one.
+        timeout_worker_healthcheck=60,
     )
 
 

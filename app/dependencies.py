@@ -14,9 +14,9 @@ from anyio.to_thread import run_sync
 from fastapi import Depends, Request
 
 from app.documents import robot_from_inline
-from app.problems import INVALID_REQUEST, RequestProblem
+from app.problems import INVALID_REQUEST, TOO_LARGE, RequestProblem
 from app.settings import Settings
-from app.wire import decode_json
+from app.strict_json import decode_json, refuse_doubled_keys
 from kinematics.symbolic import SymbolicWorkers
 from robots.robot import Robot
 from robots.storage.ledger import Quotas
@@ -52,6 +52,7 @@ class InlineRobots:
         if found is not None:
             return found
         data = decode_json(document, Any, "/robot")
+        refuse_doubled_keys(document, "/robot")
         if not isinstance(data, dict):
             raise RequestProblem(
                 INVALID_REQUEST, "robot is neither a table nor the id of a robot", "/robot"
@@ -137,7 +138,11 @@ class Services:
             RobotNotFound: No robot has this id.
             DHError: Not a usable table.
         """
-        document = bytes(raw)
+        document, limit = bytes(raw), self.settings.max_document_bytes
+        if len(document) > limit:
+            raise RequestProblem(
+                TOO_LARGE, f"robot is larger than the {limit} bytes read here", "/robot"
+            )
         if document[:1] == b'"':
             return (await self.robot(decode_json(document, str, "/robot"))).robot
         known = self.inline.known(document)

@@ -15,6 +15,7 @@ from app.dependencies import Services
 from app.middleware import RequestId
 from app.openapi import build_openapi
 from app.rehearsal import rehearse
+from app.request_line import RequestLine
 from app.routes import compute, convert, diff, health, meshes, robots, tables
 from app.settings import Settings
 from kinematics.warm import warm_up
@@ -62,6 +63,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.include_router(diff.build_router(chosen.max_document_bytes))
     docs.install(app)
     problems.install(app)
+    app.add_middleware(RequestLine)
     app.add_middleware(RequestId)
 
     def openapi() -> dict[str, Any]:

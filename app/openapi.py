@@ -13,6 +13,7 @@ from fastapi.openapi.utils import get_openapi
 from app.operations import OPERATIONS, Operation
 from app.wire import FORMATS, JSON, NPY, PNG
 
+ROBOT_ID = "^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 REF = "#/components/schemas/{name}"
 _NUMBERS = {
     "q": (
@@ -196,7 +197,9 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
     "4XX": {
         "description": "A problem: what is wrong, where, and what to write instead.",
         "content": {
-            "application/problem+json": {"schema": {"$ref": REF.format(name="ProblemDetails")}}
+            "application/problem+json": {"schema": {"$ref": REF.format(name="ProblemDetails")}},
+            # To those who ask for text: the same in lines.
+            "text/plain": {"schema": {"type": "string"}},
         },
     }
 }
@@ -228,7 +231,7 @@ def _robot_parameter(example: str) -> dict[str, Any]:
         "name": "robot_id",
         "in": "path",
         "required": True,
-        "schema": {"type": "string"},
+        "schema": {"type": "string", "pattern": ROBOT_ID},
         "example": example,
     }
 

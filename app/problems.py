@@ -13,6 +13,7 @@ import orjson
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
+from starlette.routing import Match, Mount
 
 from dh_to_urdf import DHError, Problem
 from dh_to_urdf.errors import DHSyntaxError
@@ -23,7 +24,12 @@ from robots import errors as robots
 MEDIA_TYPE = "application/problem+json"
 MAX_ERRORS = 10
 MAX_MESSAGE = 400
-_CONTROL = re.compile(r"[\x00-\x1f\x7f]+")
+MAX_BYTES = 4096
+_METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
+# Control characters, and those that turn the direction of what follows.
+_UNSAFE = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb]+"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +66,7 @@ class RequestProblem(Exception):
 MALFORMED_BODY = ProblemType("malformed-body", 400, "The body cannot be parsed")
 INVALID_REQUEST = ProblemType("invalid-request", 422, "The request cannot be used")
 UNSUPPORTED_TYPE = ProblemType("unsupported-media-type", 415, "This body type is not read here")
+TOO_LONG = ProblemType("uri-too-long", 414, "The address is too long")
 NOT_ACCEPTABLE = ProblemType("not-acceptable", 406, "The answer has no such form")
 TOO_LARGE = ProblemType("too-large", 413, "The request is too large")
 INTERNAL = ProblemType("internal-error", 500, "The service failed")
@@ -101,7 +108,13 @@ BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     ),
 }
 
-_GENERIC = (INVALID_REQUEST, MALFORMED_BODY, UNSUPPORTED_TYPE, NOT_ACCEPTABLE, TOO_LARGE, INTERNAL)
+NOT_FOUND = ProblemType("not-found", 404, "There is nothing here")
+METHOD_NOT_ALLOWED = ProblemType("method-not-allowed", 405, "The method is not possible here")
+
+_GENERIC = (
+    INVALID_REQUEST, MALFORMED_BODY, UNSUPPORTED_TYPE, NOT_ACCEPTABLE, TOO_LARGE, TOO_LONG,
+    NOT_FOUND, METHOD_NOT_ALLOWED, INTERNAL,
+)  # fmt: skip
 ALL_TYPES = {type_.slug: type_ for type_ in (*BY_EXCEPTION.values(), *_GENERIC)}
 
 
@@ -111,9 +124,12 @@ def problem_response(
     problems: Sequence[Problem],
     headers: Mapping[str, str] | None = None,
 ) -> Response:
-    """A problem document; at most ten errors, no control characters, bounded length."""
+    """A problem document: at most ten errors and 4 kB, no control characters.
+
+    As text where the request asks for text, so that a terminal shows a sentence.
+    """
     errors = [
-        {"pointer": _shown(problem.pointer)[:200], "message": _shown(problem.message)}
+        {"pointer": _pointer(problem.pointer), "message": _shown(problem.message)}
         for problem in problems[:MAX_ERRORS]
     ]
     detail = errors[0]["message"] if errors else type_.title
@@ -127,12 +143,41 @@ def problem_response(
         "errors": errors,
         "request_id": request.scope.get("state", {}).get("request_id", ""),
     }
-    return Response(orjson.dumps(body), type_.status, dict(headers or {}), MEDIA_TYPE)
+    written = _write_text if _wants_text(request) else orjson.dumps
+    content = written(body)
+    while len(content) > MAX_BYTES and len(errors) > 1:
+        errors.pop()
+        content = written(body)
+    media_type = MEDIA_TYPE if written is orjson.dumps else "text/plain; charset=utf-8"
+    return Response(content, type_.status, dict(headers or {}), media_type)
+
+
+def _wants_text(request: Request) -> bool:
+    if request.scope["query_string"]:
+        named = request.query_params.get("format")
+        if named is not None:
+            return named == "text"
+    return request.headers.get("accept", "").lower().lstrip().startswith("text/plain")
+
+
+def _write_text(body: Mapping[str, Any]) -> bytes:
+    """``422 The request cannot be used``, then what is wrong and where."""
+    lines = [f"{body['status']} {body['title']}"]
+    for error in body["errors"]:
+        place = f"{error['pointer']}: " if error["pointer"] else ""
+        lines.append(f"  {place}{error['message']}")
+    lines.append(f"request_id: {body['request_id']}")
+    return ("\n".join(lines) + "\n").encode()
 
 
 def _shown(message: str) -> str:
-    text = _CONTROL.sub(" ", message.encode("utf-8", "replace").decode())
+    text = _UNSAFE.sub(" ", message.encode("utf-8", "replace").decode())
     return text if len(text) <= MAX_MESSAGE else text[: MAX_MESSAGE - 1] + "…"
+
+
+def _pointer(pointer: str) -> str:
+    """Cut without leaving half of an escape."""
+    return _shown(pointer)[:200].removesuffix("~")
 
 
 def install(app: FastAPI) -> None:
@@ -173,16 +218,41 @@ async def _validation_error(request: Request, error: Exception) -> Response:
 async def _http_exception(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     status = HTTPStatus(error.status_code)
+    path = request.url.path
+    shown = path if len(path) <= 100 else f"{path[:99]}…"
     if status is HTTPStatus.REQUEST_ENTITY_TOO_LARGE:
         message = "the body is larger than this endpoint takes; send it in parts"
         return problem_response(request, TOO_LARGE, [Problem("", message)])
-    details = {
-        HTTPStatus.NOT_FOUND: f"there is nothing at {request.url.path[:100]}; GET / lists the"
-        " endpoints",
-        HTTPStatus.METHOD_NOT_ALLOWED: f"{request.method} is not possible at"
-        f" {request.url.path[:100]}",
-    }
+    if status is HTTPStatus.NOT_FOUND:
+        remedy = "GET / lists the endpoints"
+        if path.endswith("/"):
+            remedy = "addresses have no / at the end"
+        message = f"there is nothing at {shown}; {remedy}"
+        return problem_response(request, NOT_FOUND, [Problem("", message)])
+    if status is HTTPStatus.METHOD_NOT_ALLOWED:
+        allowed = ", ".join(allowed_methods(request))
+        headers = {"Allow": allowed}
+        if request.method == "OPTIONS":
+            return Response(status_code=204, headers=headers)
+        message = f"{request.method[:16]} is not possible at {shown}; use {allowed}"
+        return problem_response(request, METHOD_NOT_ALLOWED, [Problem("", message)], headers)
     slug = status.phrase.lower().replace(" ", "-").replace("'", "")
     type_ = ProblemType(slug, status.value, status.phrase)
-    detail = details.get(status, str(error.detail))
-    return problem_response(request, type_, [Problem("", detail)], error.headers)
+    return problem_response(request, type_, [Problem("", str(error.detail))], error.headers)
+
+
+def allowed_methods(request: Request) -> list[str]:
+    """Methods that a request's path takes, over all routes that match it."""
+    routes = request.app.router.routes
+    scopes = {method: {**request.scope, "method": method} for method in _METHODS}
+    found = [
+        method
+        for method, scope in scopes.items()
+        if any(
+            not isinstance(route, Mount) and route.matches(scope)[0] is Match.FULL
+            for route in routes
+        )
+    ]
+    if not found or ("GET" in found and "HEAD" not in found):
+        found = ["GET", "HEAD", *(method for method in found if method != "GET")]
+    return [*found, "OPTIONS"]

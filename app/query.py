@@ -12,6 +12,7 @@ from fastapi import Request
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.units import Units
 from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
+from dh_to_urdf.errors import escaped
 from robots.errors import hint
 from robots.robot import Robot
 
@@ -35,7 +36,7 @@ def check_query(request: Request, *allowed: str, common: tuple[str, ...] = COMMO
             raise RequestProblem(
                 INVALID_REQUEST,
                 f"query parameter {name[:64]!r} is unknown; {hint(name, known)}",
-                f"/{name[:64]}",
+                f"/{escaped(name)}",
             )
         if name in seen:
             raise RequestProblem(INVALID_REQUEST, f"{name} is given twice; keep one", f"/{name}")
@@ -92,9 +93,9 @@ def body_from_query(request: Request, units: Units, robot: Robot, known: tuple[s
 def number(name: str, text: str, units: Units, quantity: Quantity = Quantity.ANGLE) -> float:
     """A plain number, or an expression such as pi/2, 90deg or 300mm in the request's unit."""
     try:
-        value = float(text)
-        if "_" in text:
+        if "_" in text or not text.isascii():
             raise ValueError
+        value = float(text)
     except ValueError:
         value = _expression(name, text, units, quantity)
     if not math.isfinite(value) or abs(value) > MAX_VALUE:
@@ -108,6 +109,10 @@ def number(name: str, text: str, units: Units, quantity: Quantity = Quantity.ANG
 
 def _expression(name: str, text: str, units: Units, quantity: Quantity) -> float:
     degrees = units.degrees and quantity is Quantity.ANGLE
+    if any(letter.isnumeric() and not letter.isascii() for letter in text):
+        raise RequestProblem(
+            INVALID_REQUEST, f"{name} holds {text[:32]!r}; write numbers as 0 to 9", f"/{name}"
+        )
     try:
         cell = parse_cell(text, quantity, math.pi / 180 if degrees else 1.0)
     except CellError as error:
@@ -131,7 +136,10 @@ def _joint_values(name: str, text: str, units: Units, robot: Robot) -> list[floa
 
 
 def _split(name: str, text: str) -> list[str]:
-    parts = text.strip().strip("[]").split(",")
+    inside = text.strip()
+    if inside[:1] == "[" and inside[-1:] == "]":
+        inside = inside[1:-1]
+    parts = inside.split(",")
     if len(parts) > MAX_QUERY_VALUES:
         raise RequestProblem(
             INVALID_REQUEST, f"{name} has over {MAX_QUERY_VALUES} values; send a body", f"/{name}"
@@ -170,7 +178,14 @@ def _matrix(name: str, text: str, units: Units) -> list[list[float]]:
 
 
 def _frames(name: str, text: str, units: Units) -> list[str] | str:  # noqa: ARG001
-    return "all" if text == "all" else [part.strip() for part in text.split(",") if part.strip()]
+    if text in ("all", ""):
+        return "all" if text else []
+    names = [part.strip() for part in text.split(",")]
+    if not all(names) or len(names) > MAX_QUERY_VALUES:
+        raise RequestProblem(
+            INVALID_REQUEST, f"{name} is {text[:32]!r}; give names, separated by commas", f"/{name}"
+        )
+    return names
 
 
 def _names(name: str, text: str, units: Units) -> dict[str, str]:  # noqa: ARG001

@@ -1,4 +1,4 @@
-"""Bytes to values and back: JSON and npy in, JSON, npy and terminal text out."""
+"""Bodies in and answers out: their types, their limits, and JSON, npy and terminal text."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import csv
 import io
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any
 
-import msgspec
 import numpy as np
 import orjson
 from fastapi import Request, Response
 from starlette.types import Receive, Scope, Send
 
+from app.npy import npy_bytes
 from app.problems import (
     INVALID_REQUEST,
     MALFORMED_BODY,
@@ -26,8 +26,6 @@ from app.text import render_text
 from dh_to_urdf.pasted.writer import TABLE_TEXTS
 from robots.robot import FloatArray
 
-T = TypeVar("T")
-
 JSON = "application/json"
 NPY = "application/x-npy"
 TEXT = "text/plain"
@@ -39,19 +37,11 @@ PNG = "image/png"
 LATEX = TABLE_TEXTS["latex"].media_type
 PYTHON_SOURCE = "text/x-python"
 C_SOURCE = "text/x-c"
-PIECE = 100_000
-"""Bytes of JSON that are decoded at once."""
+MAX_RANGES = 32
+"""Entries of an Accept header that are read."""
 LARGE = 20_000
 """Numbers in an array above which it is written in parts, so that other threads get a turn."""
 
-_PATH = re.compile(r" - at `([^`]*)`$")
-_TYPE_NAMES = (
-    ("float", "a number"),
-    ("int", "an integer"),
-    ("str", "a text"),
-    ("array", "a list"),
-    ("bool", "true or false"),
-)
 FORMATS = {
     "json": JSON,
     "text": TEXT,
@@ -65,6 +55,8 @@ FORMATS = {
     "c": C_SOURCE,
 } | {name: form.media_type for name, form in TABLE_TEXTS.items()}
 """Names of media types in ``?format=``."""
+_WEIGHT = re.compile(r"0(\.\d{0,3})?|1(\.0{0,3})?", re.ASCII)
+_UTF8 = re.compile(rb"charset\s*=\s*\"?(utf-?8|us-ascii)\b", re.IGNORECASE)
 
 
 def media_type(request: Request) -> str:
@@ -90,84 +82,66 @@ def wanted_type(request: Request, *offers: str) -> str:
     accept = request.headers.get("accept", "*/*")
     if accept in ("*/*", offers[0]):
         return offers[0]
-    weighted: list[tuple[float, int, str]] = []
-    for position, item in enumerate(accept.lower().split(",")[:32]):
+    ranges = accepted_ranges(",".join(request.headers.getlist("accept")))
+    best: tuple[float, int] | None = None
+    chosen = None
+    for offer in offers:
+        kind = offer.partition("/")[0]
+        # The most specific range that fits an offer says how much it is wanted.
+        found = next((ranges[n] for n in (offer, f"{kind}/*", "*/*") if n in ranges), None)
+        if found is not None and found[0] < 0 and (best is None or found < best):
+            best, chosen = found, offer
+    if chosen is None:
+        raise RequestProblem(NOT_ACCEPTABLE, f"this answer is available as {', '.join(offers)}")
+    return chosen
+
+
+def accepted_ranges(accept: str) -> dict[str, tuple[float, int]]:
+    """Media ranges of an Accept header, each with its negative weight and its position.
+
+    A weight that is none counts as 0; an empty header accepts everything.
+    """
+    ranges: dict[str, tuple[float, int]] = {}
+    for position, item in enumerate(accept.lower().split(",")[:MAX_RANGES]):
         name, *parameters = (part.strip() for part in item.split(";"))
+        if not name:
+            continue
+        weights = [one[2:] for one in parameters if one.startswith("q=")]
         weight = 1.0
-        for parameter in parameters:
-            if parameter.startswith("q="):
-                try:
-                    weight = float(parameter[2:])
-                except ValueError:
-                    weight = 0.0
-        if weight > 0:
-            weighted.append((-weight, position, name))
-    for _, _, name in sorted(weighted):
-        for offer in offers:
-            kind = offer.partition("/")[0]
-            if name in (offer, "*/*", f"{kind}/*"):
-                return offer
-    raise RequestProblem(NOT_ACCEPTABLE, f"this answer is available as {', '.join(offers)}")
-
-
-def decode_json(body: bytes | msgspec.Raw, type_: type[T], pointer: str = "") -> T:
-    """Strict JSON -> a typed value.
-
-    Raises:
-        RequestProblem: 400 for text that is no JSON, 422 with a pointer for a wrong type.
-    """
-    try:
-        return msgspec.json.decode(body, type=type_)
-    except msgspec.ValidationError as error:
-        raise validation_problem(error, pointer, getattr(type_, "__struct_fields__", ())) from None
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        reason = str(error)[:160]
-        remedy = ""
-        if "invalid character" in reason:
-            remedy = "; JSON is UTF-8 without a byte order mark, and NaN and Infinity are not JSON"
-        raise RequestProblem(
-            MALFORMED_BODY, f"the body is not JSON: {reason}{remedy}", pointer
-        ) from None
-    except RecursionError:
-        raise RequestProblem(MALFORMED_BODY, "the body is nested too deeply", pointer) from None
-
-
-def decode_rows(text: bytes, pointer: str) -> FloatArray | list[list[float]]:
-    """JSON rows of numbers -> an array, piece by piece, so that other threads get a turn.
-
-    Returns:
-        Shape (n, columns); the plain lists where rows are of unequal lengths.
-
-    Raises:
-        RequestProblem: Not rows of numbers; the pointer names the value.
-    """
-    pieces: list[FloatArray] = []
-    start, end = 1, text.rfind(b"]")
-    try:
-        while start < end:
-            cut = text.find(b"],", start + PIECE, end)
-            stop = end if cut < 0 else cut + 1
-            rows = msgspec.json.decode(b"[" + text[start:stop] + b"]", type=list[list[float]])
-            pieces.append(np.array(rows, dtype=np.float64))
-            start = stop + 1
-        if text[end + 1 :].strip() or not pieces:
-            raise ValueError
-        return np.concatenate(pieces)
-    except (msgspec.MsgspecError, ValueError, UnicodeDecodeError):
-        # As a whole, for the exact place of what is wrong.
-        return decode_json(text, list[list[float]], pointer)
+        if weights:
+            weight = float(weights[0]) if _WEIGHT.fullmatch(weights[0]) else 0.0
+        ranges.setdefault(name, (-weight, position))
+    return ranges or {"*/*": (-1.0, 0)}
 
 
 async def read_body(request: Request, limit: int) -> bytes:
     """The body, up to a limit.
 
     Raises:
-        RequestProblem: 413, as soon as the limit is passed.
+        RequestProblem: 413, as soon as the limit is passed; 400 and 415 for headers that leave
+            open what the body is.
     """
     too_large = RequestProblem(TOO_LARGE, f"the body is larger than the {limit} bytes read here")
-    declared = request.headers.get("content-length", "0")
-    if declared.isdigit() and int(declared) > limit:
-        raise too_large
+    types = 0
+    for name, value in request.scope["headers"]:
+        if name == b"content-length":
+            if value.isdigit() and int(value) > limit:
+                raise too_large
+        elif name == b"content-type":
+            types += 1
+            if types > 1:
+                raise RequestProblem(MALFORMED_BODY, "the header Content-Type stands twice")
+            if b"charset" in value.lower() and not _UTF8.search(value):
+                raise RequestProblem(
+                    UNSUPPORTED_TYPE, "the body has another charset; send UTF-8 and say so"
+                )
+        elif name == b"content-encoding" and value.strip().lower() not in (b"", b"identity"):
+            raise RequestProblem(
+                UNSUPPORTED_TYPE,
+                "compressed bodies are not read here; send the body as it is, without"
+                " Content-Encoding (large batches as application/x-npy)",
+                headers={"Accept-Encoding": "identity"},
+            )
     parts: list[bytes] = []
     size = 0
     async for part in request.stream():
@@ -176,83 +150,6 @@ async def read_body(request: Request, limit: int) -> bytes:
             raise too_large
         parts.append(part)
     return parts[0] if len(parts) == 1 else b"".join(parts)
-
-
-def validation_problem(
-    error: msgspec.ValidationError, pointer: str = "", known: tuple[str, ...] = ()
-) -> RequestProblem:
-    """A problem from msgspec's message, whose path becomes a JSON pointer.
-
-    Args:
-        error: What msgspec says.
-        pointer: Where the value stands in the body.
-        known: Fields that the value may have.
-    """
-    text = str(error)
-    match = _PATH.search(text)
-    path = match[1] if match else "$"
-    message = _PATH.sub("", text).replace("`", "")
-    found = pointer + json_pointer(path)
-    unknown = re.search(r"Object contains unknown field (.+)$", message)
-    if unknown:
-        field = unknown[1]
-        remedy = f"; known are {', '.join(known)}" if known and path == "$" else ""
-        return RequestProblem(
-            INVALID_REQUEST, f"unknown field {field[:64]!r}{remedy}", f"{found}/{field}"
-        )
-    missing = re.search(r"Object missing required field (.+)$", message)
-    if missing:
-        return RequestProblem(
-            INVALID_REQUEST,
-            f"the field {missing[1]!r} is missing; give it",
-            f"{found}/{missing[1]}",
-        )
-    where = f"{found.removeprefix('/')}: " if found else "the body: "
-    for name, plain in _TYPE_NAMES:
-        message = re.sub(rf"\b{name}\b", plain, message)
-    return RequestProblem(INVALID_REQUEST, f"{where}{message[:1].lower()}{message[1:]}", found)
-
-
-def json_pointer(path: str) -> str:
-    """``$.joints[2].alpha`` -> ``/joints/2/alpha``."""
-    known = path.removeprefix("$").partition("[...]")[0]
-    return re.sub(r"\[(\d+)\]", r"/\1", known).replace(".", "/")
-
-
-def decode_npy(body: bytes, pointer: str = "") -> FloatArray:
-    """An npy file of real numbers -> a float array in native byte order.
-
-    Raises:
-        RequestProblem: Not npy, another type than numbers, or shorter than its header says.
-    """
-    stream = io.BytesIO(body)
-    try:
-        version = np.lib.format.read_magic(stream)
-        reader = (
-            np.lib.format.read_array_header_1_0
-            if version == (1, 0)
-            else np.lib.format.read_array_header_2_0
-        )
-        shape, fortran, dtype = reader(stream)
-    except Exception:  # numpy's header reader lets errors of its tokenizer and parser through
-        raise RequestProblem(MALFORMED_BODY, "the body is no npy file", pointer) from None
-    if dtype.hasobject or dtype.kind not in "fiu" or dtype.itemsize > 8:
-        raise RequestProblem(
-            INVALID_REQUEST, "the npy array holds no real numbers; save it as float64", pointer
-        )
-    count = 1
-    for extent in shape:
-        if isinstance(extent, bool) or not 0 < extent < 10**9 or len(shape) > 3:
-            raise RequestProblem(MALFORMED_BODY, f"the npy array has shape {shape!r:.80}", pointer)
-        count *= extent
-    payload = body[stream.tell() :]
-    if count * dtype.itemsize != len(payload):
-        raise RequestProblem(
-            MALFORMED_BODY, "the npy file is shorter or longer than its header says", pointer
-        )
-    array = np.frombuffer(payload, dtype=dtype, count=count)
-    array = array.reshape(shape, order="F" if fortran else "C")
-    return np.ascontiguousarray(array, dtype=np.float64)
 
 
 def json_parts(payload: Mapping[str, Any]) -> list[bytes]:
@@ -341,13 +238,6 @@ def csv_bytes(rows: Sequence[Mapping[str, Any]]) -> bytes:
     for row in rows:
         writer.writerow([_CELLS.get(value, value) for value in row.values()])
     return stream.getvalue().encode()
-
-
-def npy_bytes(array: FloatArray) -> bytes:
-    """An npy file."""
-    stream = io.BytesIO()
-    np.lib.format.write_array(stream, np.ascontiguousarray(array), allow_pickle=False)
-    return stream.getvalue()
 
 
 def respond(

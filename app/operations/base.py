@@ -9,10 +9,12 @@ from typing import Annotated, Any, TypeAlias
 import msgspec
 import numpy as np
 
+from app.operations.schema import TASK, one_of
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
+from app.strict_json import PIECE, OddRow, decode_json, decode_numbers, decode_rows
 from app.units import Units
-from app.wire import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT, decode_json, decode_rows
+from app.wire import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT
 from dh_to_urdf.errors import escaped, quoted
 from kinematics.configuration import configuration, configuration_by_name
 from kinematics.jacobian import ReferenceFrame
@@ -39,6 +41,13 @@ SingleConfiguration = Annotated[
         extra_json_schema={"anyOf": [_ONE_Q, _BY_NAME]},
     ),
 ]
+OptionalConfiguration = Annotated[
+    msgspec.Raw,
+    msgspec.Meta(
+        description="One q, as a list or an object {joint name: value}; may be left out.",
+        extra_json_schema={"anyOf": [_ONE_Q, _BY_NAME, {"type": "null"}]},
+    ),
+]
 TaskField = Annotated[
     str | list[int],
     msgspec.Meta(
@@ -46,6 +55,7 @@ TaskField = Annotated[
         " (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx,"
         " wy, wz.",
     ),
+    TASK,
 ]
 FrameField = Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")]
 ReferenceFrameField = Annotated[
@@ -55,10 +65,14 @@ ReferenceFrameField = Annotated[
         " the body point at the base's origin, in base axes. local: at the frame's origin, in the"
         " frame's own axes."
     ),
+    one_of(ReferenceFrame, null=True),
 ]
 RankToleranceField = Annotated[
     float,
-    msgspec.Meta(description="Singular values below tolerance * max(1, largest) count as zero."),
+    msgspec.Meta(
+        description="Singular values below tolerance * max(1, largest) count as zero.",
+        extra_json_schema={"minimum": 0, "exclusiveMaximum": 1},
+    ),
 ]
 Numbers: TypeAlias = list[Any]
 """In answers: nested lists of numbers, with a leading axis n for batches."""
@@ -174,7 +188,7 @@ def is_light(robot: Robot, request: Any) -> bool:
     raw = request.q
     if isinstance(raw, np.ndarray):
         return raw.ndim == 1 and robot.dof <= LIGHT_DOF
-    batch = bytes(raw)[1:64].lstrip()[:1] == b"["
+    batch = memoryview(raw)[1:64].tobytes().lstrip()[:1] == b"["
     return not batch and robot.dof <= LIGHT_DOF and len(robot.frames) <= LIGHT_FRAMES
 
 
@@ -207,7 +221,8 @@ def read_configuration(
         RequestProblem: Not numbers, or more configurations than one request may hold.
         WrongConfiguration: It does not fit the robot.
     """
-    q = raw if isinstance(raw, np.ndarray) else _from_json(raw, robot, pointer)
+    most = context.settings.max_batch
+    q = raw if isinstance(raw, np.ndarray) else _from_json(raw, robot, pointer, most)
     q = configuration(robot, q, pointer)
     if q.ndim == 2 and not 1 <= len(q) <= context.settings.max_batch:
         raise RequestProblem(
@@ -252,33 +267,35 @@ def read_reference_frame(name: str | None) -> ReferenceFrame:
     return ReferenceFrame(name)
 
 
-def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str) -> Any:
+def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str, most: int) -> Any:
     text = bytes(raw)
+    name = pointer.rsplit("/", 1)[-1]
     if text[:1] == b"{":
+        if len(text) > PIECE:
+            raise RequestProblem(
+                INVALID_REQUEST, f"{name} has {len(text)} bytes; name each joint once", pointer
+            )
         values = decode_json(text, dict[str, Any], pointer)
-        for name, value in values.items():
+        for joint, value in values.items():
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 raise RequestProblem(
                     INVALID_REQUEST,
-                    f"{pointer.rsplit('/', 1)[-1]} of joint {name[:64]} is {quoted(value)}; give a"
-                    " number",
-                    f"{pointer}/{escaped(name)}",
+                    f"{name} of joint {joint[:64]} is {quoted(value)}; give a number",
+                    f"{pointer}/{escaped(joint)}",
                 )
         return configuration_by_name(robot, values, pointer)
     if text[:1] != b"[":
         raise RequestProblem(
             INVALID_REQUEST,
-            f"{pointer.rsplit('/', 1)[-1]} is {text[:32].decode(errors='replace')}; give a list of"
-            " numbers, one a joint",
+            f"{name} is {text[:32].decode(errors='replace')}; give a list of numbers, one a joint",
             pointer,
         )
     if text[1:64].lstrip()[:1] == b"[":
-        rows = decode_rows(text, pointer)
-        for index, row in enumerate(rows if isinstance(rows, list) else rows[:1]):
-            if len(row) != robot.dof:
-                return configuration(robot, row, f"{pointer}/{index}")
-        return rows
-    return decode_json(text, list[float], pointer)
+        try:
+            return decode_rows(text, pointer, robot.dof, most)
+        except OddRow as odd:
+            return configuration(robot, odd.row, f"{pointer}/{odd.index}")
+    return decode_numbers(text, pointer)
 
 
 UNITS_SCHEMA = Annotated[

@@ -12,6 +12,7 @@ from app.operations.path import PATH, joint_units
 from app.operations.path_fields import GainsField, PathScenario, read_options, read_problem
 from app.operations.path_links import LinkPart, told_of_links
 from app.operations.retime import read_retime
+from app.operations.schema import METHOD, items
 from app.pictures.path_figure import path_figure
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.compare import compared
@@ -27,7 +28,7 @@ DEFAULT = ("pseudo_inverse", "damped", "null_space", "sqp", "qp")
 class MethodChoice(msgspec.Struct, forbid_unknown_fields=True, kw_only=True, omit_defaults=True):
     """A method with options of its own, in the place of the common ones."""
 
-    method: str
+    method: Annotated[str, METHOD]
     label: str | None = None
     closed_loop: bool | None = None
     damping: float | None = None
@@ -48,6 +49,7 @@ class CompareRequest(PathScenario, forbid_unknown_fields=True, kw_only=True):
             description="Names, or objects {method, label, and options of its own}: "
             + ", ".join(METHODS)
         ),
+        items(1, MAX_METHODS),
     ] = msgspec.field(default_factory=lambda: list(DEFAULT))
 
 

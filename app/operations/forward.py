@@ -18,6 +18,7 @@ from app.operations.base import (
     check_size,
     read_configuration,
 )
+from app.operations.schema import EULER
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.units import Units
 from kinematics.forward import fk
@@ -40,6 +41,7 @@ class FKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
         msgspec.Meta(
             description="Also Euler angles of this sequence: ZXZ, ZYX (moving axes), xyz …"
         ),
+        EULER,
     ] = None
 
 
@@ -97,7 +99,7 @@ def _frames(robot: Robot, asked: list[str] | str | None) -> Sequence[str]:
         raise RequestProblem(
             INVALID_REQUEST, 'frames is empty; name frames, give "all" or leave it out', "/frames"
         )
-    return [asked] if isinstance(asked, str) else asked
+    return [asked] if isinstance(asked, str) else list(dict.fromkeys(asked))
 
 
 def _run(robot: Robot, request: FKRequest, context: Context) -> Answer:

@@ -17,9 +17,18 @@ from app.operations.base import (
     Context,
     Numbers,
     Operation,
-    SingleConfiguration,
+    OptionalConfiguration,
     TaskField,
     read_single,
+)
+from app.operations.schema import (
+    MATRICES,
+    MATRIX,
+    SEQUENCE,
+    batch_of,
+    coordinates,
+    one_of,
+    within,
 )
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.units import Units
@@ -55,8 +64,8 @@ def not_given() -> msgspec.Raw:
 class EulerField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """An orientation as Euler angles."""
 
-    sequence: str
-    angles: list[float]
+    sequence: Annotated[str, SEQUENCE]
+    angles: Annotated[list[float], coordinates(3)]
 
 
 class Target(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -66,39 +75,39 @@ class Target(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     direction is that of the frame's z axis, for tasks that leave the turn about it open.
     """
 
-    matrix: list[list[float]] | None = None
-    position: list[float] | None = None
-    quaternion_xyzw: list[float] | None = None
-    rpy: list[float] | None = None
+    matrix: Annotated[list[list[float]] | None, MATRIX] = None
+    position: Annotated[list[float] | None, coordinates(2, 3)] = None
+    quaternion_xyzw: Annotated[list[float] | None, coordinates(4)] = None
+    rpy: Annotated[list[float] | None, coordinates(3)] = None
     euler: EulerField | None = None
-    phi: float | None = None
-    direction: list[float] | None = None
+    phi: Annotated[float | None, within(-1e6, 1e6)] = None
+    direction: Annotated[list[float] | None, coordinates(3)] = None
 
 
 class EulerBatch(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Orientations as Euler angles of one sequence."""
 
-    sequence: str
-    angles: list[list[float]]
+    sequence: Annotated[str, SEQUENCE]
+    angles: Annotated[list[list[float]], batch_of(3)]
 
 
 class TargetBatch(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Many targets: every field with a leading axis n."""
 
-    matrix: list[list[list[float]]] | None = None
-    position: list[list[float]] | None = None
-    quaternion_xyzw: list[list[float]] | None = None
-    rpy: list[list[float]] | None = None
+    matrix: Annotated[list[list[list[float]]] | None, MATRICES] = None
+    position: Annotated[list[list[float]] | None, batch_of(2, 3)] = None
+    quaternion_xyzw: Annotated[list[list[float]] | None, batch_of(4)] = None
+    rpy: Annotated[list[list[float]] | None, batch_of(3)] = None
     euler: EulerBatch | None = None
     phi: list[float] | None = None
-    direction: list[list[float]] | None = None
+    direction: Annotated[list[list[float]] | None, batch_of(3)] = None
 
 
 class ToleranceField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Largest accepted errors, m and rad."""
 
-    position: float = 1e-6
-    orientation: float = 1e-6
+    position: Annotated[float, within(1e-12, 1e3)] = 1e-6
+    orientation: Annotated[float, within(1e-12, 4)] = 1e-6
 
 
 class IKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -111,21 +120,22 @@ class IKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     ] = None
     frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
     task: TaskField = "pose"
-    seed: SingleConfiguration = msgspec.field(default_factory=not_given)
+    seed: OptionalConfiguration = msgspec.field(default_factory=not_given)
     tolerance: ToleranceField = msgspec.field(default_factory=ToleranceField)
-    max_restarts: int = 200
-    max_iterations: int = 100
-    random_seed: int = 0
+    max_restarts: Annotated[int, within(0, 10_000)] = 200
+    max_iterations: Annotated[int, within(1, 10_000)] = 100
+    random_seed: Annotated[int, within(0, 2**53)] = 0
     choose: Annotated[
         str | None,
         msgspec.Meta(
             description="Which of all solutions within the limits: closest (to the seed),"
             " most_manipulable or farthest_from_limits; default: what the solver finds first."
         ),
+        one_of(Choice, null=True),
     ] = None
-    time_budget_ms: Annotated[float, msgspec.Meta(description="For each target, milliseconds.")] = (
-        1000.0
-    )
+    time_budget_ms: Annotated[
+        float, msgspec.Meta(description="For each target, milliseconds."), within(0, 60_000)
+    ] = 1000.0
 
 
 class IKResponse(msgspec.Struct, kw_only=True):

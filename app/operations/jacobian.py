@@ -11,12 +11,15 @@ from app.operations.base import (
     Answer,
     Configuration,
     Context,
+    FrameField,
     Numbers,
     Operation,
+    ReferenceFrameField,
     check_size,
     read_configuration,
     read_reference_frame,
 )
+from app.operations.schema import EULER
 from app.problems import INVALID_REQUEST, RequestProblem
 from kinematics.configuration import joint_names
 from kinematics.jacobian import ReferenceFrame, analytic_jacobian, jacobian
@@ -31,18 +34,12 @@ class JacobianRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Which Jacobian to compute."""
 
     q: Configuration
-    frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
-    reference_frame: Annotated[
-        str | None,
-        msgspec.Meta(
-            description="local_world_aligned (default): at the frame's origin in base axes, the"
-            " textbooks' geometric Jacobian. world: of the body point at the base's origin. local:"
-            " in the frame's own axes."
-        ),
-    ] = None
+    frame: FrameField = None
+    reference_frame: ReferenceFrameField = None
     euler: Annotated[
         str | None,
         msgspec.Meta(description="An Euler sequence such as ZXZ: the analytic Jacobian."),
+        EULER,
     ] = None
 
 

@@ -17,6 +17,7 @@ from app.operations.base import (
     TaskField,
     read_single,
 )
+from app.operations.schema import items, within
 from app.pictures.map_figure import heat_figure, workspace_figure
 from app.problems import INVALID_REQUEST, RequestProblem
 from kinematics.manipulability_map import MAX_SAMPLES, MIN_SAMPLES, manipulability_map
@@ -28,7 +29,9 @@ from robots.robot import Robot
 class WorkspaceRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """How many points, and of which frame."""
 
-    samples: Annotated[int, msgspec.Meta(description=f"Points, 1 to {MAX_POINTS}.")] = 20_000
+    samples: Annotated[
+        int, msgspec.Meta(description=f"Points, 1 to {MAX_POINTS}."), within(1, MAX_POINTS)
+    ] = 20_000
     frame: FrameField = None
     random_seed: Annotated[
         int, msgspec.Meta(description="The same seed gives the same points.", ge=0)
@@ -52,9 +55,13 @@ class MapRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Over which joints, and in which task space."""
 
     q: SingleConfiguration
-    joints: Annotated[list[str], msgspec.Meta(description="Names of the two joints that move.")]
+    joints: Annotated[
+        list[str], msgspec.Meta(description="Names of the two joints that move."), items(2, 2)
+    ]
     samples: Annotated[
-        int, msgspec.Meta(description=f"Values of each, {MIN_SAMPLES} to {MAX_SAMPLES}.")
+        int,
+        msgspec.Meta(description=f"Values of each, {MIN_SAMPLES} to {MAX_SAMPLES}."),
+        within(MIN_SAMPLES, MAX_SAMPLES),
     ] = 100
     task: TaskField = "pose"
     frame: FrameField = None

@@ -13,6 +13,7 @@ from app.operations.base import UNITS_SCHEMA, Answer, Context, Numbers, Operatio
 from app.operations.path_fields import PathScenario, read_options, read_problem
 from app.operations.path_links import LinkPart, told_of_links
 from app.operations.retime import RetimedMotion, motion_samples, read_retime, told_of_timing
+from app.operations.schema import METHOD
 from app.pictures.path_figure import path_figure
 from kinematics.configuration import joint_names
 from kinematics.redundancy.follow import PathResult, follow, followed
@@ -26,7 +27,7 @@ from robots.robot import FloatArray, Robot
 class PathRequest(PathScenario, forbid_unknown_fields=True, kw_only=True):
     """A path and a method."""
 
-    method: Annotated[str, msgspec.Meta(description=", ".join(METHODS) + ".")] = "qp"
+    method: Annotated[str, msgspec.Meta(description=", ".join(METHODS) + "."), METHOD] = "qp"
 
 
 class PathResponse(msgspec.Struct, kw_only=True):

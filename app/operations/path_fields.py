@@ -7,11 +7,18 @@ from typing import Annotated, TypeAlias
 import msgspec
 import numpy as np
 
-from app.operations.base import Context, SingleConfiguration, TaskField, read_single
+from app.operations.base import (
+    Context,
+    OptionalConfiguration,
+    SingleConfiguration,
+    TaskField,
+    read_single,
+)
 from app.operations.inverse import NOT_GIVEN, EulerField, Target, not_given, read_target
-from app.operations.path_links import read_geometry, read_radius
+from app.operations.path_links import GEOMETRIES, read_geometry, read_radius
 from app.operations.per_joint import PerJoint
 from app.operations.retime import RetimeField
+from app.operations.schema import coordinates, items, one_of, within
 from app.problems import INVALID_REQUEST, RequestProblem
 from dh_to_urdf.errors import quoted
 from kinematics.errors import InvalidOption
@@ -42,24 +49,24 @@ class CircleField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     right-handed about the axis, negative the other way round.
     """
 
-    center: list[float]
-    normal: list[float] | None = None
-    plane: str | None = None
-    turns: float = 1.0
+    center: Annotated[list[float], coordinates(2, 3)]
+    normal: Annotated[list[float] | None, coordinates(3)] = None
+    plane: Annotated[str | None, one_of(PLANES, null=True)] = None
+    turns: Annotated[float, within(-100, 100)] = 1.0
 
 
 class SphereField(msgspec.Struct, tag="sphere", forbid_unknown_fields=True, kw_only=True):
     """A ball, m."""
 
     center: list[float]
-    radius: float
+    radius: Annotated[float, within(0, 1e6)]
 
 
 class CircleObstacleField(msgspec.Struct, tag="circle", forbid_unknown_fields=True, kw_only=True):
     """A disc in the plane xy, at every height, m."""
 
     center: list[float]
-    radius: float
+    radius: Annotated[float, within(0, 1e6)]
 
 
 class CapsuleField(msgspec.Struct, tag="capsule", forbid_unknown_fields=True, kw_only=True):
@@ -67,7 +74,7 @@ class CapsuleField(msgspec.Struct, tag="capsule", forbid_unknown_fields=True, kw
 
     start: list[float]
     end: list[float]
-    radius: float
+    radius: Annotated[float, within(0, 1e6)]
 
 
 class HalfSpaceField(msgspec.Struct, tag="half_space", forbid_unknown_fields=True, kw_only=True):
@@ -95,17 +102,17 @@ ObstacleField: TypeAlias = (
 class PathToleranceField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Largest errors at a sample that count as on the path, m and rad."""
 
-    position: float = 1e-4
-    orientation: float = 1e-4
+    position: Annotated[float, within(1e-9, 1e3)] = 1e-4
+    orientation: Annotated[float, within(1e-9, 1e3)] = 1e-4
 
 
 class GainsField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Weights of the potentials that the null-space motion goes down."""
 
-    limits: float = 0.0
-    manipulability: float = 0.0
-    obstacles: float = 0.0
-    posture: float = 0.0
+    limits: Annotated[float, within(0, 1e6)] = 0.0
+    manipulability: Annotated[float, within(0, 1e6)] = 0.0
+    obstacles: Annotated[float, within(0, 1e6)] = 0.0
+    posture: Annotated[float, within(0, 1e6)] = 0.0
 
 
 class SecondaryField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -114,7 +121,7 @@ class SecondaryField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     frame: str | None = None
     task: TaskField = "position"
     target: Target | None = None
-    gain: float = 0.1
+    gain: Annotated[float, within(0, 1)] = 0.1
 
 
 class MethodOptions(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -124,32 +131,42 @@ class MethodOptions(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
         bool,
         msgspec.Meta(description="pseudo_inverse: false is the open loop, which drifts."),
     ] = True
-    damping: Annotated[float, msgspec.Meta(description="damped: λ.")] = 0.01
-    iterations: Annotated[int, msgspec.Meta(description="Most corrections in a sample.")] = 10
+    damping: Annotated[float, msgspec.Meta(description="damped: λ."), within(1e-9, 1e3)] = 0.01
+    iterations: Annotated[
+        int, msgspec.Meta(description="Most corrections in a sample."), within(1, 100)
+    ] = 10
     gains: Annotated[
         GainsField | None, msgspec.Meta(description="null_space; default limits and obstacles.")
     ] = None
     posture: Annotated[
-        SingleConfiguration, msgspec.Meta(description="null_space: wanted q; default the start.")
+        OptionalConfiguration, msgspec.Meta(description="null_space: wanted q; default the start.")
     ] = msgspec.field(default_factory=not_given)
     influence: Annotated[
         float | None,
         msgspec.Meta(description="Clearance from which on obstacles repel, m; default d_safe + a"
         " tenth of the arm."),
+        within(1e-9, 1e6),
     ] = None  # fmt: skip
     obstacle_weight: Annotated[
-        float, msgspec.Meta(description="sqp: weight of the repulsion in its objective.")
+        float,
+        msgspec.Meta(description="sqp: weight of the repulsion in its objective."),
+        within(0, 1e6),
     ] = 0.0
     margin: Annotated[
-        float, msgspec.Meta(description="sqp, qp, whole_path: kept on top of d_safe, m.")
+        float,
+        msgspec.Meta(description="sqp, qp, whole_path: kept on top of d_safe, m."),
+        within(0, 1e3),
     ] = 1e-3
     secondary: Annotated[
-        list[SecondaryField], msgspec.Meta(description="task_priority, highest priority first.")
+        list[SecondaryField],
+        msgspec.Meta(description="task_priority, highest priority first."),
+        items(0, MAX_SECONDARY),
     ] = []
     perturb: Annotated[
         float,
         msgspec.Meta(description="Bends the joints by so much as the arm leaves the start, rad or"
         " m: out of a singular one."),
+        within(0, 1),
     ] = 0.0  # fmt: skip
 
 
@@ -161,19 +178,25 @@ class PathScenario(MethodOptions, forbid_unknown_fields=True, kw_only=True):
         Target | None, msgspec.Meta(description="End of a straight line; turns by SLERP.")
     ] = None
     waypoints: Annotated[
-        list[Target] | None, msgspec.Meta(description="Corners of a polyline, each a sample.")
+        list[Target] | None,
+        msgspec.Meta(description="Corners of a polyline, each a sample."),
+        items(1, MAX_WAYPOINTS),
     ] = None
     circle: CircleField | None = None
     frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
     task: TaskField = "pose"
-    time_law: Annotated[str, msgspec.Meta(description="linear, cubic, quintic or trapezoidal.")] = (
-        "cubic"
-    )
-    tf: Annotated[float, msgspec.Meta(description="Duration, s.")] = 2.0
+    time_law: Annotated[
+        str,
+        msgspec.Meta(description="linear, cubic, quintic or trapezoidal."),
+        one_of(TimeLaw),
+    ] = "cubic"
+    tf: Annotated[float, msgspec.Meta(description="Duration, s."), within(1e-6, 1e6)] = 2.0
     samples: Annotated[
-        int, msgspec.Meta(description="Samples, equally spaced in time, the start included.")
+        int,
+        msgspec.Meta(description="Samples, equally spaced in time, the start included."),
+        within(2, 10_000),
     ] = 101
-    obstacles: list[ObstacleField] = []
+    obstacles: Annotated[list[ObstacleField], items(0, 100)] = []
     link_radius: Annotated[
         PerJoint,
         msgspec.Meta(
@@ -191,8 +214,11 @@ class PathScenario(MethodOptions, forbid_unknown_fields=True, kw_only=True):
             " and capsules as they are, boxes and cylinders as the least capsule about them;"
             " meshes are not read, the skeleton stands for them."
         ),
+        one_of(GEOMETRIES),
     ] = "skeleton"
-    d_safe: Annotated[float, msgspec.Meta(description="Clearance to keep, m.")] = 0.0
+    d_safe: Annotated[float, msgspec.Meta(description="Clearance to keep, m."), within(0, 1e6)] = (
+        0.0
+    )
     retime: Annotated[
         RetimeField | None,
         msgspec.Meta(

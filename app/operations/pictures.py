@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from app.operations.base import Answer, Configuration, Context, Operation, read_configuration
+from app.operations.schema import one_of, within
 from app.pictures.arm_figure import arm_figure, caption_of
 from app.pictures.camera import VIEWS
 from app.problems import INVALID_REQUEST, RequestProblem
@@ -38,10 +39,11 @@ class PictureRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
             description="auto (default: the plane in which a planar arm moves, else iso), iso, xy,"
             " xz or yz, in base axes."
         ),
+        one_of(VIEWS),
     ] = "auto"
     labels: Annotated[bool, msgspec.Meta(description="Whether the axes have names.")] = True
-    width: Annotated[int, msgspec.Meta(description="Pixels, 200 to 2000.")] = 640
-    height: Annotated[int, msgspec.Meta(description="Pixels, 200 to 2000.")] = 480
+    width: Annotated[int, msgspec.Meta(description="Pixels, 200 to 2000."), within(*SIZES)] = 640
+    height: Annotated[int, msgspec.Meta(description="Pixels, 200 to 2000."), within(*SIZES)] = 480
 
 
 class PictureResponse(msgspec.Struct, kw_only=True):

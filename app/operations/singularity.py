@@ -21,6 +21,7 @@ from app.operations.base import (
     check_size,
     read_configuration,
 )
+from app.operations.schema import within
 from kinematics.chain import chain_of
 from kinematics.configuration import joint_names
 from kinematics.dexterity import characteristic_length, dexterity
@@ -47,6 +48,7 @@ class SingularityRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=Tru
             description="Length by which linear rows are divided in `dexterity`, m; default the"
             " root mean square distance of the frame from the turning axes over all postures."
         ),
+        within(1e-6, 1e6),
     ] = None
 
 
@@ -281,5 +283,7 @@ SINGULARITY = Operation(
     example={"q": [0.5236, 0.0], "task": "xy"},
     example_robot="planar_2r",
     query=("q", "task", "frame", "tolerance", "characteristic_length"),
+    # Milliseconds: in a thread as many a second, and others wait a tenth as long meanwhile.
+    quick=lambda robot, request, context: None,  # noqa: ARG005
     array_field="q",
 )

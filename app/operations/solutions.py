@@ -12,11 +12,12 @@ from app.operations.base import (
     Answer,
     Context,
     Operation,
-    SingleConfiguration,
+    OptionalConfiguration,
     TaskField,
     read_single,
 )
 from app.operations.inverse import NOT_GIVEN, Target, ToleranceField, not_given, read_target
+from app.operations.schema import within
 from kinematics.inverse import IKOptions, Tolerance
 from kinematics.inverse.all_solutions import IKSolution, all_solutions
 from kinematics.task import task_from
@@ -29,9 +30,9 @@ class IKSolutionsRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=Tru
     target: Target
     frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
     task: TaskField = "pose"
-    seed: SingleConfiguration = msgspec.field(default_factory=not_given)
+    seed: OptionalConfiguration = msgspec.field(default_factory=not_given)
     tolerance: ToleranceField = msgspec.field(default_factory=ToleranceField)
-    random_seed: int = 0
+    random_seed: Annotated[int, within(0, 2**53)] = 0
 
 
 class IKSolutionView(msgspec.Struct, kw_only=True):

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.operations.base import Context
-from app.problems import INVALID_REQUEST, RequestProblem
-from app.wire import decode_json, decode_rows
+from app.strict_json import OddRow, decode_numbers, decode_rows
 from kinematics.spatial_vectors import spatial_vector
 from kinematics.task import Task
 from robots.robot import FloatArray
@@ -48,19 +47,13 @@ def read_vector(
     """
     text = bytes(raw)
     if text[:1] == b"[" and text[1:64].lstrip()[:1] == b"[":
-        batch = decode_rows(text, pointer)
-        if isinstance(batch, list):
-            for index, row in enumerate(batch):
-                spatial_vector(row, rows, f"{pointer}/{index}")
-        values = spatial_vector(batch, rows, pointer)
-        if len(values) > context.settings.max_batch:
-            raise RequestProblem(
-                INVALID_REQUEST,
-                f"{pointer[1:]} holds {len(values)} rows; give 1 to {context.settings.max_batch}",
-                pointer,
-            )
-        return values
-    return spatial_vector(decode_json(text, list[float], pointer), rows, pointer)
+        try:
+            batch = decode_rows(text, pointer, len(rows), context.settings.max_batch)
+        except OddRow as odd:
+            place = f"{pointer}/{odd.index}" if odd.index else pointer
+            return spatial_vector(odd.row, rows, place)
+        return spatial_vector(batch, rows, pointer)
+    return spatial_vector(decode_numbers(text, pointer), rows, pointer)
 
 
 def angular_rows(task: Task) -> NDArray[np.bool_]:

@@ -13,11 +13,13 @@ from app.operations.base import (
     Context,
     Numbers,
     Operation,
+    OptionalConfiguration,
     SingleConfiguration,
     TaskField,
     read_single,
 )
 from app.operations.inverse import NOT_GIVEN, not_given
+from app.operations.schema import items, within
 from kinematics.configuration import joint_names
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.step import StepTask, differential_step
@@ -44,17 +46,20 @@ class StepRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
         msgspec.Meta(description="Wanted motion, one value a task row: m, and rad (or degrees)."),
     ]
     z: Annotated[
-        SingleConfiguration,
+        OptionalConfiguration,
         msgspec.Meta(description="Wanted joint motion; its part in the null space is added."),
     ] = msgspec.field(default_factory=not_given)
     task: TaskField = "pose"
     frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
     damping: Annotated[
-        float, msgspec.Meta(description="λ of damped least squares; 0: the pseudo-inverse.")
+        float,
+        msgspec.Meta(description="λ of damped least squares; 0: the pseudo-inverse."),
+        within(0, 1e3),
     ] = 0.0
     secondary: Annotated[
         list[SecondaryStep],
         msgspec.Meta(description="Tasks of lower priority, in strict order, instead of z."),
+        items(0, MAX_SECONDARY),
     ] = []
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import msgspec
 
 from app.operations.base import UNITS_SCHEMA, Answer, Context, Operation, TaskField
+from app.operations.schema import any_of, one_of
 from app.wire import C_SOURCE, JSON, LATEX, PYTHON_SOURCE, TEXT
 from dh_to_urdf import Convention, extract
 from kinematics import symbolic
@@ -32,8 +33,9 @@ class SymbolicRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
         list[str] | str,
         msgspec.Meta(
             description="Of A (link matrices), T0 (products 0A_k), T, position, rotation,"
-            ' jacobian, det_jacobian; or "all". Default T.'
+            ' jacobian, det_jacobian; or "all". Default T.',
         ),
+        any_of({"enum": ["all", *Quantity]}, {"type": "array", "items": {"enum": list(Quantity)}}),
     ] = msgspec.field(default_factory=lambda: ["T"])
     parameters: Annotated[
         str,
@@ -41,6 +43,7 @@ class SymbolicRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
             description="numeric (default): lengths as numbers; symbolic: by name, a2 and d4, in"
             " khalil D2 and R4, of the base xb yb zb, of the tool xt yt zt."
         ),
+        one_of(("numeric", "symbolic")),
     ] = "numeric"
     symbols: Annotated[
         dict[str, str],
@@ -66,10 +69,16 @@ class SymbolicRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
         ),
     ] = None
     format: Annotated[
-        str, msgspec.Meta(description="How expressions are written: text, latex, python or c.")
+        str,
+        msgspec.Meta(description="How expressions are written: text, latex, python or c."),
+        one_of(Notation),
     ] = "text"
     time_budget_ms: Annotated[
-        float, msgspec.Meta(description="For simplification, milliseconds.")
+        float,
+        msgspec.Meta(
+            description="For simplification, milliseconds.",
+            extra_json_schema={"exclusiveMinimum": 0},
+        ),
     ] = DEFAULT_BUDGET * 1e3
 
 

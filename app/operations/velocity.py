@@ -22,6 +22,7 @@ from app.operations.base import (
     read_configuration,
     read_reference_frame,
 )
+from app.operations.schema import within
 from app.operations.spatial import TwistField, angular_rows, read_vector
 from kinematics.configuration import joint_names
 from kinematics.singularity import RANK_TOLERANCE
@@ -62,6 +63,7 @@ class JointVelocitiesRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only
         msgspec.Meta(
             description="λ of qd = Jᵀ (J Jᵀ + λ² I)⁻¹ twist; 0 (none), or 1e-12 up to 1e6."
         ),
+        within(0, 1e6),
     ] = 0.0
     tolerance: RankToleranceField = RANK_TOLERANCE
 

@@ -11,12 +11,20 @@ from fastapi import FastAPI, Request, Response
 from fastapi.responses import StreamingResponse
 
 from app.dependencies import Services, services_of
+from app.npy import decode_npy
 from app.openapi import inline_request_type
 from app.operations import OPERATIONS, Answer, Operation
 from app.operations.base import Context
 from app.pictures.png import png_of
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.query import body_from_query, check_query, units_of
+from app.settings import Settings
+from app.strict_json import (
+    MAX_FIELD,
+    check_fields,
+    decode_json,
+    refuse_doubled_keys,
+)
 from app.units import Units
 from app.wire import (
     JSON,
@@ -24,8 +32,6 @@ from app.wire import (
     NPY,
     PNG,
     SVG,
-    decode_json,
-    decode_npy,
     json_lines,
     read_body,
     require_type,
@@ -37,6 +43,10 @@ from robots.robot import Robot
 PLAIN = Units()
 INLINE_BYTES = 4_000
 """Bodies above this are read in a thread, so that they do not delay other requests."""
+BATCHES = ("q", "qd", "tau", "twist", "wrench")
+"""Fields of rows of numbers, which are read piece by piece."""
+TARGET_BYTES = 1_000
+"""Room for one of many targets."""
 
 
 def add_routes(app: FastAPI, max_body: int) -> None:
@@ -82,7 +92,7 @@ class _Handlers:
         decode = _npy_decoder if kind == NPY else _json_decoder
         return await _answer(
             services, operation, stored.robot, units, wanted, len(body),
-            lambda: decode(operation, body, parameters),
+            lambda: decode(operation, body, parameters, services.settings),
         )  # fmt: skip
 
     async def get(self, request: Request) -> Response:
@@ -105,11 +115,27 @@ class _Handlers:
         units, wanted = units_of(request), wanted_type(request, *self.offers)
         body = await read_body(request, self.max_body)
         if len(body) > INLINE_BYTES:
-            parsed = await services.computed(lambda: decode_json(body, self.inline_type))
+            parsed = await services.computed(lambda: self._inline(body, services.settings))
         else:
-            parsed = decode_json(body, self.inline_type)
-        robot = await services.inline_robot(parsed.robot)  # type: ignore[attr-defined]
+            parsed = self._inline(body, services.settings)
+        robot = await services.inline_robot(parsed.robot)
         return await _answer(services, operation, robot, units, wanted, len(body), lambda: parsed)
+
+    def _inline(self, body: bytes, settings: Settings) -> Any:
+        if len(body) > MAX_FIELD:
+            limits = _most_bytes(settings) | {"robot": settings.max_document_bytes}
+            check_fields(body, limits)
+        parsed: Any = decode_json(body, self.inline_type)
+        robot = bytes(parsed.robot)
+        # A robot is looked at by itself, once for many requests.
+        refuse_doubled_keys(body.replace(robot, b"0", 1) if robot[:1] == b"{" else body)
+        return parsed
+
+
+def _most_bytes(settings: Settings) -> dict[str, int]:
+    """Bytes of the fields that hold batches."""
+    batches = dict.fromkeys(BATCHES, settings.max_compute_bytes)
+    return batches | {"targets": settings.max_ik_batch * TARGET_BYTES}
 
 
 async def _answer(
@@ -177,11 +203,25 @@ async def _streamed(
     return StreamingResponse(body(), media_type=NDJSON)
 
 
-def _json_decoder(operation: Operation, body: bytes, parameters: bytes) -> msgspec.Struct:  # noqa: ARG001
-    return decode_json(body, operation.request)
+def _json_decoder(
+    operation: Operation,
+    body: bytes,
+    parameters: bytes,  # noqa: ARG001
+    settings: Settings,
+) -> msgspec.Struct:
+    if len(body) > MAX_FIELD:
+        check_fields(body, _most_bytes(settings))
+    request = decode_json(body, operation.request)
+    refuse_doubled_keys(body)
+    return request
 
 
-def _npy_decoder(operation: Operation, body: bytes, parameters: bytes) -> msgspec.Struct:
+def _npy_decoder(
+    operation: Operation,
+    body: bytes,
+    parameters: bytes,
+    settings: Settings,  # noqa: ARG001
+) -> msgspec.Struct:
     array = decode_npy(body)
     field = operation.array_field or "q"
     values = decode_json(parameters, dict[str, Any])

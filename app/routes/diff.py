@@ -13,8 +13,9 @@ from app.openapi import PROBLEMS, REF
 from app.operations.base import UNITS_SCHEMA
 from app.problems import RequestProblem
 from app.query import check_query, units_of
+from app.strict_json import decode_body
 from app.units import Units
-from app.wire import JSON, TEXT, decode_json, read_body, require_type, respond, wanted_type
+from app.wire import JSON, TEXT, read_body, require_type, respond, wanted_type
 from dh_to_urdf import DHError, Problem
 from dh_to_urdf.extraction.comparison import Comparison, Difference, compare
 from robots.chains import chain_of_robot
@@ -147,7 +148,7 @@ T = TypeVar("T")
 async def _asked(request: Request, max_body: int, type_: type[T]) -> T:
     check_query(request)
     require_type(request, JSON)
-    return decode_json(await read_body(request, max_body), type_)
+    return decode_body(await read_body(request, max_body), type_)
 
 
 async def _other(services: ServicesDep, asked: DiffRequest) -> Robot:

@@ -213,7 +213,7 @@ def build_router(max_body: int) -> APIRouter:
         check_query(request, "page_size", "page_token", common=("format",))
         wanted = wanted_type(request, JSON, TEXT)
         text = request.query_params.get("page_size", str(DEFAULT_PAGE))
-        page_size = int(text) if re.fullmatch(r"\d{1,6}", text) else 0
+        page_size = int(text) if re.fullmatch(r"[0-9]{1,6}", text) else 0
         page_token = request.query_params.get("page_token", "")
         if not 1 <= page_size <= MAX_PAGE:
             raise RequestProblem(

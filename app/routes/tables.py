@@ -13,13 +13,13 @@ from app.openapi import PROBLEMS, REF
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.query import check_query, number, units_of
 from app.routes.robots import etag, not_modified
+from app.strict_json import decode_body
 from app.units import Units
 from app.wire import (
     CSV,
     JSON,
     TEXT,
     YAML,
-    decode_json,
     read_body,
     require_type,
     respond,
@@ -109,7 +109,7 @@ def build_router(max_body: int) -> APIRouter:
         """Points and directions of the axes at q = 0, as measured on a drawing, in base axes."""
         check_query(request, "convention", *EXTRACTION)
         require_type(request, JSON)
-        data = decode_json(await read_body(request, max_body), Any)
+        data = decode_body(await read_body(request, max_body), Any)
         inside = data.pop("convention", None) if isinstance(data, dict) else None
         named = request.query_params.get("convention")
         if inside is not None and named is not None:
