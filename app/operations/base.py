@@ -178,6 +178,8 @@ class Operation:
         return self.run(robot, request, context) if is_light(robot, request) else None
 
 
+MAX_INTEGER = 10**300
+"""Beyond it an integer is no floating-point number."""
 LIGHT_DOF = 16
 LIGHT_FRAMES = 40
 MAX_NUMBERS = 12_000_000
@@ -277,7 +279,8 @@ def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str, most: int) -> Any:
             )
         values = decode_json(text, dict[str, Any], pointer)
         for joint, value in values.items():
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
+            plain = isinstance(value, (int, float)) and not isinstance(value, bool)
+            if not plain or abs(value) > MAX_INTEGER:
                 raise RequestProblem(
                     INVALID_REQUEST,
                     f"{name} of joint {joint[:64]} is {quoted(value)}; give a number",

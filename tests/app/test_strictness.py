@@ -423,6 +423,8 @@ def test_problems_are_text_for_those_who_ask_for_text(client):
 @pytest.mark.parametrize(
     ("path", "body", "pointer"),
     [
+        ("fk", {"q": {"j1": 0, "j2": 10**400}}, "/q/j2"),
+        ("fk", {"q": {"j1": 0, "j2": -(10**20)}}, "/q/1"),
         ("singularity", {"q": [0, 0], "tolerance": -1}, "/tolerance"),
         ("singularity", {"q": [0, 0], "tolerance": 1e308}, "/tolerance"),
         ("singularity", {"q": [0, 0], "characteristic_length": 0}, "/characteristic_length"),
