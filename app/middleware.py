@@ -11,6 +11,7 @@ from fastapi import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.problems import INTERNAL, problem_response
+from app.telemetry.lines import REQUEST_ID
 from dh_to_urdf import Problem
 
 _LOG = logging.getLogger("denavit")
@@ -36,6 +37,7 @@ class RequestId:
         else:
             request_id = f"{self.prefix}-{next(self.counter):x}"
         scope.setdefault("state", {})["request_id"] = request_id
+        REQUEST_ID.set(request_id)
 
         started = False
 
@@ -55,7 +57,7 @@ class RequestId:
         except Exception:
             if started:
                 raise
-            _LOG.exception("request %s failed", request_id)
+            _LOG.exception("request failed")
             message = "this should not happen; please report it with the request_id"
             response = problem_response(Request(scope), INTERNAL, [Problem("", message)])
             await response(scope, receive, send_with_id)

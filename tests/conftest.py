@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 import httpx
 import pytest
@@ -26,7 +27,7 @@ def unused_port() -> int:
 
 @contextmanager
 def running_server(
-    data_dir: Path, *arguments: str
+    data_dir: Path, *arguments: str, stderr: IO[bytes] | None = None
 ) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
     """A ``denavit serve`` of its own; gives its address and process."""
     port = unused_port()
@@ -35,6 +36,7 @@ def running_server(
         [*command, "--data-dir", str(data_dir), *arguments],
         env={"DENAVIT_PRELOAD": "false", **os.environ, "PYTHONWARNINGS": "default"},
         start_new_session=True,
+        stderr=stderr,
     )
     address = f"http://127.0.0.1:{port}"
     try:

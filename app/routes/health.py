@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-import os
-
 import msgspec
+from anyio.to_thread import run_sync
 from fastapi import APIRouter, Request, Response
 
-from app.dependencies import ServicesDep
+from app.dependencies import Services
 from app.problems import ALL_TYPES, ProblemType, RequestProblem
+from app.readiness import Check, Readiness, WritableDirectory
 from app.wire import JSON, TEXT, respond, wanted_type
+from kinematics.compiled import COMPILED
+from robots.shipped import shipped_ids
 
 router = APIRouter()
 
 
 class Health(msgspec.Struct, kw_only=True):
-    """State of the service."""
+    """State of the process."""
 
     status: str
 
@@ -26,13 +28,24 @@ async def live() -> Response:
     return Response(b'{"status":"live"}', media_type=JSON)
 
 
+def add_checks(readiness: Readiness, services: Services) -> None:
+    """Adds what this service needs, once its kernels are loaded."""
+
+    def library() -> Check:
+        services.store.get("planar_2r")
+        return Check(status="ok", detail=f"{len(shipped_ids())} robots")
+
+    kernels = Check(status="ok", detail="compiled" if COMPILED else "not compiled: no Numba here")
+    readiness.add("kernels", lambda: kernels)
+    readiness.add("library", library)
+    readiness.add("uploads", WritableDirectory(services.settings.data_dir))
+
+
 @router.get("/health/ready", tags=["health"], summary="Can it do its work?")
-async def ready(services: ServicesDep) -> Response:
-    """Loads a shipped robot and checks that uploads can be written."""
-    await services.robot("planar_2r")
-    writable = os.access(services.settings.data_dir, os.W_OK)
-    state = "ready" if writable else "data directory is not writable"
-    return respond({"status": state}, status=200 if writable else 503)
+async def ready(request: Request) -> Response:
+    """Runs each check; 503 where one has failed and while the service is stopping."""
+    report = await run_sync(request.app.state.readiness.report)
+    return respond(msgspec.to_builtins(report), status=200 if report.status == "ready" else 503)
 
 
 @router.get("/", include_in_schema=False)
