@@ -6,11 +6,12 @@ import itertools
 import logging
 import re
 import secrets
+from asyncio import CancelledError
 
 from fastapi import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.problems import INTERNAL, problem_response
+from app.problems import INTERNAL, STOPPING, problem_response
 from app.telemetry.lines import REQUEST_ID
 from dh_to_urdf import Problem
 
@@ -54,6 +55,13 @@ class RequestId:
 
         try:
             await self.app(scope, receive, send_with_id)
+        except CancelledError:
+            if started:
+                raise
+            message = "the service stopped before this was done; ask again"
+            problems, headers = [Problem("", message)], {"Retry-After": "1"}
+            response = problem_response(Request(scope), STOPPING, problems, headers)
+            await response(scope, receive, send_with_id)
         except Exception:
             if started:
                 raise

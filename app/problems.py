@@ -63,6 +63,7 @@ UNSUPPORTED_TYPE = ProblemType("unsupported-media-type", 415, "This body type is
 NOT_ACCEPTABLE = ProblemType("not-acceptable", 406, "The answer has no such form")
 TOO_LARGE = ProblemType("too-large", 413, "The request is too large")
 INTERNAL = ProblemType("internal-error", 500, "The service failed")
+STOPPING = ProblemType("stopping", 503, "The service is stopping")
 
 BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     DHSyntaxError: MALFORMED_BODY,
@@ -95,7 +96,15 @@ BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     ),
 }
 
-_GENERIC = (INVALID_REQUEST, MALFORMED_BODY, UNSUPPORTED_TYPE, NOT_ACCEPTABLE, TOO_LARGE, INTERNAL)
+_GENERIC = (
+    INVALID_REQUEST,
+    MALFORMED_BODY,
+    UNSUPPORTED_TYPE,
+    NOT_ACCEPTABLE,
+    TOO_LARGE,
+    INTERNAL,
+    STOPPING,
+)
 ALL_TYPES = {type_.slug: type_ for type_ in (*BY_EXCEPTION.values(), *_GENERIC)}
 
 

@@ -7,8 +7,8 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
@@ -81,6 +81,42 @@ def free_port() -> int:
 def start_server():
     """The context manager that starts a server of a test's own."""
     return running_server
+
+
+@pytest.fixture
+def children():
+    """A function that gives the child processes of a process, with their command lines."""
+    return children_of
+
+
+@pytest.fixture
+def worker_pids():
+    """A function that gives the processes of a server's workers."""
+    return lambda process: [
+        pid for pid, command in children_of(process.pid).items() if "spawn_main" in command
+    ]
+
+
+def children_of(pid: int) -> dict[int, str]:
+    found = {}
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+        for child in task.read_text().split():
+            with suppress(OSError):
+                found[int(child)] = Path(f"/proc/{child}/cmdline").read_text()
+    return found
+
+
+@pytest.fixture
+def wait_for():
+    """A function that waits until a condition holds."""
+
+    def wait(condition: Callable[[], object], seconds: float = 90) -> None:
+        deadline = time.monotonic() + seconds
+        while not condition():
+            assert time.monotonic() < deadline, "waited in vain"
+            time.sleep(0.05)
+
+    return wait
 
 
 @pytest.fixture(scope="session")

@@ -69,6 +69,9 @@ class Server(uvicorn.Server):
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002
         """A signal has come."""
+        if not self.started:
+            logging.shutdown()
+            os._exit(0)
         if self.should_exit or sig == signal.SIGQUIT:
             self.force_exit = True
         self.should_exit = True
@@ -81,6 +84,9 @@ class Server(uvicorn.Server):
             await asyncio.sleep(0.1)
             left -= 0.1
         await super().shutdown(sockets)
+        if self.force_exit:  # uvicorn leaves this out
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self.lifespan.shutdown(), 1.0)
 
 
 def run_server(settings: Settings, sockets: list[socket.socket], server_class: type[Server]) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 
 import click
@@ -22,6 +23,8 @@ def serve(settings: Settings) -> int:
         Exit status: 0 after a signal, 1 where the service cannot start; a log line says why.
     """
     log_to_stderr(settings)
+    # Until the server takes over, a signal ends the process at once, and with 0.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     try:
         require_exporters()
         sockets = bound_sockets(settings.host, settings.port)

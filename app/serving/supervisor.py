@@ -16,16 +16,20 @@ from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from types import FrameType
 
-from app.serving.worker import SERVING, Task, work
+from app.serving.worker import BEAT_SECONDS, SERVING, Task, work
 from app.settings import Settings
 from app.telemetry.metrics import forget_worker
-from app.telemetry.processes import pid_file
+from app.telemetry.processes import cpu_seconds, pid_file
 
 LOG = logging.getLogger("denavit.serving")
 STARTS = 3
 """After so many starts in a row that fail, with no worker serving, the service gives up."""
-HUNG_SECONDS = 10.0
-"""A worker that is silent for so long is stuck, and is replaced."""
+BUSY_SECONDS = 8.0
+"""A worker that has worked for so long and said nothing is stuck, and is replaced. What counts is
+its processor time: on a machine that has none to give, silence means nothing."""
+SILENT_SECONDS = 60.0
+STARTING_SECONDS = 600.0
+"""A worker that is silent for so long is replaced in any case."""
 LONGEST_PAUSE = 30.0
 MARGIN_SECONDS = 3.0
 """How much longer than its own time to stop a worker may take."""
@@ -37,7 +41,18 @@ class _Worker:
     process: SpawnProcess
     connection: Connection
     heard: float
+    cpu: float = 0.0
     serving: bool = False
+
+    @property
+    def stuck(self) -> bool:
+        """Whether it is alive only in name."""
+        silent = time.monotonic() - self.heard
+        if silent < 2 * BEAT_SECONDS:
+            return False
+        if silent > (SILENT_SECONDS if self.serving else STARTING_SECONDS):
+            return True
+        return self.serving and cpu_seconds(self.process.pid) - self.cpu > BUSY_SECONDS
 
 
 class Supervisor:
@@ -122,7 +137,7 @@ class Supervisor:
         except (OSError, EOFError):
             worker.connection.close()
             return
-        worker.heard = time.monotonic()
+        worker.heard, worker.cpu = time.monotonic(), cpu_seconds(worker.process.pid)
         if said == SERVING and not worker.serving:
             worker.serving = True
             self._failed_starts = 0
@@ -131,10 +146,9 @@ class Supervisor:
         """Puts down the stuck, and lets each of the dead be replaced."""
         for worker in list(self._workers.values()):
             process = worker.process
-            if process.is_alive() and time.monotonic() - worker.heard > HUNG_SECONDS:
-                LOG.error(
-                    "worker %d is stuck: silent for %.0f s; killed", worker.slot, HUNG_SECONDS
-                )
+            if process.is_alive() and worker.stuck:
+                silent = time.monotonic() - worker.heard
+                LOG.error("worker %d is stuck, silent for %.0f s: killed", worker.slot, silent)
                 process.kill()
                 process.join()
             if process.is_alive():
@@ -152,6 +166,9 @@ class Supervisor:
 
     def _stop(self) -> None:
         """Ends all workers: in good order, at once on a further signal, by force if need be."""
+        # The kernel listens until the last process lets go.
+        for one in self._sockets:
+            one.close()
         if not self._workers:
             return
         LOG.info("stopping; a second signal stops at once")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from asyncio import CancelledError
 from time import perf_counter, time
 from typing import Any
 
@@ -12,6 +13,7 @@ from app.telemetry.lines import LineHandler, head
 from app.telemetry.metrics import Metrics
 
 ACCESS = logging.getLogger("denavit.access")
+LOG = logging.getLogger("denavit")
 UNMATCHED = "unmatched"
 """Stands for the route of requests that no route takes, or that are turned away before."""
 REHEARSAL = "denavit.rehearsal"
@@ -60,6 +62,9 @@ class Observed:
             metrics.in_progress.inc()
         try:
             await self.app(scope, receive, observed_send)
+        except CancelledError:
+            # The server stops. It closes the connection of an answer that does not end.
+            LOG.warning("request cut off")
         finally:
             seconds = perf_counter() - begun
             route = self._route(scope)

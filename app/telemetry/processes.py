@@ -48,6 +48,12 @@ def usage(directory: Path | None) -> Iterator[tuple[str, Usage]]:
             yield slot, found
 
 
+def cpu_seconds(pid: int | None) -> float:
+    """Processor time of a process so far; 0 where it cannot be known."""
+    found = None if pid is None else _usage_of(pid)
+    return 0.0 if found is None else found.cpu_seconds
+
+
 def _usage_of(pid: int) -> Usage | None:
     try:
         fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()

@@ -15,8 +15,10 @@ NASTY = (
     "\x9b31m", "\ud800", "\U000e0041", '{"level":"info"}', "\u200f", "é",
 )  # fmt: skip
 texts = st.one_of(
-    st.text(st.characters(exclude_categories=())), st.sampled_from(NASTY), st.text("\n\x1b}", max_size=9000)
-)  # fmt: skip
+    st.text(st.characters(exclude_categories=())),
+    st.sampled_from(NASTY),
+    st.text("\n\x1b}", max_size=9000),
+)
 
 
 def record(event, fields=None, error=None):

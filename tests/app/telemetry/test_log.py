@@ -52,7 +52,7 @@ def hostile(address):
         f"GET /health/live HTTP/1.1\r\nHost: a\r\nX-Request-ID: x {FORGED}\r\n",
         "GET /nope HTTP/1.1\r\nHost: a\r\nX-Request-ID: \u202e\x1b[2J\x85\r\n",
         f"GET /nope HTTP/1.1\r\nHost: a\r\nX-Forwarded-For: \u202e{FORGED}\r\n",
-        f"GET /nope HTTP/1.1\r\nHost: a\r\nUser-Agent: {FORGED}\x1b[31m\r\nAuthorization: {SECRET}\r\n",
+        f"GET /nope HTTP/1.1\r\nHost: a\r\nUser-Agent: {FORGED}\x1b\r\nAuthorization: {SECRET}\r\n",
         f"GET /nope HTTP/1.1\r\nHost: a\r\nX-A: b\n{FORGED}\n\r\n",
         "GET /nope HTTP/1.1\r\nHost: a\r\nConnection: Upgrade\r\nUpgrade: \x1b]0;x\x07\r\n",
         f"FORGED{FORGED} / HTTP/1.1\r\nHost: a\r\n",
@@ -82,7 +82,7 @@ def test_nothing_that_a_request_carries_makes_a_line(logged, workers):
     lines = [json.loads(line) for line in written.decode("ascii").splitlines()]
     assert SECRET not in written.decode()
     assert all({"time", "level", "event", "logger", "pid"} <= line.keys() for line in lines)
-    assert all(line["level"] in ("info", "warning") for line in lines)
+    assert not [line for line in lines if line["level"] not in ("info", "warning")]
     assert not any("forged" in str(line) for line in lines)
     assert sum(line["event"] == "request" for line in lines) > 15
 
@@ -143,7 +143,7 @@ def test_text_is_for_people(logged, monkeypatch):
     lines = written.split("\n")
     assert all(line.isprintable() for line in lines)
     assert any(
-        re.match(r"\d\d:\d\d:\d\dZ? INFO +request method=GET route=", line) for line in lines
+        re.match(r"\d\d:\d\d:\d\d INFO +request .*method=GET route=/", line) for line in lines
     )
 
 
