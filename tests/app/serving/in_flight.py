@@ -1,7 +1,7 @@
 """Requests that take their time, and what is left of processes."""
 
+import json
 import threading
-import time
 from pathlib import Path
 
 import httpx
@@ -22,7 +22,7 @@ class Asked(threading.Thread):
 
     def __init__(self, call):
         super().__init__(daemon=True)
-        self.call, self.answer, self.error, self.ended = call, None, None, None
+        self.call, self.answer, self.error, self.lines = call, None, None, []
         self.start()
 
     def run(self):
@@ -30,7 +30,6 @@ class Asked(threading.Thread):
             self.answer = self.call()
         except httpx.HTTPError as error:
             self.error = error
-        self.ended = time.monotonic()
 
 
 def symbolic(address, seconds):
@@ -41,11 +40,19 @@ def symbolic(address, seconds):
 
 
 def stream(address, targets):
-    """A request that computes in a thread and sends a line for each target."""
-    body = {"targets": [HARD] * targets, "max_restarts": 10_000, "time_budget_ms": 60_000}
+    """A request that computes in a thread and sends lines, some hundreds at a time."""
+    body = {"targets": [HARD] * targets, "max_restarts": 300, "time_budget_ms": 60_000}
     headers = {"Accept": "application/x-ndjson"}
     url = f"{address}/v1/robots/talos_arm/ik"
-    return Asked(lambda: httpx.post(url, json=body, headers=headers, timeout=120))
+
+    def read():
+        with httpx.stream("POST", url, json=body, headers=headers, timeout=120) as answer:
+            for line in answer.iter_lines():
+                asked.lines.append(json.loads(line))
+        return answer
+
+    asked = Asked(read)
+    return asked
 
 
 def symbolic_processes(children, root):
