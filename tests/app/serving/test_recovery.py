@@ -41,12 +41,12 @@ class Load:
             thread.start()
 
     def run(self):
-        client = httpx.Client(timeout=30)
-        while self.going:
-            try:
-                self.statuses.append(client.get(f"{self.address}{FK}").status_code)
-            except httpx.TransportError:
-                self.lost += 1
+        with httpx.Client(timeout=30) as client:
+            while self.going:
+                try:
+                    self.statuses.append(client.get(f"{self.address}{FK}").status_code)
+                except httpx.TransportError:
+                    self.lost += 1
 
     def stop(self):
         self.going = False
