@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
+import sys
 from pathlib import Path
 
 import click
-import uvicorn
+from pydantic import ValidationError
 
 from app.query import number
 from app.settings import Settings
@@ -14,7 +16,6 @@ from app.text import render_text
 from app.units import Units
 from dh_to_urdf import DHError, read_json, read_par, read_yaml
 from kinematics.errors import KinematicsError
-from kinematics.warm import warm_up
 from robots.errors import RobotError, StorageError
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 from robots.store import RobotStore
@@ -31,39 +32,33 @@ def main() -> None:
 @click.option("--port", type=click.IntRange(0, 65535), help="Port to listen on; default 8000.")
 @click.option("--workers", type=click.IntRange(1, 256), help="Worker processes; default 1.")
 @click.option("--data-dir", type=click.Path(path_type=Path), help="Where uploads are kept.")
-@click.option("--log-level", default="info", show_default=True)
+@click.option("--log-level", help="debug, info (the default), warning, error or critical.")
 def serve(
-    host: str | None, port: int | None, workers: int | None, data_dir: Path | None, log_level: str
+    host: str | None,
+    port: int | None,
+    workers: int | None,
+    data_dir: Path | None,
+    log_level: str | None,
 ) -> None:
     """Serves the API. Every option is a setting too: DENAVIT_HOST, DENAVIT_PORT, …."""
     given = {"host": host, "port": port, "workers": workers, "data_dir": data_dir}
+    given["log_level"] = log_level
     for name, value in given.items():
         if value is not None:
             os.environ[f"DENAVIT_{name.upper()}"] = str(value)
-    settings = Settings()
-    # Once, before the workers start: they share the directory and the compiled code.
-    RobotStore(settings.data_dir)
-    click.echo("Loading the solvers (a minute after an update, else a moment) …", err=True)
-    warm_up()
-    shown = "localhost" if settings.host in ("127.0.0.1", "0.0.0.0", "::") else settings.host
-    click.echo(
-        f"Denavit listens on http://{shown}:{settings.port}  (docs: /docs, robots:"
-        f" {settings.data_dir})\nTry:\n  curl 'http://{shown}:{settings.port}/v1/robots/puma560/fk"
-        "?q=0,45,-90,0,45,0&angle=deg&format=text'",
-        err=True,
-    )
-    uvicorn.run(
-        "app.main:create_app",
-        factory=True,
-        host=settings.host,
-        port=settings.port,
-        workers=settings.workers,
-        log_level=log_level,
-        access_log=log_level in ("debug", "trace"),
-        server_header=False,
-        timeout_graceful_shutdown=30,
-        # A busy machine takes longer than the default of 5 s to import a worker: not a dead one.
-        timeout_worker_healthcheck=60,
+    try:
+        settings = Settings()
+    except ValidationError as error:
+        raise click.ClickException(_told(error)) from None
+    from app.serving.service import serve as serve_until_stopped
+
+    sys.exit(serve_until_stopped(settings))
+
+
+def _told(error: ValidationError) -> str:
+    """What is wrong with the settings, a line each."""
+    return "\n".join(
+        f"DENAVIT_{str(item['loc'][0]).upper()}: {item['msg']}" for item in error.errors()
     )
 
 
@@ -78,6 +73,24 @@ def list_robots() -> None:
             click.echo(str(error), err=True)
             continue
         click.echo(f"{line.id:20} {line.kind:5} {line.dof:3}  {line.title}")
+
+
+@main.command("licences")
+@click.option("--sbom", is_flag=True, help="As CycloneDX JSON.")
+@click.option("--check", is_flag=True, help="Fail where a licence is not permissive, or unknown.")
+def list_licences(sbom: bool, check: bool) -> None:
+    """Lists the licences of all installed packages."""
+    from app.licences import cyclonedx, installed
+
+    packages = installed()
+    if sbom:
+        click.echo(json.dumps(cyclonedx(packages), indent=1))
+    else:
+        for one in packages:
+            click.echo(f"{one.name:28} {one.version:14} {one.licence or 'unknown'}")
+    refused = [one.name for one in packages if not one.permissive]
+    if check and refused:
+        raise click.ClickException(f"not permissive, or unknown: {', '.join(refused)}")
 
 
 @main.command("fk")

@@ -14,10 +14,14 @@ from app import docs, problems
 from app.dependencies import Services
 from app.middleware import RequestId
 from app.openapi import build_openapi
+from app.readiness import Readiness, ReadinessReport
 from app.rehearsal import rehearse
 from app.request_line import RequestLine
-from app.routes import compute, convert, diff, health, meshes, robots, tables
+from app.routes import compute, convert, diff, health, meshes, metrics, robots, tables
 from app.settings import Settings
+from app.telemetry.metrics import Metrics, shared_directory
+from app.telemetry.observed import Observed
+from app.telemetry.tracing import telemetry_config
 from kinematics.warm import warm_up
 
 DESCRIPTION = """Kinematics over HTTP: post a Denavit-Hartenberg table or a URDF, ask for forward
@@ -42,7 +46,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         await run_sync(warm_up)
         if chosen.preload:
             await rehearse(app, app.state.services)
+        health.add_checks(app.state.readiness, app.state.services)
         yield
+        app.state.readiness.stop()
         app.state.services.close()
 
     app = FastAPI(
@@ -53,7 +59,11 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redoc_url=None,
         lifespan=lifespan,
         redirect_slashes=False,
+        root_path=chosen.root_path,
+        telemetry=telemetry_config(),
     )
+    app.state.readiness = Readiness()
+    counted = Metrics(shared_directory()) if chosen.metrics else None
     compute.add_routes(app, chosen.max_compute_bytes)
     app.include_router(health.router)
     app.include_router(robots.build_router(chosen.max_document_bytes))
@@ -61,15 +71,21 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.include_router(convert.build_router(chosen.max_document_bytes))
     app.include_router(tables.build_router(chosen.max_document_bytes))
     app.include_router(diff.build_router(chosen.max_document_bytes))
+    if counted is not None:
+        metrics.add_route(app, counted)
     docs.install(app)
     problems.install(app)
     app.add_middleware(RequestLine)
     app.add_middleware(RequestId)
+    app.add_middleware(
+        Observed, counted, access_log=chosen.access_log, log_clients=chosen.log_clients
+    )
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
             types = (
                 robots.RobotView, robots.RobotList, meshes.MeshList, health.Health,
+                ReadinessReport,
                 diff.DiffRequest, diff.InlineDiffRequest, diff.DiffResponse,
             )  # fmt: skip
             app.openapi_schema = build_openapi(app, types)

@@ -6,11 +6,13 @@ import itertools
 import logging
 import re
 import secrets
+from asyncio import CancelledError
 
 from fastapi import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.problems import INTERNAL, problem_response
+from app.problems import INTERNAL, STOPPING, problem_response
+from app.telemetry.lines import REQUEST_ID
 from dh_to_urdf import Problem
 
 _LOG = logging.getLogger("denavit")
@@ -36,6 +38,7 @@ class RequestId:
         else:
             request_id = f"{self.prefix}-{next(self.counter):x}"
         scope.setdefault("state", {})["request_id"] = request_id
+        REQUEST_ID.set(request_id)
 
         started = False
 
@@ -52,10 +55,17 @@ class RequestId:
 
         try:
             await self.app(scope, receive, send_with_id)
+        except CancelledError:
+            if started:
+                raise
+            message = "the service stopped before this was done; ask again"
+            problems, headers = [Problem("", message)], {"Retry-After": "1"}
+            response = problem_response(Request(scope), STOPPING, problems, headers)
+            await response(scope, receive, send_with_id)
         except Exception:
             if started:
                 raise
-            _LOG.exception("request %s failed", request_id)
+            _LOG.exception("request failed")
             message = "this should not happen; please report it with the request_id"
             response = problem_response(Request(scope), INTERNAL, [Problem("", message)])
             await response(scope, receive, send_with_id)

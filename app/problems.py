@@ -70,6 +70,7 @@ TOO_LONG = ProblemType("uri-too-long", 414, "The address is too long")
 NOT_ACCEPTABLE = ProblemType("not-acceptable", 406, "The answer has no such form")
 TOO_LARGE = ProblemType("too-large", 413, "The request is too large")
 INTERNAL = ProblemType("internal-error", 500, "The service failed")
+STOPPING = ProblemType("stopping", 503, "The service is stopping")
 
 BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     DHSyntaxError: MALFORMED_BODY,
@@ -113,7 +114,7 @@ METHOD_NOT_ALLOWED = ProblemType("method-not-allowed", 405, "The method is not p
 
 _GENERIC = (
     INVALID_REQUEST, MALFORMED_BODY, UNSUPPORTED_TYPE, NOT_ACCEPTABLE, TOO_LARGE, TOO_LONG,
-    NOT_FOUND, METHOD_NOT_ALLOWED, INTERNAL,
+    NOT_FOUND, METHOD_NOT_ALLOWED, INTERNAL, STOPPING,
 )  # fmt: skip
 ALL_TYPES = {type_.slug: type_ for type_ in (*BY_EXCEPTION.values(), *_GENERIC)}
 

@@ -10,6 +10,7 @@ from fastapi import FastAPI
 
 from app.dependencies import Services
 from app.operations import OPERATIONS
+from app.telemetry.observed import REHEARSAL
 from app.wire import JSON
 from kinematics.warm import warm_up_on
 from robots.shipped import shipped_ids
@@ -46,6 +47,7 @@ async def _request(app: FastAPI, path: str, body: bytes) -> None:
         "client": ("127.0.0.1", 0),
         "server": ("localhost", 80),
         "state": {},
+        REHEARSAL: True,
     }
 
     async def receive() -> dict[str, Any]:

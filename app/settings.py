@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Literal
 
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -51,3 +52,23 @@ class Settings(BaseSettings):
     symbolic_workers: int = Field(
         default=1, ge=1, le=16, description="Processes for symbolic kinematics at a time."
     )
+    root_path: str = Field(
+        default="",
+        pattern=r"^(/[A-Za-z0-9._~-]+)*$",
+        description="Path prefix under which a reverse proxy shows the service.",
+    )
+    shutdown_seconds: float = Field(
+        default=25.0, ge=0, description="How long requests in flight may go on when stopping."
+    )
+    drain_seconds: float = Field(
+        default=0.0, ge=0, description="How long a stopping service still accepts, unready."
+    )
+    log_format: Literal["auto", "json", "text"] = Field(
+        default="auto", description="Form of log lines; auto is text on a terminal, else JSON."
+    )
+    log_level: Literal["debug", "info", "warning", "error", "critical"] = Field(
+        default="info", description="The least level that is logged."
+    )
+    access_log: bool = Field(default=True, description="A log line for each request.")
+    log_clients: bool = Field(default=False, description="Log lines name the client's address.")
+    metrics: bool = Field(default=True, description="Serve /metrics for Prometheus.")

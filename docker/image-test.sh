@@ -266,7 +266,7 @@ import importlib.util
 import shutil
 from pathlib import Path
 
-tools = "pip pip3 pip3.11 cc gcc g++ clang ld as strip make cmake ninja git uv".split()
+tools = "nginx curl wget pip pip3 pip3.11 cc gcc g++ clang ld as strip make cmake ninja git uv".split()
 assert not [name for name in tools if shutil.which(name)]
 modules = "pip setuptools wheel hatchling yourdfpy trimesh pytest hypothesis mypy ruff".split()
 assert not [name for name in modules if importlib.util.find_spec(name)]
@@ -290,6 +290,43 @@ for kind in ("CapInh", "CapPrm", "CapEff", "CapBnd", "CapAmb"):
     assert int(status[kind], 16) == 0, (kind, status[kind])
 assert status["NoNewPrivs"].strip() == "1"
 PY
+}
+
+# The lists name what is installed, and nothing that is not permissive.
+test_lists() {
+  inside denavit licences --check >"$work/licences" &&
+    inside cat /opt/denavit/share/sbom.cdx.json >"$work/sbom.json" &&
+    python3 - "$work" <<'PY'
+import json
+import sys
+from pathlib import Path
+
+work = Path(sys.argv[1])
+bill = json.loads((work / "sbom.json").read_text())
+assert bill["bomFormat"] == "CycloneDX"
+names = {component["name"] for component in bill["components"]}
+listed = {line.split()[0] for line in (work / "licences").read_text().splitlines()}
+assert listed - {"denavit"} <= names, listed - names
+assert {"pin", "fastapi", "python", "libgomp1", "libc6"} <= names
+assert "jrl-cmakemodules" not in names
+PY
+}
+
+# Every line that the service has written is an event in JSON.
+test_log() {
+  engine logs "$NAME" >"$work/log" 2>&1
+  python3 - "$work/log" <<'PY'
+import json
+import sys
+
+lines = [json.loads(line) for line in open(sys.argv[1], encoding="ascii")]
+assert any(line.get("route") == "/v1/robots/{robot_id}/fk" for line in lines)
+assert all({"time", "level", "event"} <= line.keys() for line in lines)
+PY
+}
+
+test_metrics() {
+  get /metrics | grep -q '^denavit_http_requests_total{method="POST",route="/v1/robots/{robot_id}/fk",status_class="2xx"} [1-9]'
 }
 
 # The service must run the image's kernels: in its own copy of the cache none is new.
@@ -347,6 +384,9 @@ run_tests() {
   check "docs have their assets" answers /docs-assets/swagger-ui-bundle.js
   check "no pip, compiler, header, mesh or developer's package inside" test_contents
   check "user 10001, no capability, no new privileges" test_confinement
+  check "list of materials, permissive licences" test_lists
+  check "metrics" test_metrics
+  check "log lines are JSON" test_log
   refuse "root file system is read-only" inside python -c 'open("/opt/denavit/x", "w")'
   check "/tmp and /data are not" inside python -c 'open("/tmp/x", "w"); open("/data/x", "w")'
 

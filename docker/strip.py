@@ -51,6 +51,7 @@ def main() -> None:
     remove_unused()
     strip_binaries()
     link_duplicates()
+    forget_emptied()
     print(f"{SITE}: {before / 2**20:.0f} MiB before, {size(SITE) / 2**20:.0f} MiB after")
 
 
@@ -98,7 +99,7 @@ def linked(binary: Path) -> list[str]:
 
 
 def remove_unused() -> None:
-    """Removes UNUSED, sources, the lists of installed files, and the packages' commands."""
+    """Removes UNUSED, sources, and the packages' commands."""
     for package, patterns in UNUSED.items():
         for pattern in patterns.split():
             for path in list((SITE / package).glob(pattern)):
@@ -107,7 +108,7 @@ def remove_unused() -> None:
                 else:
                     path.unlink()
     for path in list(SITE.rglob("*")):
-        if path.suffix in BUILD_SUFFIXES or path.match("*.dist-info/RECORD"):
+        if path.suffix in BUILD_SUFFIXES:
             path.unlink()
         elif path.name == "__pycache__":
             shutil.rmtree(path)
@@ -154,6 +155,21 @@ def link_duplicates() -> None:
         if kept != path:
             path.unlink()
             path.symlink_to(Path("..") / kept.relative_to(SITE))
+
+
+def forget_emptied() -> None:
+    """Removes the lists of installed files, and all trace of packages that have no file left.
+
+    What is listed as installed afterwards is what the image carries.
+    """
+    for record in list(SITE.glob("*.dist-info/RECORD")):
+        names = [line.rsplit(",", 2)[0] for line in record.read_text(encoding="utf-8").splitlines()]
+        own = record.parent.name + "/"
+        if any((SITE / name).exists() for name in names if not name.startswith(own)):
+            record.unlink()
+        else:
+            print(f"nothing is left of {record.parent.name}")
+            shutil.rmtree(record.parent)
 
 
 def remove_files(folder: Path, *, keep: set[Path]) -> None:

@@ -7,9 +7,10 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import IO
 
 import httpx
 import pytest
@@ -26,7 +27,7 @@ def unused_port() -> int:
 
 @contextmanager
 def running_server(
-    data_dir: Path, *arguments: str
+    data_dir: Path, *arguments: str, stderr: IO[bytes] | None = None
 ) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
     """A ``denavit serve`` of its own; gives its address and process."""
     port = unused_port()
@@ -35,6 +36,7 @@ def running_server(
         [*command, "--data-dir", str(data_dir), *arguments],
         env={"DENAVIT_PRELOAD": "false", **os.environ, "PYTHONWARNINGS": "default"},
         start_new_session=True,
+        stderr=stderr,
     )
     address = f"http://127.0.0.1:{port}"
     try:
@@ -79,6 +81,42 @@ def free_port() -> int:
 def start_server():
     """The context manager that starts a server of a test's own."""
     return running_server
+
+
+@pytest.fixture
+def children():
+    """A function that gives the child processes of a process, with their command lines."""
+    return children_of
+
+
+@pytest.fixture
+def worker_pids():
+    """A function that gives the processes of a server's workers."""
+    return lambda process: [
+        pid for pid, command in children_of(process.pid).items() if "spawn_main" in command
+    ]
+
+
+def children_of(pid: int) -> dict[int, str]:
+    found = {}
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+        for child in task.read_text().split():
+            with suppress(OSError):
+                found[int(child)] = Path(f"/proc/{child}/cmdline").read_text()
+    return found
+
+
+@pytest.fixture
+def wait_for():
+    """A function that waits until a condition holds."""
+
+    def wait(condition: Callable[[], object], seconds: float = 90) -> None:
+        deadline = time.monotonic() + seconds
+        while not condition():
+            assert time.monotonic() < deadline, "waited in vain"
+            time.sleep(0.05)
+
+    return wait
 
 
 @pytest.fixture(scope="session")

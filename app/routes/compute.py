@@ -200,7 +200,8 @@ async def _streamed(
             yield line
             line = await services.computed(following)
 
-    return StreamingResponse(body(), media_type=NDJSON)
+    # A reverse proxy that gathers answers must not gather this one.
+    return StreamingResponse(body(), media_type=NDJSON, headers={"X-Accel-Buffering": "no"})
 
 
 def _json_decoder(

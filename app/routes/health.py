@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-import os
-
 import msgspec
+from anyio.to_thread import run_sync
 from fastapi import APIRouter, Request, Response
 
-from app.dependencies import ServicesDep
+from app.dependencies import Services
 from app.problems import ALL_TYPES, ProblemType, RequestProblem
+from app.readiness import Check, Readiness, WritableDirectory
 from app.wire import JSON, TEXT, respond, wanted_type
-from robots.errors import StorageUnavailable
+from kinematics.compiled import COMPILED
+from robots.shipped import shipped_ids
 
 router = APIRouter()
 MAX_NAMED = 100
 
 
 class Health(msgspec.Struct, kw_only=True):
-    """State of the service.
-
-    ``damaged`` names uploaded robots whose files cannot be served, until they are uploaded again
-    or deleted; the service works all the same.
-    """
+    """State of the process."""
 
     status: str
-    damaged: list[str]
-    damaged_count: int
 
 
 @router.get("/health/live", tags=["health"], summary="Is the process alive?")
@@ -34,20 +29,35 @@ async def live() -> Response:
     return Response(b'{"status":"live"}', media_type=JSON)
 
 
+def add_checks(readiness: Readiness, services: Services) -> None:
+    """Adds what this service needs, once its kernels are loaded."""
+
+    def library() -> Check:
+        services.store.get("planar_2r")
+        return Check(status="ok", detail=f"{len(shipped_ids())} robots")
+
+    kernels = Check(status="ok", detail="compiled" if COMPILED else "not compiled: no Numba here")
+    readiness.add("kernels", lambda: kernels)
+    readiness.add("library", library)
+
+    def damaged() -> Check:
+        names = services.store.damaged()
+        if not names:
+            return Check(status="ok", detail="no upload is known to be damaged")
+        detail = (
+            f"{len(names)} uploads are damaged and not served; upload them again or delete them"
+        )
+        return Check(status="warning", detail=detail, names=names[:MAX_NAMED])
+
+    readiness.add("robots", damaged)
+    readiness.add("uploads", WritableDirectory(services.settings.data_dir))
+
+
 @router.get("/health/ready", tags=["health"], summary="Can it do its work?")
-async def ready(services: ServicesDep) -> Response:
-    """Loads a shipped robot, checks that uploads can be written, and names the damaged ones."""
-    await services.robot("planar_2r")
-    try:
-        damaged = await services.loaded(services.store.damaged)
-    except StorageUnavailable as error:
-        return respond({"status": str(error), "damaged": [], "damaged_count": 0}, status=503)
-    writable = os.access(services.settings.data_dir, os.W_OK)
-    state = "ready" if writable else "data directory is not writable"
-    return respond(
-        {"status": state, "damaged": damaged[:MAX_NAMED], "damaged_count": len(damaged)},
-        status=200 if writable else 503,
-    )
+async def ready(request: Request) -> Response:
+    """Runs each check; 503 where one has failed and while the service is stopping."""
+    report = await run_sync(request.app.state.readiness.report)
+    return respond(msgspec.to_builtins(report), status=200 if report.status == "ready" else 503)
 
 
 @router.get("/", include_in_schema=False)

@@ -3,7 +3,7 @@
 It loads what it needs, then reads one task after another from standard input (its length in eight
 bytes, then a pickle) and writes the plain answer, the simplified one, and an empty line. It limits
 its own memory and processor time; who started it may kill it at any moment and keep the last line.
-It ends with its standard input.
+It ends with its standard input, also in the middle of a task: who would read the answer is gone.
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ import json
 import os
 import pickle
 import resource
+import select
 import sys
+import threading
 import traceback
 from typing import TYPE_CHECKING
 
@@ -30,6 +32,7 @@ TASKS = 100
 
 def main() -> None:
     """Does tasks until there are no more."""
+    threading.Thread(target=_end_with_input, daemon=True).start()
     os.nice(5)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     from kinematics.symbolic.writing import Writing  # noqa: F401  before the first task
@@ -38,6 +41,14 @@ def main() -> None:
         length = sys.stdin.buffer.read(HEADER)
         if len(length) < HEADER or not _done(sys.stdin.buffer.read(int.from_bytes(length))):
             return
+
+
+def _end_with_input() -> None:
+    """Waits until nobody can write to standard input any more."""
+    watch = select.poll()
+    watch.register(sys.stdin.fileno(), 0)  # with no event asked for, only the end is told
+    watch.poll()
+    os._exit(0)
 
 
 def _done(task: bytes) -> bool:

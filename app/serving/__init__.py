@@ -1,0 +1,1 @@
+"""Runs the service: its address, its worker processes, and how they stop."""

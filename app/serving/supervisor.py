@@ -1,0 +1,206 @@
+"""Keeps so many workers alive, and ends with them."""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import multiprocessing.connection
+import os
+import signal
+import socket
+import tempfile
+import time
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
+from pathlib import Path
+from types import FrameType
+
+from app.serving.worker import BEAT_SECONDS, SERVING, Task, work
+from app.settings import Settings
+from app.telemetry.metrics import forget_worker
+from app.telemetry.processes import cpu_seconds, pid_file
+
+LOG = logging.getLogger("denavit.serving")
+STARTS = 3
+"""After so many starts in a row that fail, with no worker serving, the service gives up."""
+BUSY_SECONDS = 8.0
+"""A worker that has worked for so long and said nothing is stuck, and is replaced. What counts is
+its processor time: on a machine that has none to give, silence means nothing."""
+SILENT_SECONDS = 60.0
+STARTING_SECONDS = 600.0
+"""A worker that is silent for so long is replaced in any case."""
+LONGEST_PAUSE = 30.0
+MARGIN_SECONDS = 3.0
+"""How much longer than its own time to stop a worker may take."""
+
+
+@dataclass
+class _Worker:
+    slot: int
+    process: SpawnProcess
+    connection: Connection
+    heard: float
+    cpu: float = 0.0
+    serving: bool = False
+
+    @property
+    def stuck(self) -> bool:
+        """Whether it is alive only in name."""
+        silent = time.monotonic() - self.heard
+        if silent < 2 * BEAT_SECONDS:
+            return False
+        if silent > (SILENT_SECONDS if self.serving else STARTING_SECONDS):
+            return True
+        return self.serving and cpu_seconds(self.process.pid) - self.cpu > BUSY_SECONDS
+
+
+class Supervisor:
+    """The parent of the workers.
+
+    A worker that dies is replaced at once; one that dies before it serves, after a pause that
+    doubles. Where nothing serves and starts keep failing, the service ends with status 1.
+    """
+
+    def __init__(self, settings: Settings, sockets: list[socket.socket]) -> None:
+        self._settings = settings
+        self._sockets = sockets
+        self._workers: dict[int, _Worker] = {}
+        self._due: dict[int, float] = {}
+        self._failed_starts = 0
+        self._signals = 0
+        self._context = multiprocessing.get_context("spawn")
+
+    def run(self) -> int:
+        """Serves until a signal comes.
+
+        Returns:
+            Exit status: 0 after a signal, 1 where the workers do not start.
+        """
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._signalled)
+        with tempfile.TemporaryDirectory(prefix="denavit-metrics-") as name:
+            directory = Path(name)
+            self._due = dict.fromkeys(range(self._settings.workers), 0.0)
+            try:
+                while not self._signals:
+                    self._start_due(directory)
+                    self._listen(0.5)
+                    self._bury(directory)
+                    if self._failed_starts >= STARTS and not self._serving():
+                        LOG.critical(
+                            "%d starts in a row have failed and no worker serves: giving up;"
+                            " the lines above say why", self._failed_starts,
+                        )  # fmt: skip
+                        return 1
+            finally:
+                self._stop()
+        return 0
+
+    def _signalled(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002
+        self._signals += 1
+
+    def _serving(self) -> bool:
+        return any(worker.serving for worker in self._workers.values())
+
+    def _start_due(self, directory: Path) -> None:
+        now = time.monotonic()
+        for slot in [slot for slot, moment in self._due.items() if moment <= now]:
+            del self._due[slot]
+            ours, theirs = self._context.Pipe()
+            task = Task(slot, self._settings, self._sockets, directory)
+            name = f"denavit-worker-{slot}"
+            process = self._context.Process(target=work, args=(task, theirs), name=name)
+            process.start()
+            theirs.close()
+            pid_file(directory, slot).write_text(str(process.pid))
+            self._workers[slot] = _Worker(slot, process, ours, time.monotonic())
+            LOG.info("worker %d starts, process %d", slot, process.pid)
+
+    def _listen(self, seconds: float) -> None:
+        """Waits until a worker says something or dies, at most for some seconds."""
+        sources: dict[object, _Worker] = {}
+        for worker in self._workers.values():
+            sources[worker.process.sentinel] = worker
+            if not worker.connection.closed:
+                sources[worker.connection] = worker
+        ready = multiprocessing.connection.wait(list(sources), seconds)  # type: ignore[arg-type]
+        for source in ready:
+            if isinstance(source, Connection):
+                self._hear(sources[source])
+        if not sources:
+            time.sleep(seconds)
+
+    def _hear(self, worker: _Worker) -> None:
+        try:
+            said = worker.connection.recv_bytes()
+        except (OSError, EOFError):
+            worker.connection.close()
+            return
+        worker.heard, worker.cpu = time.monotonic(), cpu_seconds(worker.process.pid)
+        if said == SERVING and not worker.serving:
+            worker.serving = True
+            self._failed_starts = 0
+
+    def _bury(self, directory: Path) -> None:
+        """Puts down the stuck, and lets each of the dead be replaced."""
+        for worker in list(self._workers.values()):
+            process = worker.process
+            if process.is_alive() and worker.stuck:
+                silent = time.monotonic() - worker.heard
+                LOG.error("worker %d is stuck, silent for %.0f s: killed", worker.slot, silent)
+                process.kill()
+                process.join()
+            if process.is_alive():
+                continue
+            process.join()
+            worker.connection.close()
+            del self._workers[worker.slot]
+            forget_worker(directory, worker.slot)
+            LOG.error("worker %d died: %s", worker.slot, _cause(process.exitcode))
+            pause = 0.0
+            if not worker.serving:
+                pause = min(0.5 * 2**self._failed_starts, LONGEST_PAUSE)
+                self._failed_starts += 1
+            self._due[worker.slot] = time.monotonic() + pause
+
+    def _stop(self) -> None:
+        """Ends all workers: in good order, at once on a further signal, by force if need be."""
+        # The kernel listens until the last process lets go.
+        for one in self._sockets:
+            one.close()
+        if not self._workers:
+            return
+        LOG.info("stopping; a second signal stops at once")
+        signals = self._signals
+        self._send(signal.SIGTERM)
+        patience = self._settings.drain_seconds + self._settings.shutdown_seconds + MARGIN_SECONDS
+        if not self._ended_within(patience, signals):
+            self._send(signal.SIGQUIT)
+            self._ended_within(MARGIN_SECONDS, None)
+        for worker in self._workers.values():
+            if worker.process.is_alive():
+                LOG.error("worker %d does not stop: killed", worker.slot)
+                worker.process.kill()
+            worker.process.join()
+            worker.connection.close()
+
+    def _send(self, number: signal.Signals) -> None:
+        for worker in self._workers.values():
+            if worker.process.is_alive() and worker.process.pid is not None:
+                os.kill(worker.process.pid, number)
+
+    def _ended_within(self, seconds: float, signals: int | None) -> bool:
+        """Whether all workers end in time, and before there are more signals than given."""
+        deadline = time.monotonic() + seconds
+        while any(worker.process.is_alive() for worker in self._workers.values()):
+            if time.monotonic() > deadline or (signals is not None and self._signals > signals):
+                return False
+            time.sleep(0.05)
+        return True
+
+
+def _cause(exitcode: int | None) -> str:
+    if exitcode is not None and exitcode < 0:
+        return f"killed by {signal.Signals(-exitcode).name}"
+    return f"exit status {exitcode}"

@@ -1,0 +1,154 @@
+"""Workers that die, or never live: replaced, or the service says why it cannot be."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import httpx
+import pytest
+from in_flight import gone, symbolic, symbolic_processes
+
+DENAVIT = str(Path(sys.executable).parent / "denavit")
+FK = "/v1/robots/puma560/fk?q=0,0,0,0,0,0"
+
+
+def denavit(*arguments, **environment):
+    """Runs a server that is to fail; gives its exit status and the events that it wrote."""
+    command = [DENAVIT, "serve", *arguments]
+    begun = time.monotonic()
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=300, check=False,
+        env={**os.environ, "DENAVIT_PRELOAD": "false", **environment},
+    )  # fmt: skip
+    events = [json.loads(line) for line in done.stderr.splitlines()]
+    return done.returncode, events, time.monotonic() - begun
+
+
+class Load:
+    """Requests one after another on connections that are kept; what became of them."""
+
+    def __init__(self, address, clients):
+        self.address, self.going = address, True
+        self.statuses, self.lost = [], 0
+        self.threads = [threading.Thread(target=self.run, daemon=True) for _ in range(clients)]
+        for thread in self.threads:
+            thread.start()
+
+    def run(self):
+        with httpx.Client(timeout=30) as client:
+            while self.going:
+                try:
+                    self.statuses.append(client.get(f"{self.address}{FK}").status_code)
+                except httpx.TransportError:
+                    self.lost += 1
+
+    def stop(self):
+        self.going = False
+        for thread in self.threads:
+            thread.join(30)
+
+
+def test_a_killed_worker_is_replaced_under_load(
+    tmp_path, start_server, worker_pids, children, wait_for
+):
+    with start_server(tmp_path, "--workers", "2") as (address, process):
+        wait_for(lambda: len(worker_pids(process)) == 2)
+        asked = symbolic(address, 30)
+        wait_for(lambda: symbolic_processes(children, process.pid))
+        busy = symbolic_processes(children, process.pid)
+        (owner,) = [pid for pid in worker_pids(process) if symbolic_processes(children, pid)]
+        load = Load(address, 6)
+        wait_for(lambda: len(load.statuses) > 100)
+        os.kill(owner, signal.SIGKILL)
+        wait_for(lambda: all(gone(pid) for pid in busy), 20)  # also in the middle of their work
+        wait_for(lambda: len(set(worker_pids(process)) - {owner}) == 2)
+        seen = len(load.statuses)
+        wait_for(lambda: len(load.statuses) > seen + 100)
+        load.stop()
+        asked.join(10)
+        assert asked.error is not None
+        assert set(load.statuses) == {200}
+        assert load.lost <= 6  # those that the worker held, once each
+        for _ in range(20):
+            assert httpx.get(f"{address}{FK}").status_code == 200
+        process.terminate()
+        assert process.wait(60) == 0
+
+
+def test_workers_end_with_their_supervisor(tmp_path, start_server, worker_pids, wait_for):
+    with start_server(tmp_path, "--workers", "2") as (_, process):
+        workers = worker_pids(process)
+        process.kill()
+        process.wait(10)
+        wait_for(lambda: all(gone(pid) for pid in workers), 20)
+
+
+@pytest.mark.slow
+def test_a_stuck_worker_is_replaced(tmp_path, start_server, worker_pids, wait_for, monkeypatch):
+    """Its threads do not run: the event loop holds the interpreter in C code."""
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}")
+    (tmp_path / "sitecustomize.py").write_text(
+        "import re, signal\n"
+        "signal.signal(signal.SIGUSR1, lambda *_: re.match('(a+)+$', 'a' * 60 + 'b'))\n"
+    )
+    with start_server(tmp_path / "data", "--workers", "2") as (address, process):
+        wait_for(lambda: len(worker_pids(process)) == 2)
+        time.sleep(5)  # both must serve
+        (stuck, _) = worker_pids(process)
+        os.kill(stuck, signal.SIGUSR1)
+        wait_for(lambda: gone(stuck), 120)
+        wait_for(lambda: len(worker_pids(process)) == 2)
+        assert httpx.get(f"{address}{FK}", timeout=30).status_code == 200
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_a_taken_port_is_told(tmp_path, workers):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        arguments = ("--port", port, "--workers", workers, "--data-dir", str(tmp_path))
+        status, events, _ = denavit(*arguments)
+    assert status == 1
+    assert f"cannot listen on 127.0.0.1, port {port}: Address already in use" in events[-1]["event"]
+
+
+def test_a_bad_data_directory_or_setting_is_told(tmp_path):
+    (tmp_path / "file").write_text("")
+    status, events, _ = denavit("--port", "0", "--data-dir", str(tmp_path / "file" / "data"))
+    assert status == 1
+    assert "the data directory" in events[-1]["event"]
+    assert "Not a directory" in events[-1]["event"]
+    done = subprocess.run(
+        [DENAVIT, "serve"],
+        env={**os.environ, "DENAVIT_MAX_BATCH": "many", "DENAVIT_ROOT_PATH": "x\ny"},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert "DENAVIT_MAX_BATCH: Input should be a valid integer" in done.stderr
+    assert "DENAVIT_ROOT_PATH" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_workers_that_cannot_start_end_the_service(tmp_path):
+    """Each is killed as soon as it starts, as by a lack of memory."""
+    (tmp_path / "sitecustomize.py").write_text(
+        "import os, sys\n"
+        "if '--multiprocessing-fork' in sys.orig_argv:\n"
+        "    os.kill(os.getpid(), 9)\n"
+    )
+    path = f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+    arguments = ("--port", "0", "--workers", "2", "--data-dir", str(tmp_path / "data"))
+    status, events, seconds = denavit(*arguments, PYTHONPATH=path)
+    assert status == 1
+    assert events[-1]["level"] == "critical"
+    assert "giving up" in events[-1]["event"]
+    deaths = [event for event in events if "died: killed by SIGKILL" in event["event"]]
+    assert 3 <= len(deaths) <= 4
+    assert seconds < 120

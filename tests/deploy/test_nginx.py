@@ -1,0 +1,161 @@
+"""The shipped configuration of nginx, with the service behind it under a prefix."""
+
+import json
+import os
+import re
+import shutil
+import socket
+import subprocess
+import time
+from pathlib import Path
+
+import httpx
+import pytest
+
+CONFIGURATION = Path(__file__).parents[2] / "deploy" / "nginx.conf"
+ARM = {"convention": "standard", "joints": [{"type": "R", "a": 1, "alpha": 0, "d": 0}]}
+pytestmark = pytest.mark.skipif(shutil.which("nginx") is None, reason="nginx is not installed")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("nginx")
+
+
+def nginx(folder, text, *options):
+    """nginx with a configuration, in a folder that takes all it writes."""
+    path = folder / "nginx.conf"
+    paths = "".join(
+        f"{name}_temp_path {folder}/{name};\n"
+        for name in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi")
+    )
+    path.write_text(text.replace("http {\n", f"http {{\n{paths}"))
+    options = ("-p", str(folder), "-c", str(path), "-e", str(folder / "error.log"), *options)
+    user = "user root; " if os.geteuid() == 0 else ""  # else its workers may not write there
+    return [shutil.which("nginx"), *options, "-g", f"{user}pid {folder}/pid; daemon off;"]
+
+
+def test_the_syntax_is_right(folder):
+    command = nginx(folder, CONFIGURATION.read_text(), "-t")
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def unused_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+@pytest.fixture(scope="module")
+def behind(folder, tmp_path_factory):
+    """The address of the service behind nginx, and how to stop the service."""
+    from tests.conftest import running_server
+
+    patch = pytest.MonkeyPatch()
+    patch.setenv("DENAVIT_ROOT_PATH", "/denavit")
+    with running_server(tmp_path_factory.mktemp("data")) as (address, process):
+        port = unused_port()
+        text = CONFIGURATION.read_text()
+        text = text.replace("listen 8080", f"listen 127.0.0.1:{port}")
+        text = text.replace("127.0.0.1:8000", address.removeprefix("http://"))
+        text = re.sub(r"client_(header|body)_timeout 10s", r"client_\1_timeout 1s", text)
+        proxy = subprocess.Popen(nginx(folder, text), stdout=subprocess.DEVNULL)
+        try:
+            with httpx.Client(base_url=f"http://127.0.0.1:{port}/denavit", timeout=30) as client:
+                deadline = time.monotonic() + 30
+                while True:
+                    try:
+                        client.get("/health/live").raise_for_status()
+                        break
+                    except httpx.TransportError:
+                        assert time.monotonic() < deadline
+                        time.sleep(0.05)
+                yield client, process
+        finally:
+            proxy.terminate()
+            proxy.wait(20)
+            patch.undo()
+
+
+@pytest.fixture
+def client(behind):
+    return behind[0]
+
+
+def test_computations(client):
+    answer = client.get("/v1/robots/puma560/fk?q=0,0,0,0,0,0")
+    assert answer.status_code == 200
+    assert answer.headers["x-content-type-options"] == "nosniff"
+
+
+def test_links_carry_the_prefix(client):
+    made = client.put("/v1/robots/mine", json=ARM)
+    assert made.headers["location"] == "/denavit/v1/robots/mine"
+    where = client.base_url.copy_with(path=made.headers["location"])
+    assert client.get(where).json()["id"] == "mine"
+    assert client.delete(where).status_code == 204
+    problem = client.get("/v1/robots/none").json()
+    assert problem["type"] == "/denavit/problems/robot-not-found"
+    assert client.get(client.base_url.copy_with(path=problem["type"])).status_code == 200
+    index = client.get("/").json()
+    assert index["docs"] == f"{str(client.base_url).rstrip('/')}/docs"
+
+
+def test_the_docs_and_what_they_load(client):
+    page = client.get("/docs")
+    assert page.status_code == 200
+    links = re.findall(r'(?:src|href)="([^"]+)"', page.text)
+    links += re.findall(r"url: '([^']+)'", page.text)
+    assert len(links) >= 3
+    for link in links:
+        assert link.startswith("/denavit/"), link
+        assert client.get(client.base_url.copy_with(path=link)).status_code == 200, link
+    assert {"url": "/denavit"} in client.get("/openapi.json").json()["servers"]
+
+
+def test_metrics_are_not_for_strangers(client):
+    assert client.get("/metrics").status_code == 404
+
+
+def test_what_the_proxy_refuses_is_a_problem_too(client):
+    with socket.create_connection((client.base_url.host, client.base_url.port)) as connection:
+        connection.sendall(
+            b"POST /denavit/v1/fk HTTP/1.1\r\nHost: x\r\nContent-Length: 70000000\r\n\r\n"
+        )
+        head, _, body = connection.recv(65536).partition(b"\r\n\r\n")
+    assert head.startswith(b"HTTP/1.1 413 ")
+    assert b"Content-Type: application/problem+json" in head
+    assert json.loads(body)["type"] == "/denavit/problems/too-large"
+
+
+def test_slow_clients_are_cut_off_before_they_reach_the_service(client):
+    host, port = client.base_url.host, client.base_url.port
+    with socket.create_connection((host, port), timeout=10) as slow:
+        slow.sendall(b"POST /denavit/v1/fk HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\n{")
+        begun = time.monotonic()
+        while slow.recv(4096):
+            pass
+        assert time.monotonic() - begun < 8
+
+
+def test_streams_pass_line_by_line(client):
+    body = {"targets": [{"position": [0, 0, 0], "rpy": [0, 0, 0]}] * 600, "max_restarts": 100,
+            "time_budget_ms": 60_000}  # fmt: skip
+    headers = {"Accept": "application/x-ndjson"}
+    times = []
+    with client.stream("POST", "/v1/robots/talos_arm/ik", json=body, headers=headers) as answer:
+        assert answer.status_code == 200, answer.read()
+        times += [time.monotonic() for _ in answer.iter_lines()]
+    assert len(times) == 600
+    assert times[-1] - times[0] > 0.05
+
+
+def test_last_without_the_service_the_proxy_says_so(behind):
+    client, process = behind
+    process.terminate()
+    process.wait(30)
+    answer = client.get("/v1/robots")
+    assert answer.status_code == 503
+    assert answer.headers["retry-after"] == "5"
+    assert answer.json()["status"] == 503
