@@ -117,11 +117,12 @@ class LinkReader:
 
     def _shape(self, element: Element, link: Element, kind: str, name: str, where: str) -> None:
         geometry = element.find("geometry")
-        if geometry is None or len(geometry) == 0:
+        forms = [] if geometry is None else [f for f in geometry if f.tag in (*_SIZES, "mesh")]
+        if not forms:
             raise InvalidURDF(f"{where}: a <{kind}> has no geometry; add it or remove the <{kind}>")
-        if len(geometry) > 1:
+        if len(forms) > 1:
             raise InvalidURDF(f"{where}: a <{kind}> has two geometries; write two <{kind}>")
-        form = geometry[0]
+        form = forms[0]
         tag = str(form.tag)
         origin = origin_of(element, where)
         written = self._mesh(form, where) if tag == "mesh" else self._sizes(form, tag, where)

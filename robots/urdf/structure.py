@@ -34,16 +34,19 @@ _OPTIONAL_ATTRIBUTES = {
     "mimic": ("joint", "multiplier", "offset"),
 }
 """Elements whose attributes have defaults, so that a misspelt one would go unseen."""
-_LEFT_OUT: dict[str, tuple[str, ...]] = {
-    "robot": ("gazebo", "transmission", "sensor", "ros2_control"),
+_FREE = ("gazebo", "transmission", "sensor", "ros2_control")
+"""Extensions beside links and joints, with links and joints of their own meaning inside."""
+_KNOWN: dict[str, tuple[str, ...]] = {
     "link": ("contact", "collision_checking", "self_filter", "gravity", "kinematic", "surface"),
+    "collision": ("material", "verbose", "contact_coefficients"),
     "material": ("texture",),
     "joint": ("calibration", "dynamics", "safety_controller"),
 }
-_OF_NO_ACCOUNT = {"collision": ("material", "verbose", "contact_coefficients")}
+"""Elements that common programs write and that have no part in kinematics."""
+_OF_NO_ACCOUNT = ("verbose", "origin", "material", "contact_coefficients")
 """Left out without a word."""
 _READ = {tag for children in _CHILDREN.values() for tag in children} | {"robot"}
-_MAX_UNKNOWN = 20
+_MAX_LEFT_OUT = 20
 _XACRO = "http://www.ros.org/wiki/xacro"
 
 
@@ -77,16 +80,15 @@ def check_structure(robot: etree._Element) -> tuple[str, ...]:
             if name in known:
                 if counts[name] > known[name]:
                     raise InvalidURDF(f"{where} has two <{name}> in <{tag}>; keep one")
-            elif name in _LEFT_OUT.get(tag, ()):
-                left_out[name] = None
-            elif name not in _OF_NO_ACCOUNT.get(tag, ()) and not _is_zero_origin(child, tag):
-                _check_unknown(child, tag, where)
-                if len(left_out) > _MAX_UNKNOWN:
-                    raise InvalidURDF(
-                        f"the URDF has over {_MAX_UNKNOWN} kinds of elements that are unknown, such"
-                        f" as <{shown_tag(child)}>; remove them"
-                    )
+                continue
+            _check_left_out(child, tag, where)
+            if name not in _OF_NO_ACCOUNT:
                 left_out[shown_tag(child)] = None
+            if len(left_out) > _MAX_LEFT_OUT:
+                raise InvalidURDF(
+                    f"the URDF has over {_MAX_LEFT_OUT} kinds of elements that are unknown, such as"
+                    f" <{shown_tag(child)}>; remove them"
+                )
     return tuple(left_out)
 
 
@@ -124,6 +126,19 @@ def _check_attributes(element: etree._Element, where: str) -> None:
             )
 
 
+def _check_left_out(child: etree._Element, parent: str, where: str) -> None:
+    if child.tag in _FREE or _is_zero_origin(child, parent):
+        return
+    if child.tag not in _KNOWN.get(parent, ()):
+        _check_unknown(child, parent, where)
+    hidden = next(child.iter("link", "joint"), None)
+    if hidden is not None:
+        raise InvalidURDF(
+            f"{where}: <{shown_tag(child)}> holds a <{hidden.tag}>; put that into <robot>, or"
+            f" remove <{shown_tag(child)}>"
+        )
+
+
 def _check_unknown(child: etree._Element, parent: str, where: str) -> None:
     """Refuses an unknown element that could have been meant to be read."""
     namespace, _, name = str(child.tag).removeprefix("{").rpartition("}")
@@ -141,12 +156,6 @@ def _check_unknown(child: etree._Element, parent: str, where: str) -> None:
     meant = _meant(name, parent)
     if meant is not None:
         raise InvalidURDF(f"{where}: <{shown}> is unknown; did you mean <{meant}>?")
-    hidden = next(child.iter("link", "joint"), None)
-    if hidden is not None:
-        raise InvalidURDF(
-            f"{where}: <{shown}> is unknown and holds a <{hidden.tag}>; put that into <robot>, or"
-            f" remove <{shown}>"
-        )
 
 
 @lru_cache(256)

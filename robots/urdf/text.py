@@ -27,9 +27,13 @@ _ENCODINGS = {
     "windows-1252": "cp1252",
 }
 _BLANKS = " \t\r\n"
-_DECLARATION = re.compile(r"<\?xml(?=[ \t\r\n])([^<>]{0,200}?)\?>")
-_ENCODING = re.compile(r"""\bencoding[ \t\r\n]*=[ \t\r\n]*["']([^"']*)["']""")
-_VERSION = re.compile(r"""\bversion[ \t\r\n]*=[ \t\r\n]*["']([^"']*)["']""")
+_DECLARATION = re.compile(
+    r"""<\?xml[ \t\r\n]+version[ \t\r\n]*=[ \t\r\n]*(?:"1\.0"|'1\.0')"""
+    r"""(?:[ \t\r\n]+encoding[ \t\r\n]*=[ \t\r\n]*(?:"([^"<>]{1,200})"|'([^'<>]{1,200})'))?"""
+    r"""(?:[ \t\r\n]+standalone[ \t\r\n]*=[ \t\r\n]*(?:"(?:yes|no)"|'(?:yes|no)'))?"""
+    r"""[ \t\r\n]*\?>"""
+)
+_DECLARED = re.compile(r"<\?xml(?![\w.:-])", re.IGNORECASE)
 _NO_XML_CHARACTER = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _DOCTYPE = re.compile(r"(?:[ \t\r\n]++|<!--(?s:.*?)-->|<\?(?s:.*?)\?>)*+<!(?!--)")
 
@@ -62,11 +66,10 @@ def decode(document: str | bytes) -> str:
     text = text.removeprefix("\ufeff").strip(_BLANKS)
     declaration = _DECLARATION.match(text)
     if declaration is not None:
-        version = _VERSION.search(declaration[1])
-        if version is None or version[1] != "1.0":
-            raise InvalidURDF('the XML declaration is none of XML 1.0; write <?xml version="1.0"?>')
-        # Blanks in its place keep the line numbers of errors.
+        # Line ends in its place keep the line numbers of errors.
         text = "\n" * declaration[0].count("\n") + text[declaration.end() :]
+    elif _DECLARED.match(text):
+        raise InvalidURDF('the XML declaration is none of XML 1.0; write <?xml version="1.0"?>')
     if _DOCTYPE.match(text):
         raise InvalidURDF("the URDF has a DOCTYPE or entities; remove them")
     return text
@@ -87,8 +90,8 @@ def _decoded(document: bytes) -> str:
         raise InvalidURDF("the URDF is UTF-32; save it as UTF-8")
     start = document[len(mark) : len(mark) + 400].decode(encoding or "latin-1", "replace")
     declaration = _DECLARATION.match(start.lstrip(_BLANKS))
-    declared = _ENCODING.search(declaration[1]) if declaration is not None else None
-    name = declared[1].lower() if declared is not None else encoding or "utf-8"
+    declared = (declaration[1] or declaration[2]) if declaration is not None else None
+    name = declared.lower() if declared is not None else encoding or "utf-8"
     if encoding:
         known = {encoding, encoding[:6]}
     else:

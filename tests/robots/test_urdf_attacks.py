@@ -135,6 +135,8 @@ def test_torn_bytes_are_refused(start, rest):
         ("<inertial>", "<inertial/><inertial>", ("link 'turret' has two <inertial>",)),
         ("<geometry>", "<geometry/><geometry>", ("two <geometry> in <visual>",)),
         ("<cylinder", '<box size="1 1 1"/><cylinder', ("link 'turret'", "two geometries")),
+        ('<cylinder radius="0.1" length="0.4"/>', "<gazebo/>", ("<collision> has no geometry",)),
+        ("<axis", "<dynamics><joint/></dynamics><axis", ("<dynamics> holds a <joint>",)),
         ('<link name="boom"/>', '<link name="boom"><link name="b"/></link>',
          ("link 'boom': <link> cannot stand in <link>",)),
         ('<link name="boom"/>', '<link name="boom"><joint name="b"/></link>', ("cannot stand in",)),
