@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from dh_to_urdf import DHTable, JointType, table_to_urdf
 from dh_to_urdf.writer import BASE_LINK, TOOL_LINK, UNBOUNDED
 from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
+from robots.model import build_model
 from robots.urdf import MAX_DOF, URDFDescription, read_urdf
 
 FloatArray = NDArray[np.float64]
@@ -47,8 +48,7 @@ class Robot:
     """A robot that can be computed on.
 
     ``q`` holds one value a moving joint, in the order of the table or the URDF file, in rad and
-    m. Pinocchio orders joints otherwise and takes (cos, sin) for continuous ones:
-    :meth:`configuration` maps.
+    m. Pinocchio orders joints by the tree, parents first: :meth:`configuration` maps.
 
     Attributes:
         name: Name in the document.
@@ -100,26 +100,14 @@ class Robot:
 
     @cached_property
     def velocity_columns(self) -> NDArray[np.intp]:
-        """Column of Pinocchio's tangent space for each entry of q."""
+        """Place in Pinocchio's configuration and tangent vectors for each entry of q."""
         ids = [self.model.getJointId(joint.name) for joint in self.joints]
         return np.array([self.model.joints[i].idx_v for i in ids])
 
-    @cached_property
-    def _configuration_map(self) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
-        """Entries of q that Pinocchio takes as they are, their places, and (cos, sin) ones."""
-        ids = [self.model.getJointId(joint.name) for joint in self.joints]
-        places = np.array([self.model.joints[i].idx_q for i in ids])
-        double = np.array([self.model.joints[i].nq == 2 for i in ids])
-        return places, np.flatnonzero(~double), np.flatnonzero(double)
-
     def configuration(self, q: FloatArray) -> FloatArray:
         """Pinocchio's configuration vector of q; shape (dof,) -> (model.nq,)."""
-        places, plain, double = self._configuration_map
         configuration = np.empty(self.model.nq)
-        configuration[places[plain]] = q[plain]
-        if double.size:
-            configuration[places[double]] = np.cos(q[double])
-            configuration[places[double] + 1] = np.sin(q[double])
+        configuration[self.velocity_columns] = q
         return configuration
 
     def data(self) -> Any:
@@ -237,12 +225,7 @@ def _build(
     identity: str,
     warnings: tuple[str, ...],
 ) -> Robot:
-    try:
-        model = pin.buildModelFromXML(description.canonical)
-    except (ValueError, RuntimeError):
-        raise InvalidURDF("Pinocchio cannot build a model from this URDF") from None
-    if model.nv != len(joints):
-        raise InvalidURDF(f"Pinocchio sees {model.nv} joints where the URDF has {len(joints)}")
+    model = build_model(description)
     body = pin.FrameType.BODY
     frame_ids = {name: int(model.getFrameId(name, body)) for name in frames}
     content = "\x00".join((identity, base, tip, urdf))

@@ -62,17 +62,17 @@ def refusal(text):
         ('<link name="finger"/>', '<link name="finger"/><link name="stray"/>',
          ("2 root links", "'world', 'stray'", "join them by a joint")),
         ("</robot>", joint("back", "finger", "world"),
-         ("the joints form a loop", "a robot is a tree")),
+         ("the joints form a loop", "'back', 'grip', 'mount', 'reach', …", "a robot is a tree")),
         ("</robot>", '<link name="x"/><link name="y"/>'
          + joint("a", "x", "y").removesuffix("</robot>") + joint("b", "y", "x"),
-         ("link 'x' is not connected to the root 'world'", "loop")),
+         ("link 'x' is not connected to the root 'world'", "loop ('b', 'a')")),
         ("</robot>", '<link name="x"/>' + joint("self", "x", "x"),
-         ("link 'x' is not connected", "loop")),
+         ("joint 'self' joins link 'x' to itself", "a robot is a tree")),
         ('<axis xyz="1 1 0"/>', '<axis xyz="0 0 0"/>',
          ("joint 'grip'", "axis is zero", "give a direction such as 0 0 1")),
         ('<axis xyz="1 1 0"/>', '<axis xyz="1 1"/>',
-         ("joint 'grip'", "xyz of <axis> is '1 1'", "give 3 number(s)")),
-        ('<axis xyz="1 1 0"/>', '<axis xyz="1,1,0"/>', ("joint 'grip'", "give 3 number(s)")),
+         ("joint 'grip'", "xyz of <axis> is '1 1'", "give 3 numbers")),
+        ('<axis xyz="1 1 0"/>', '<axis xyz="1,1,0"/>', ("joint 'grip'", "give 3 numbers")),
         ('<axis xyz="1 1 0"/>', '<axis xyz="1 nan 0"/>',
          ("joint 'grip'", "'nan'", "give a finite number")),
         ('<limit lower="-1.5" upper="1.5" effort="10" velocity="2"/>', "",
@@ -108,13 +108,13 @@ def refusal(text):
          ("joint 'grip'", "type floating is not supported", "revolute and prismatic", "fixed")),
         ('type="revolute"', 'type="planar"', ("joint 'grip'", "type planar is not supported")),
         ('type="revolute"', 'type="hinge"', ("joint 'grip'", "'hinge'", "give revolute")),
-        (' type="revolute"', "", ("joint 'grip'", "type is None", "give revolute, prismatic")),
+        (' type="revolute"', "", ("joint 'grip'", "its type is missing", "give revolute")),
         ('<geometry><cylinder radius="0.1" length="0.4"/></geometry>', "",
          ("link 'turret'", "<collision> has no geometry")),
-        ('radius="0.1"', 'radius="-0.1"', ("link 'turret'", "cylinder's radius is negative")),
+        ('radius="0.1"', 'radius="-0.1"', ("link 'turret'", "radius of <cylinder> is negative")),
         ('<cylinder radius="0.1" length="0.4"/>', "<cone/>",
          ("link 'turret'", "geometry <cone> is unknown", "use box, cylinder")),
-        ('rgba="0.5 0.5 0.5 1"', 'rgba="0.5 0.5 0.5"', ("rgba of <color>", "give 4 number(s)")),
+        ('rgba="0.5 0.5 0.5 1"', 'rgba="0.5 0.5 0.5"', ("rgba of <color>", "give 4 numbers")),
         ("<robot ", "<model ", ("not well-formed", "mismatch")),
     ],
 )  # fmt: skip
@@ -161,7 +161,10 @@ def test_doctypes_and_entities_are_refused_in_every_encoding(doctype, encoding):
     declaration = f'<?xml version="1.0" encoding="{encoding}"?>'
     for text in (doctype, declaration + doctype):
         message = refusal(text.encode(encoding))
-        assert "DOCTYPE" in message or "not well-formed" in message
+        assert any(
+            w in message
+            for w in ("DOCTYPE", "not well-formed", "save it as UTF-8", "save the URDF")
+        )
 
 
 def test_sixty_four_joints_are_read_and_no_more():
@@ -192,7 +195,7 @@ def test_a_thousand_shapes_are_read_and_no_more(arm_urdf):
     shape = '<visual><geometry><sphere radius="1"/></geometry></visual>'
     with_shapes = arm_urdf.replace('"boom"/>', f'"boom">{shape * 998}</link>', 1)
     assert read_urdf(with_shapes).canonical.count("<visual>") == 999
-    with pytest.raises(RobotTooLarge, match="over 1000 visual and collision shapes"):
+    with pytest.raises(RobotTooLarge, match="1001 visual and collision shapes; at most 1000"):
         read_urdf(with_shapes.replace(shape, shape * 2, 1))
 
 
@@ -236,16 +239,6 @@ def test_a_mimicking_joint_is_independent_and_a_warning_says_so(arm_urdf):
     assert description.warnings == ("joint 'grip' mimics another; it is treated as independent",)
 
 
-def test_mesh_names_are_kept_as_text_and_never_opened(arm_urdf, tmp_path):
-    secret = tmp_path / "secret.stl"
-    secret.write_text("solid secret")
-    secret.chmod(0)
-    for name in (str(secret), f"file://{secret}", "package://no/such.dae", "http://[::1]:1/x.stl"):
-        robot = robot_from_urdf(arm_urdf.replace("package://arm/turret.stl", name))
-        assert ET.fromstring(robot.urdf).find(".//mesh").get("filename") == name
-        assert robot.dof == 3
-
-
 def test_the_canonical_text_is_its_own_canonical_text(arm_urdf):
     canonical = read_urdf(arm_urdf).canonical
     assert read_urdf(canonical).canonical == canonical
@@ -254,7 +247,11 @@ def test_the_canonical_text_is_its_own_canonical_text(arm_urdf):
 def test_what_is_not_geometry_is_left_out(arm_urdf):
     extra = '<!-- note --><gazebo><plugin filename="evil.so"/></gazebo><transmission/><?pi x?>'
     text = arm_urdf.replace("</robot>", f"{extra}</robot>")
-    assert read_urdf(text).canonical == read_urdf(arm_urdf).canonical
+    description = read_urdf(text)
+    assert description.canonical == read_urdf(arm_urdf).canonical
+    assert description.warnings == (
+        "left out, since kinematics does not use it: <gazebo>, <transmission>",
+    )
 
 
 def test_pinocchio_loads_the_canonical_text(arm_urdf, urdf_frames, poses):
@@ -264,7 +261,7 @@ def test_pinocchio_loads_the_canonical_text(arm_urdf, urdf_frames, poses):
     found = poses(robot, q)
     assert list(found) == ["world", "turret", "boom", "flange", "finger"]
     assert max(np.abs(found[name] - T).max() for name, T in expected.items()) < 1e-15
-    assert pin.computeTotalMass(robot.model) == 2.5
+    assert pin.computeTotalMass(pin.buildModelFromXML(robot.urdf)) == 2.5
 
 
 INTERESTING = st.sampled_from(

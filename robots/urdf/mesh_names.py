@@ -1,0 +1,33 @@
+"""Names of mesh files, which are kept as text for those who have the files.
+
+The canonical URDF is served to others, whose programs open what it names. So only names are kept
+that stay in a package or below the URDF's own directory: no absolute paths, no other hosts, no way
+up by ``..``.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+MAX_LENGTH = 512
+_PACKAGE = "package://"
+_UNSAFE = re.compile(r"""[\\:%~$`|<>"'*?#&;{}]""")
+
+
+def portable_name(filename: str) -> str | None:
+    """The name where it is ``package://…`` or a relative path downwards, else None.
+
+    ``package:///arm/a.stl``, which some exporters write, loses its third slash: programs that cut
+    off ``package://`` would open ``/arm/a.stl``.
+    """
+    if len(filename) > MAX_LENGTH or filename != filename.strip():
+        return None
+    if any(unicodedata.category(c)[0] in "CZ" for c in filename if c != " "):
+        return None
+    scheme = _PACKAGE if filename.startswith(_PACKAGE) else ""
+    path = filename.removeprefix(_PACKAGE)
+    path = path.removeprefix("/") if scheme else path.removeprefix("./")
+    if _UNSAFE.search(path) or {"", ".", ".."} & {part.strip() for part in path.split("/")}:
+        return None
+    return scheme + path

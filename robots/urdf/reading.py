@@ -1,0 +1,92 @@
+"""A URDF text from anyone -> a checked description."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from robots.errors import InvalidURDF, RobotTooLarge
+from robots.urdf.caps import MAX_BYTES, MAX_DOF, MAX_LINKS
+from robots.urdf.description import MOVING_TYPES, URDFDescription
+from robots.urdf.joints import read_joint
+from robots.urdf.links import LinkReader, check_shapes
+from robots.urdf.markup import parse
+from robots.urdf.structure import check_structure
+from robots.urdf.text import decode
+from robots.urdf.tree import check_names, check_tree
+from robots.urdf.values import Element, name_of
+
+
+def read_urdf(text: str | bytes) -> URDFDescription:
+    """Checks a URDF and writes its canonical form.
+
+    Args:
+        text: The XML text; at most ``MAX_BYTES`` bytes.
+
+    Returns:
+        The description.
+
+    Raises:
+        InvalidURDF: Not XML, not one tree, not finite, an unsupported joint type, …
+        RobotTooLarge: More links, joints or shapes than the service computes with.
+    """
+    source = parse(decode(text))
+    left_out = check_structure(source)
+    name = name_of(source, "the root element")
+    link_elements, joint_elements = source.findall("link"), source.findall("joint")
+    _check_sizes(link_elements, joint_elements)
+    robot = etree.Element("robot", name=name)
+    reader = LinkReader(robot)
+    reader.read_materials(source)
+    links = tuple(reader.read(element) for element in link_elements)
+    check_names("link", links)
+    known = frozenset(links)
+    joints = tuple(read_joint(element, robot, known) for element in joint_elements)
+    mimics = (
+        f"joint {joint.name!r} mimics another; it is treated as independent"
+        for joint, element in zip(joints, joint_elements, strict=True)
+        if element.find("mimic") is not None
+    )
+    check_names("joint", [joint.name for joint in joints])
+    root = check_tree(links, joints)
+    if not any(joint.type != "fixed" for joint in joints):
+        raise InvalidURDF("the robot has no joint that moves; give it one")
+    return URDFDescription(
+        name=name,
+        links=links,
+        joints=joints,
+        root=root,
+        canonical=_written(robot),
+        warnings=(*_left_out(left_out), *reader.warnings(), *mimics),
+    )
+
+
+def _check_sizes(links: list[Element], joints: list[Element]) -> None:
+    """Refuses what is too large, before anything is read of it."""
+    if not links:
+        raise InvalidURDF("the robot has no <link>; a URDF has one a body")
+    if len(links) > MAX_LINKS:
+        raise RobotTooLarge(f"the robot has {len(links)} links; at most {MAX_LINKS} are computed")
+    if len(joints) > MAX_LINKS:
+        raise RobotTooLarge(f"the robot has {len(joints)} joints; at most {MAX_LINKS} are computed")
+    moving = sum(element.get("type") in MOVING_TYPES for element in joints)
+    if moving > MAX_DOF:
+        raise RobotTooLarge(f"the robot has {moving} joints; at most {MAX_DOF} are computed")
+    check_shapes(links)
+
+
+def _written(robot: Element) -> str:
+    etree.indent(robot, "  ")
+    text = f'<?xml version="1.0"?>\n{etree.tostring(robot, encoding="unicode")}\n'
+    if len(text.encode()) > MAX_BYTES:
+        raise RobotTooLarge(
+            f"the URDF has over {MAX_BYTES} bytes when its numbers are written out; leave out"
+            " shapes"
+        )
+    return text
+
+
+def _left_out(kinds: tuple[str, ...]) -> tuple[str, ...]:
+    if not kinds:
+        return ()
+    shown = ", ".join(f"<{kind}>" for kind in kinds[:8]) + (", …" if len(kinds) > 8 else "")
+    return (f"left out, since kinematics does not use it: {shown}",)

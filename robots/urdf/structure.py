@@ -1,0 +1,173 @@
+"""Which elements of a URDF stand where, and how often.
+
+What kinematics reads is listed; extensions of simulators and controllers are left out and named
+in a warning. All else that could be a slip (a second <origin>, <orgin>, a <link> in a <link>, text
+between tags) is refused, since other readers would drop it in silence and compute another robot.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from functools import lru_cache
+
+from lxml import etree
+
+from dh_to_urdf.errors import quoted
+from robots.errors import InvalidURDF
+from robots.urdf.markup import shown_tag
+
+_MANY = 1_000_000
+_CHILDREN: dict[str, dict[str, int]] = {
+    "robot": {"link": _MANY, "joint": _MANY, "material": _MANY},
+    "link": {"inertial": 1, "visual": _MANY, "collision": _MANY},
+    "inertial": {"origin": 1, "mass": 1, "inertia": 1},
+    "visual": {"origin": 1, "geometry": 1, "material": 1},
+    "collision": {"origin": 1, "geometry": 1},
+    "geometry": {"box": 1, "cylinder": 1, "sphere": 1, "capsule": 1, "mesh": 1},
+    "material": {"color": 1},
+    "joint": {"origin": 1, "parent": 1, "child": 1, "axis": 1, "limit": 1, "mimic": 1},
+}
+_OPTIONAL_ATTRIBUTES = {
+    "origin": ("xyz", "rpy"),
+    "axis": ("xyz",),
+    "mimic": ("joint", "multiplier", "offset"),
+}
+"""Elements whose attributes have defaults, so that a misspelt one would go unseen."""
+_FREE = ("gazebo", "transmission", "sensor", "ros2_control")
+"""Extensions beside links and joints, with links and joints of their own meaning inside."""
+_KNOWN: dict[str, tuple[str, ...]] = {
+    "link": ("contact", "collision_checking", "self_filter", "gravity", "kinematic", "surface"),
+    "collision": ("material", "verbose", "contact_coefficients"),
+    "material": ("texture",),
+    "joint": ("calibration", "dynamics", "safety_controller"),
+}
+"""Elements that common programs write and that have no part in kinematics."""
+_OF_NO_ACCOUNT = ("verbose", "origin", "material", "contact_coefficients")
+"""Left out without a word."""
+_READ = {tag for children in _CHILDREN.values() for tag in children} | {"robot"}
+_MAX_LEFT_OUT = 20
+_XACRO = "http://www.ros.org/wiki/xacro"
+
+
+def check_structure(robot: etree._Element) -> tuple[str, ...]:
+    """Refuses what stands in a wrong place, twice, or is misspelt.
+
+    Args:
+        robot: The root element.
+
+    Returns:
+        Names of the kinds of elements that are left out, in the order of the document.
+
+    Raises:
+        InvalidURDF: With the element, and the link or joint that it stands in.
+    """
+    if robot.tag != "robot":
+        raise InvalidURDF(
+            f"the root element is <{shown_tag(robot)}>; a URDF starts with <robot name=…>"
+            + (" without xmlns=…" if str(robot.tag).endswith("}robot") else "")
+        )
+    left_out: dict[str, None] = {}
+    for element, where in _walk(robot, "the robot"):
+        tag = str(element.tag)
+        known = _CHILDREN.get(tag, {})
+        _refuse_text(element, where)
+        _check_attributes(element, where)
+        counts: dict[str, int] = {}
+        for child in element:
+            name = str(child.tag)
+            counts[name] = counts.get(name, 0) + 1
+            if name in known:
+                if counts[name] > known[name]:
+                    raise InvalidURDF(f"{where} has two <{name}> in <{tag}>; keep one")
+                continue
+            _check_left_out(child, tag, where)
+            if name not in _OF_NO_ACCOUNT:
+                left_out[shown_tag(child)] = None
+            if len(left_out) > _MAX_LEFT_OUT:
+                raise InvalidURDF(
+                    f"the URDF has over {_MAX_LEFT_OUT} kinds of elements that are unknown, such as"
+                    f" <{shown_tag(child)}>; remove them"
+                )
+    return tuple(left_out)
+
+
+def _walk(element: etree._Element, where: str) -> Iterator[tuple[etree._Element, str]]:
+    """The elements that are read, each with the link or joint that it stands in."""
+    yield element, where
+    known = _CHILDREN.get(str(element.tag), {})
+    for child in element:
+        if child.tag in known:
+            yield from _walk(child, _label(child) if element.tag == "robot" else where)
+
+
+def _label(element: etree._Element) -> str:
+    name = element.get("name")
+    return f"{element.tag} {quoted(name, 64)}" if name is not None else f"a <{element.tag}>"
+
+
+def _refuse_text(element: etree._Element, where: str) -> None:
+    texts = [element.text, *(child.tail for child in element)]
+    stray = next((text.strip() for text in texts if text and text.strip()), None)
+    if stray is not None:
+        raise InvalidURDF(
+            f"{where} holds the text {quoted(stray, 24)} in <{element.tag}>; remove it, or mend"
+            " the tag that it was"
+        )
+
+
+def _check_attributes(element: etree._Element, where: str) -> None:
+    known = _OPTIONAL_ATTRIBUTES.get(str(element.tag))
+    for key in element.keys() if known is not None else ():
+        if known is not None and key not in known:
+            raise InvalidURDF(
+                f"{where}: <{element.tag}> has an attribute {quoted(str(key))}; known are"
+                f" {', '.join(known)}"
+            )
+
+
+def _check_left_out(child: etree._Element, parent: str, where: str) -> None:
+    if child.tag in _FREE or _is_zero_origin(child, parent):
+        return
+    if child.tag not in _KNOWN.get(parent, ()):
+        _check_unknown(child, parent, where)
+    hidden = next(child.iter("link", "joint"), None)
+    if hidden is not None:
+        raise InvalidURDF(
+            f"{where}: <{shown_tag(child)}> holds a <{hidden.tag}>; put that into <robot>, or"
+            f" remove <{shown_tag(child)}>"
+        )
+
+
+def _check_unknown(child: etree._Element, parent: str, where: str) -> None:
+    """Refuses an unknown element that could have been meant to be read."""
+    namespace, _, name = str(child.tag).removeprefix("{").rpartition("}")
+    shown = shown_tag(child)
+    if namespace.startswith(_XACRO) or namespace.endswith("/xacro"):
+        raise InvalidURDF(f"{where} holds <xacro:{shown}>; expand the xacro file first")
+    if parent == "geometry":
+        raise InvalidURDF(
+            f"{where}: geometry <{shown}> is unknown; use box, cylinder, sphere, capsule or mesh"
+        )
+    if name.lower() in _READ:
+        raise InvalidURDF(
+            f"{where}: <{shown}> cannot stand in <{parent}>; put it in its place or remove it"
+        )
+    meant = _meant(name, parent)
+    if meant is not None:
+        raise InvalidURDF(f"{where}: <{shown}> is unknown; did you mean <{meant}>?")
+
+
+@lru_cache(256)
+def _meant(name: str, parent: str) -> str | None:
+    """The child of an element that a name looks like."""
+    if len(name) > 32:
+        return None
+    close = difflib.get_close_matches(name.lower(), _CHILDREN.get(parent, ()), 1, 0.7)
+    return close[0] if close else None
+
+
+def _is_zero_origin(child: etree._Element, parent: str) -> bool:
+    """An <origin> in a <link>, which URDF does not know, where it would change nothing anyway."""
+    digits = "".join(map(str, child.values()))
+    return parent == "link" and child.tag == "origin" and not set(digits) & set("123456789")

@@ -1,0 +1,112 @@
+"""Bytes -> text: one encoding, no characters that XML does not have, no DOCTYPE."""
+
+from __future__ import annotations
+
+import codecs
+import re
+
+from dh_to_urdf.errors import quoted
+from robots.errors import InvalidURDF, RobotTooLarge
+from robots.urdf.caps import MAX_BYTES
+
+_BOMS = (
+    (codecs.BOM_UTF32_LE, None),  # begins like UTF-16's
+    (codecs.BOM_UTF32_BE, None),
+    (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF16_LE, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, "utf-16-be"),
+)
+_ENCODINGS = {
+    "utf-8": "utf-8",
+    "utf8": "utf-8",
+    "us-ascii": "ascii",
+    "ascii": "ascii",
+    "iso-8859-1": "latin-1",
+    "latin-1": "latin-1",
+    "iso-8859-15": "iso-8859-15",
+    "windows-1252": "cp1252",
+}
+_BLANKS = " \t\r\n"
+_DECLARATION = re.compile(
+    r"""<\?xml[ \t\r\n]+version[ \t\r\n]*=[ \t\r\n]*(?:"1\.0"|'1\.0')"""
+    r"""(?:[ \t\r\n]+encoding[ \t\r\n]*=[ \t\r\n]*(?:"([^"<>]{1,200})"|'([^'<>]{1,200})'))?"""
+    r"""(?:[ \t\r\n]+standalone[ \t\r\n]*=[ \t\r\n]*(?:"(?:yes|no)"|'(?:yes|no)'))?"""
+    r"""[ \t\r\n]*\?>"""
+)
+_DECLARED = re.compile(r"<\?xml(?![\w.:-])", re.IGNORECASE)
+_NO_XML_CHARACTER = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_DOCTYPE = re.compile(r"(?:[ \t\r\n]++|<!--(?s:.*?)-->|<\?(?s:.*?)\?>)*+<!(?!--)")
+
+
+def decode(document: str | bytes) -> str:
+    """The text of a document without its XML declaration.
+
+    Bytes are UTF-8 unless a byte order mark or the declaration says otherwise; UTF-16 needs the
+    mark.
+
+    Args:
+        document: The document, at most ``MAX_BYTES``.
+
+    Raises:
+        RobotTooLarge: It is longer.
+        InvalidURDF: Another encoding, bytes that are not in it, characters that no XML has, or
+            a DOCTYPE, which is the one place where entities are declared.
+    """
+    size = len(document) if isinstance(document, bytes) else _size(document)
+    if size > MAX_BYTES:
+        raise RobotTooLarge(f"the URDF has {size} bytes; at most {MAX_BYTES} are read")
+    text = document if isinstance(document, str) else _decoded(document)
+    stray = _NO_XML_CHARACTER.search(text)
+    if stray is not None:
+        line = text.count("\n", 0, stray.start()) + 1
+        raise InvalidURDF(
+            f"the text is not well-formed XML: line {line} holds the character"
+            f" U+{ord(stray[0]):04X}, which XML does not have; remove it"
+        )
+    text = text.removeprefix("\ufeff").strip(_BLANKS)
+    declaration = _DECLARATION.match(text)
+    if declaration is not None:
+        # Line ends in its place keep the line numbers of errors.
+        text = "\n" * declaration[0].count("\n") + text[declaration.end() :]
+    elif _DECLARED.match(text):
+        raise InvalidURDF('the XML declaration is none of XML 1.0; write <?xml version="1.0"?>')
+    if _DOCTYPE.match(text):
+        raise InvalidURDF("the URDF has a DOCTYPE or entities; remove them")
+    return text
+
+
+def _size(text: str) -> int:
+    try:
+        return len(text.encode()) if len(text) <= MAX_BYTES else len(text)
+    except UnicodeEncodeError:
+        raise InvalidURDF("the text holds characters that are no Unicode text") from None
+
+
+def _decoded(document: bytes) -> str:
+    mark, encoding = next(
+        ((mark, encoding) for mark, encoding in _BOMS if document.startswith(mark)), (b"", "")
+    )
+    if encoding is None:
+        raise InvalidURDF("the URDF is UTF-32; save it as UTF-8")
+    start = document[len(mark) : len(mark) + 400].decode(encoding or "latin-1", "replace")
+    declaration = _DECLARATION.match(start.lstrip(_BLANKS))
+    declared = (declaration[1] or declaration[2]) if declaration is not None else None
+    name = declared.lower() if declared is not None else encoding or "utf-8"
+    if encoding:
+        known = {encoding, encoding[:6]}
+    else:
+        known, encoding = set(_ENCODINGS), _ENCODINGS.get(name, "")
+    if name not in known:
+        raise InvalidURDF(
+            f"the XML declaration says the encoding {quoted(name)}, which"
+            + (" is not that of its byte order mark" if mark else " is not read here")
+            + "; save the URDF as UTF-8"
+        )
+    try:
+        return document[len(mark) :].decode(encoding)
+    except UnicodeDecodeError as error:
+        line = document.count(b"\n", 0, len(mark) + error.start) + 1
+        raise InvalidURDF(
+            f"the text is not well-formed XML: line {line} holds bytes that are not"
+            f" {name.upper()}; save the URDF as UTF-8"
+        ) from None

@@ -1,0 +1,72 @@
+"""Whether links and joints are one tree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from robots.errors import InvalidURDF
+from robots.urdf.description import URDFJoint
+
+
+def check_names(kind: str, names: Sequence[str]) -> None:
+    """Refuses two links, or two joints, of one name.
+
+    Raises:
+        InvalidURDF: With the name.
+    """
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise InvalidURDF(f"two {kind}s are called {name!r}; give each its own name")
+        seen.add(name)
+
+
+def check_tree(links: Sequence[str], joints: Sequence[URDFJoint]) -> str:
+    """Checks that every link but one has one parent and leads to the root.
+
+    Returns:
+        The root link.
+
+    Raises:
+        InvalidURDF: With the links and joints at fault.
+    """
+    above: dict[str, URDFJoint] = {}
+    for joint in joints:
+        if joint.child in above:
+            raise InvalidURDF(
+                f"link {joint.child!r} is the child of two joints, {above[joint.child].name!r} and"
+                f" {joint.name!r}; a robot is a tree"
+            )
+        above[joint.child] = joint
+    roots = [link for link in links if link not in above]
+    if len(roots) > 1:
+        shown = ", ".join(repr(link) for link in roots[:4])
+        raise InvalidURDF(f"the robot has {len(roots)} root links ({shown}); join them by a joint")
+    if not roots:
+        raise InvalidURDF(
+            f"the joints form a loop ({_loop(above, links[0])}), and every link has a parent; a"
+            " robot is a tree with one root"
+        )
+    lead: set[str] = {roots[0]}
+    for link in links:
+        path: list[str] = []
+        while link not in lead:
+            if link in path:
+                raise InvalidURDF(
+                    f"link {link!r} is not connected to the root {roots[0]!r}: its joints form a"
+                    f" loop ({_loop(above, link)}); a robot is a tree"
+                )
+            path.append(link)
+            link = above[link].parent
+        lead.update(path)
+    return roots[0]
+
+
+def _loop(above: dict[str, URDFJoint], link: str) -> str:
+    """Names of the joints of the loop that a link leads into, from above."""
+    seen: list[str] = []
+    while link not in seen:
+        seen.append(link)
+        link = above[link].parent
+    names = [above[other].name for other in seen[seen.index(link) :]]
+    return ", ".join(repr(name) for name in names[:4]) + (", …" if len(names) > 4 else "")

@@ -1,0 +1,137 @@
+"""Numbers and names in attributes."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from typing import TypeAlias
+
+from lxml import etree
+
+from dh_to_urdf.errors import quoted
+from robots.errors import InvalidURDF
+from robots.urdf.caps import MAX_MAGNITUDE, MAX_NAME, MAX_NUMBER
+from robots.urdf.description import Origin
+
+Element: TypeAlias = etree._Element
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_BLANKS = re.compile(r"[ \t\r\n]+")
+_HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp", "Zs"})
+"""Categories of characters that cannot be seen, turn the text round, end a line or look blank."""
+
+
+def name_of(element: Element, where: str) -> str:
+    """The ``name`` attribute.
+
+    Raises:
+        InvalidURDF: Missing, blank, too long, or with characters that a reader cannot see.
+    """
+    name = element.get("name")
+    if name is None or not name.strip():
+        raise InvalidURDF(f"{where} has no name attribute; give it one")
+    return checked_name(name, where)
+
+
+def checked_name(name: str, where: str) -> str:
+    """A name as it stands, if people can read it and tell it from others.
+
+    Raises:
+        InvalidURDF: With what is wrong with it.
+    """
+    if len(name) > MAX_NAME:
+        raise InvalidURDF(f"{where} has a name of over {MAX_NAME} characters; shorten it")
+    if any(unicodedata.category(c) in _HIDDEN for c in name if c != " "):
+        raise InvalidURDF(
+            f"{where} has the name {quoted(name)}, with control characters or others that cannot"
+            " be seen; remove them"
+        )
+    if name != name.strip(" "):
+        raise InvalidURDF(
+            f"{where} has the name {quoted(name)}, with blanks at its ends; remove them"
+        )
+    if not unicodedata.is_normalized("NFC", name):
+        raise InvalidURDF(
+            f"{where} has the name {quoted(name)}, whose accents are characters of their own; write"
+            " it in composed form (Unicode NFC), so that equal names are equal"
+        )
+    return name
+
+
+def number(
+    element: Element,
+    key: str,
+    where: str,
+    default: str | None = None,
+    bound: float = MAX_MAGNITUDE,
+) -> float:
+    """An attribute that is one number.
+
+    Raises:
+        InvalidURDF: See :func:`numbers`.
+    """
+    return numbers(element, key, 1, where, default, bound)[0]
+
+
+def numbers(
+    element: Element,
+    key: str,
+    count: int,
+    where: str,
+    default: str | None = None,
+    bound: float = MAX_MAGNITUDE,
+) -> tuple[float, ...]:
+    """An attribute that is numbers between blanks, in digits 0 to 9.
+
+    Args:
+        element: The element.
+        key: The attribute.
+        count: How many numbers.
+        where: Link or joint, for the message.
+        default: Text taken where the attribute is missing; None requires it.
+        bound: Largest magnitude.
+
+    Raises:
+        InvalidURDF: Missing, another count, no finite numbers, or beyond the bound.
+    """
+    text = element.get(key, default)
+    what = f"{where}: {key} of <{element.tag}>"
+    if text is None:
+        raise InvalidURDF(f"{what} is missing; give it")
+    words = _BLANKS.split(text.strip(" \t\r\n")) if len(text) <= count * (MAX_NUMBER + 8) else []
+    if len(words) != count or not words[0]:
+        counted = "1 number" if count == 1 else f"{count} numbers separated by blanks"
+        raise InvalidURDF(f"{what} is {quoted(text)}; give {counted}")
+    for word in words:
+        if len(word) > MAX_NUMBER or _NUMBER.fullmatch(word) is None:
+            remedy = "write a decimal point" if "," in word else "give a finite number"
+            raise InvalidURDF(f"{what} has {quoted(word)}; {remedy}")
+    values = tuple(float(word) for word in words)
+    if max(map(abs, values)) > bound:
+        raise InvalidURDF(f"{what} is {quoted(text)}, beyond ±{bound:g}; check the unit")
+    return values
+
+
+def origin_of(element: Element, where: str) -> Origin:
+    """The ``<origin>`` of an element; nothing and zero where there is none.
+
+    Raises:
+        InvalidURDF: See :func:`numbers`.
+    """
+    origin = element.find("origin")
+    if origin is None:
+        return Origin()
+    x, y, z = numbers(origin, "xyz", 3, where, "0 0 0")
+    roll, pitch, yaw = numbers(origin, "rpy", 3, where, "0 0 0")
+    return Origin((x, y, z), (roll, pitch, yaw))
+
+
+def write_origin(origin: Origin, twin: Element) -> None:
+    """Adds an ``<origin>`` to an element of the canonical URDF, unless it is nothing."""
+    if origin != Origin():
+        etree.SubElement(twin, "origin", xyz=text_of(origin.xyz), rpy=text_of(origin.rpy))
+
+
+def text_of(values: tuple[float, ...]) -> str:
+    """Numbers as digits that are read back exactly."""
+    return " ".join(repr(value) for value in values)

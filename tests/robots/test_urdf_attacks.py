@@ -1,0 +1,292 @@
+"""Texts that other readers take for a robot, or that take other readers down."""
+
+import re
+import unicodedata
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from robots.errors import InvalidURDF, RobotError
+from robots.robot import robot_from_urdf
+from robots.urdf import read_urdf
+
+
+def refusal(document):
+    with pytest.raises(RobotError) as caught:
+        robot_from_urdf(document)
+    message = str(caught.value)
+    assert 0 < len(message) < 300
+    assert not any(unicodedata.category(c) in ("Cc", "Cf", "Zl", "Zp", "Cs") for c in message)
+    assert "lxml" not in message
+    assert "<string>" not in message
+    return message
+
+
+def with_declaration(text, declaration):
+    return text.replace('<?xml version="1.0"?>', declaration)
+
+
+@pytest.mark.parametrize(
+    ("document", "words"),
+    [
+        ("", "there is no element"),
+        ("   ", "there is no element"),
+        ("<robot", "line 1, column 7: a tag lacks its >"),
+        ("<robot name='a'>", "line 1, column 17: a tag is not closed; the text ends too soon"),
+        ("<robot name='a'>\n<link>\n</robot>", "line 3, column 9: mismatched tag"),
+        ("<robot name='a'/><robot name='b'/>", "something stands after the root element"),
+        ("<robot name='a'/>rest", "something stands after the root element"),
+        ("<robot name='a' name='b'/>", "an attribute stands twice in one tag"),
+        ("<robot name=a/>", "the value of an attribute has no quotes"),
+        ("<robot name='a<b'/>", "write &lt;"),
+        ("<robot name='a&b'/>", "write &amp;"),
+        ("<robot name='&b;'/>", "write & as &amp;"),
+        ("<robot name='&#0;'/>", "a character that XML does not have"),
+        ("<robot name='&#xD800;'/>", "a character that XML does not have"),
+        ("<robot><!-- -- --></robot>", "a comment holds --"),
+        ("<robot><![CDATA[</robot>", "CDATA section is not closed"),
+        ("<robot><?xml version='1.0'?></robot>", "<?xml stands elsewhere than at the start"),
+        ("<robot name='a'>\n\x00</robot>", "line 2 holds the character U+0000"),
+        ("<robot name='a'>\x1b[2J</robot>", "U+001B"),
+        ("<robot name='a'/>\x00<robot name='b'/>", "U+0000"),
+        ("<robot name='\ufffe'/>", "U+FFFE"),
+        ("<?xml version='1.1'?><robot name='a'/>", 'write <?xml version="1.0"?>'),
+        ("<robot><xacro:macro name='a'/></robot>", "expand xacro files first"),
+        ("<robot xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arm/></robot>", "expand"),
+        ("<robot xmlns='http://www.ros.org' name='a'/>", "without xmlns"),
+        ("<robot>" + "<x>" * 300 + "</x>" * 300 + "</robot>", "nested too deeply"),
+        ("<" + "r" * 60_000 + "/>", "a name is too long"),
+        ("\ud800", "no Unicode text"),
+    ],
+)
+def test_what_is_no_xml_is_refused_with_its_place(document, words):
+    assert words in refusal(document)
+    if "\ud800" not in document:
+        assert words in refusal(document.encode())
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-16-le", "utf-16-be"])
+@pytest.mark.parametrize("before", ["", "<!-- a -->", "<?pi?>", "\n\n", "<!-- > --><?x y?> "])
+def test_a_doctype_is_seen_in_every_encoding(arm_urdf, encoding, before):
+    doctype = '<!DOCTYPE robot [<!ENTITY x SYSTEM "file:///etc/hostname">]>'
+    body = arm_urdf.replace('<?xml version="1.0"?>', f"{before}{doctype}")
+    marks = {"utf-16-le": b"\xff\xfe", "utf-16-be": b"\xfe\xff"}
+    assert "DOCTYPE" in refusal(marks.get(encoding, b"") + body.encode(encoding))
+    assert "DOCTYPE" in refusal(body)
+
+
+def test_the_word_doctype_in_a_comment_is_none(arm_urdf):
+    text = arm_urdf.replace("<link", "<!-- <!DOCTYPE x> <!ENTITY y> --><link", 1)
+    assert read_urdf(text).canonical == read_urdf(arm_urdf).canonical
+
+
+@pytest.mark.parametrize(
+    ("declared", "encoded", "mark", "words"),
+    [
+        ("utf-7", "utf-7", b"", "encoding 'utf-7', which is not read here"),
+        ("utf-32", "utf-32", b"", "the URDF is UTF-32"),
+        ("ebcdic-cp-us", "utf-8", b"", "which is not read here; save the URDF as UTF-8"),
+        ("gb18030", "gb18030", b"", "not read here"),
+        ("utf-16", "utf-8", b"", "not read here"),
+        ("utf-8", "utf-16-le", b"\xff\xfe", "is not that of its byte order mark"),
+        ("utf-16", "utf-8", b"\xef\xbb\xbf", "is not that of its byte order mark"),
+        ("x" * 150, "utf-8", b"", "not read here"),
+    ],
+)
+def test_other_encodings_are_refused(arm_urdf, declared, encoded, mark, words):
+    text = with_declaration(arm_urdf, f'<?xml version="1.0" encoding="{declared}"?>')
+    assert words in refusal(mark + text.encode(encoded))
+
+
+@pytest.mark.parametrize(
+    ("declared", "encoded", "mark"),
+    [
+        ("UTF-8", "utf-8", b""),
+        ("UTF-8", "utf-8", b"\xef\xbb\xbf"),
+        ("UTF-16", "utf-16-be", b"\xfe\xff"),
+        ("utf-16le", "utf-16-le", b"\xff\xfe"),
+        ("ISO-8859-1", "latin-1", b""),
+        ("Windows-1252", "cp1252", b""),
+    ],
+)
+def test_encodings_that_name_themselves_are_read(arm_urdf, declared, encoded, mark):
+    text = arm_urdf.replace('"arm"', '"bras élévateur"')
+    text = with_declaration(text, f"<?xml version='1.0' encoding='{declared}' standalone='yes'?>")
+    if declared == "utf-16le":
+        text = text.replace("utf-16le", "utf-16")
+    assert read_urdf(mark + text.encode(encoded)).name == "bras élévateur"
+
+
+@pytest.mark.parametrize("start", [b"\xff\xfe", b"\xfe\xff", b"\xef\xbb\xbf", b""])
+@pytest.mark.parametrize("rest", [b"\xff", b"\x00", b"<\xd8\x00", b"\xed\xa0\x80", b"\x00\xd8"])
+def test_torn_bytes_are_refused(start, rest):
+    refusal(start + rest)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("<axis", '<axis xyz="0 0 1"/><axis', ("joint 'turn' has two <axis>", "keep one")),
+        ("<parent", '<parent link="boom"/><parent', ("joint 'turn' has two <parent>",)),
+        ("<child", '<child link="boom"/><child', ("joint 'turn' has two <child>",)),
+        ("<origin xyz=\"0 0.2 0\"/>", '<origin xyz="0 0.2 0"/><origin/>', ("two <origin>",)),
+        ("<limit", '<limit lower="0" upper="0"/><limit', ("joint 'reach' has two <limit>",)),
+        ("<mass", '<mass value="0"/><mass', ("link 'turret' has two <mass> in <inertial>",)),
+        ("<inertial>", "<inertial/><inertial>", ("link 'turret' has two <inertial>",)),
+        ("<geometry>", "<geometry/><geometry>", ("two <geometry> in <visual>",)),
+        ("<cylinder", '<box size="1 1 1"/><cylinder', ("link 'turret'", "two geometries")),
+        ('<cylinder radius="0.1" length="0.4"/>', "<gazebo/>", ("<collision> has no geometry",)),
+        ("<axis", "<dynamics><joint/></dynamics><axis", ("<dynamics> holds a <joint>",)),
+        ('<link name="boom"/>', '<link name="boom"><link name="b"/></link>',
+         ("link 'boom': <link> cannot stand in <link>",)),
+        ('<link name="boom"/>', '<link name="boom"><joint name="b"/></link>', ("cannot stand in",)),
+        ("</robot>", '<robot name="b"/></robot>', ("<robot> cannot stand in <robot>",)),
+        ("</robot>", '<group><link name="b"/></group></robot>', ("<group>", "holds a <link>")),
+        ("</robot>", '<Link name="b"/></robot>', ("<Link> cannot stand in <robot>",)),
+        ("</robot>", '<x:link xmlns:x="y" name="b"/></robot>', ("<link> cannot stand in",)),
+        ("<axis", "<axes", ("joint 'turn': <axes> is unknown", "did you mean <axis>?")),
+        ("<limit", "<limits", ("<limits> is unknown; did you mean <limit>?",)),
+        ("<axis", "&lt;axis", ("joint 'turn' holds the text '<axis", "mend the tag")),
+        ("<link", "arm<link", ("the robot holds the text 'arm'",)),
+        ('<origin xyz="0 0.2 0"', '<origin xzy="0 0.2 0"', ("attribute 'xzy'", "xyz, rpy")),
+        ('rpy="0.1 0.2 0.3"', 'quat_xyzw="0 0 0 1"', ("attribute 'quat_xyzw'", "xyz, rpy")),
+        ('<axis xyz="0 0 2"/>', '<axis xyz_="0 0 2"/>', ("<axis> has an attribute 'xyz_'",)),
+        ('<link name="boom"/>', '<link name="boom"><origin xyz="0 0 1"/></link>',
+         ("link 'boom': <origin> cannot stand in <link>",)),
+        ('xyz="0 0.2 0"', 'xyz="0 \u0660.2 0"', ("joint 'reach'", "'٠.2'", "finite number")),
+        ('xyz="0 0.2 0"', 'xyz="0\u00a00.2 0"', ("give 3 numbers",)),
+        ('xyz="0 0.2 0"', f'xyz="0 0.{"2" * 1000} 0"', ("…; give 3 numbers",)),
+        ('xyz="0 0.2 0"', f'xyz="0 0.{"2" * 64} 0"', ("give a finite number",)),
+        ('xyz="0 0.2 0"', f'xyz="{"0 " * 600}0 0.2 0"', ("give 3 numbers",)),
+        ('xyz="0 0.2 0"', 'xyz="0 0.2d0 0"', ("'0.2d0'",)),
+        ('xyz="0 0.2 0"', 'xyz="0 1e+ 0"', ("'1e+'",)),
+        ('lower="-1.5"', 'lower="-1e308"', ("joint 'grip'", "lower of <limit>", "beyond ±1e+20")),
+        ('velocity="2"', 'velocity="1e21"', ("velocity of <limit>", "beyond ±1e+20")),
+        ('<axis xyz="1 1 0"/>', '<axis xyz="1e-320 0 0"/>', ("joint 'grip'", "axis is zero")),
+        ('ixx="0.1" ', "", ("link 'turret': ixx of <inertia> is missing",)),
+        ('ixx="0.1"', 'ixx="-0.1"', ("link 'turret'", "moment of inertia", "negative")),
+        ('filename="package://arm/turret.stl"', "", ("link 'turret'", "filename of <mesh>")),
+        ('name="turn"', 'name="tu&#10;rn"', ("joint", "'tu\\nrn'", "cannot be seen")),
+        ('name="turn"', 'name="tu\u202ern"', ("'tu\\u202ern'", "cannot be seen; remove them")),
+        ('name="turn"', 'name="tu\u200brn"', ("'tu\\u200brn'",)),
+        ('name="turn"', 'name="tu\u2028rn"', ("'tu\\u2028rn'",)),
+        ('name="turn"', 'name="tu\u00a0rn"', ("'tu\\xa0rn'",)),
+        ('name="turn"', 'name="turn "', ("'turn '", "blanks at its ends")),
+        ('name="turn"', 'name="to\u0308rn"', ("composed form (Unicode NFC)",)),
+        ('<parent link="turret"/>', '<parent link="turr\u00e8t"/>', ("parent link 'turrèt' does",)),
+        ('<parent link="turret"/>', f'<parent link="{"t" * 500}"/>', ("ttt… does not exist",)),
+    ],
+)  # fmt: skip
+def test_a_slip_is_refused_and_not_dropped(arm_urdf, old, new, words):
+    assert old in arm_urdf
+    message = refusal(arm_urdf.replace(old, new, 1) if old != "</robot>" else new.join(
+        arm_urdf.rsplit(old, 1)))  # fmt: skip
+    assert [word for word in words if word not in message] == []
+
+
+def test_extensions_are_left_out_and_named_once(arm_urdf):
+    extra = (
+        "<gazebo><robot><link/><joint/>text</robot></gazebo><gazebo/><transmission><joint/>"
+        '</transmission><drake:x xmlns:drake="d">text</drake:x>'
+    )
+    text = arm_urdf.replace("</robot>", f"{extra}</robot>").replace("<axis", "<dynamics/><axis", 1)
+    description = read_urdf(text)
+    assert description.canonical == read_urdf(arm_urdf).canonical
+    assert description.warnings == (
+        "left out, since kinematics does not use it: <gazebo>, <transmission>, <x>, <dynamics>",
+    )
+    many = "".join(f"<kind{k}/>" for k in range(40))
+    assert "over 20 kinds" in refusal(arm_urdf.replace("</robot>", f"{many}</robot>"))
+
+
+def test_an_origin_of_a_link_that_changes_nothing_is_no_matter(arm_urdf):
+    text = arm_urdf.replace('"boom"/>', '"boom"><origin xyz="0 0 0" rpy="0 -0 0.0"/></link>', 1)
+    assert read_urdf(text) == read_urdf(arm_urdf)
+
+
+def test_an_inertia_that_no_body_has_is_named_and_kept(arm_urdf):
+    text = arm_urdf.replace('ixy="0"', 'ixy="5"')
+    robot = robot_from_urdf(text)
+    assert robot.warnings == (
+        "the inertia of link 'turret' is not positive semi-definite, so no body has it; kinematics"
+        " does not use it",
+    )
+    assert 'ixy="5.0"' in robot.urdf
+    slightly = robot_from_urdf(arm_urdf.replace('ixx="0.1"', 'ixx="-5e-20"').replace(
+        'iyy="0.1"', 'iyy="0"'))  # fmt: skip
+    assert slightly.warnings == ()
+
+
+@pytest.mark.parametrize(
+    "filename",
+    [
+        "/etc/passwd", "//host/share", "file:///etc/passwd", "file://etc/passwd", "FILE:///x",
+        "http://example.org/a.stl", "https://[::1]/a.stl", "ftp://a/b", "model://a/b",
+        "package://../../etc/passwd", "package://a/../../b", "package:////etc/passwd",
+        "../meshes/a.stl", "a/../../b", "..", ".", "", "a//b", "a/./b", "..\\..\\boot.ini",
+        "C:\\a.stl", "C:/a.stl", "\\\\host\\a", "~/a.stl", "$HOME/a.stl", "`id`", "a|b",
+        "package://a/%2e%2e/b", "%2e%2e/a", "package://a\u202e/b", "data:,x", "javascript:x",
+        "<x>", "a'b", "a;b", "x" * 600, " /etc/passwd", "package://", "package:///",
+    ],
+)  # fmt: skip
+def test_a_mesh_that_leads_elsewhere_is_not_handed_on(arm_urdf, tmp_path, filename):
+    from xml.sax.saxutils import escape
+
+    text = arm_urdf.replace("package://arm/turret.stl", escape(filename, {'"': "&quot;"}))
+    robot = robot_from_urdf(text)
+    assert "mesh" not in robot.urdf
+    assert len(ET.fromstring(robot.urdf).findall(".//visual")) == 0
+    assert len(ET.fromstring(robot.urdf).findall(".//collision")) == 1
+    (warning,) = robot.warnings
+    assert "meshes of link 'turret' are left out" in warning
+    assert "package://" in warning
+    assert robot_from_urdf(robot.urdf).urdf == robot.urdf
+
+
+@pytest.mark.parametrize(
+    ("filename", "kept"),
+    [
+        ("package://arm/meshes/a b-1_(2).dae", "package://arm/meshes/a b-1_(2).dae"),
+        ("package:///arm/a.stl", "package://arm/a.stl"),
+        ("meshes/a.stl", "meshes/a.stl"),
+        ("./meshes/a.stl", "meshes/a.stl"),
+        ("maße/évidé+1@2,3.obj", "maße/évidé+1@2,3.obj"),
+        ("a..b/c.stl", "a..b/c.stl"),
+    ],
+)
+def test_a_mesh_of_a_package_is_kept_as_text(arm_urdf, filename, kept):
+    robot = robot_from_urdf(arm_urdf.replace("package://arm/turret.stl", filename))
+    assert ET.fromstring(robot.urdf).find(".//mesh").get("filename") == kept
+    assert robot.warnings == ()
+
+
+def test_no_file_that_a_urdf_names_is_opened(arm_urdf, tmp_path):
+    fifo = tmp_path / "fifo.stl"
+    import os
+
+    os.mkfifo(fifo)  # opening it would wait for ever
+    for name in (str(fifo), f"file://{fifo}", f"package://{fifo}"):
+        assert robot_from_urdf(arm_urdf.replace("package://arm/turret.stl", name)).dof == 3
+
+
+def test_limits_far_out_stand_for_none(arm_urdf):
+    text = arm_urdf.replace('lower="-1.5"', 'lower="-1e16"').replace('upper="1.5"', 'upper="1e16"')
+    joint = robot_from_urdf(text).joints[2]
+    assert (joint.lower, joint.upper) == (None, None)
+
+
+def test_a_material_is_written_where_it_has_a_colour(arm_urdf, capfd):
+    import pinocchio as pin
+
+    text = arm_urdf.replace('<material name="grey"/>', '<material name="unknown"/>')
+    robot = robot_from_urdf(text)
+    assert "unknown" not in robot.urdf
+    assert pin.buildModelFromXML(robot.urdf).nv == 3
+    twice = re.sub(r"(<material name=.grey.>.*?</material>)", r"\1\1", arm_urdf)
+    assert pin.buildModelFromXML(robot_from_urdf(twice).urdf).nv == 3
+    assert capfd.readouterr().err == ""
+
+
+def test_refusals_are_invalid_urdf(arm_urdf):
+    with pytest.raises(InvalidURDF):
+        robot_from_urdf(arm_urdf[:-20])
