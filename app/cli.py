@@ -8,6 +8,10 @@ from pathlib import Path
 import click
 import uvicorn
 
+from app.access.keys import InvalidKeys, Scope, new_key
+from app.access.rates import InvalidRate, RateLimits
+from app.access.wiring import key_ring
+from app.connections import raise_file_limit
 from app.query import number
 from app.settings import Settings
 from app.text import render_text
@@ -41,6 +45,13 @@ def serve(
         if value is not None:
             os.environ[f"DENAVIT_{name.upper()}"] = str(value)
     settings = Settings()
+    try:
+        key_ring(settings)
+        if settings.rate_limit.strip():
+            RateLimits(settings.rate_limit)
+    except (InvalidKeys, InvalidRate) as error:
+        raise click.ClickException(str(error)) from None
+    raise_file_limit()
     # Once, before the workers start: they share the directory and the compiled code.
     RobotStore(settings.data_dir)
     click.echo("Loading the solvers (a minute after an update, else a moment) …", err=True)
@@ -61,8 +72,28 @@ def serve(
         log_level=log_level,
         access_log=log_level in ("debug", "trace"),
         server_header=False,
+        http="app.connections:GuardedProtocol",
+        ws="none",
+        proxy_headers=bool(settings.trusted_proxies.strip()),
+        forwarded_allow_ips=settings.trusted_proxies.strip() or None,
         timeout_graceful_shutdown=30,
     )
+
+
+@main.command("key")
+@click.option("--name", required=True, help="Whose key it is.")
+@click.option(
+    "--scope", type=click.Choice([*Scope]), default=Scope.READ, show_default=True,
+    help="write also uploads and deletes robots.",
+)  # fmt: skip
+def make_key(name: str, scope: str) -> None:
+    """Makes an API key: shows it once, with the line for DENAVIT_API_KEYS(_FILE)."""
+    try:
+        secret, key = new_key(name, Scope(scope))
+    except InvalidKeys as error:
+        raise click.ClickException(str(error)) from None
+    click.echo(f"key (keep it, it is not shown again): {secret}")
+    click.echo(f"line: {key.line}")
 
 
 @main.command("robots")

@@ -8,11 +8,10 @@ from collections import OrderedDict
 from collections.abc import Callable
 from typing import Annotated, Any, TypeVar
 
-import anyio
 import msgspec
-from anyio.to_thread import run_sync
 from fastapi import Depends, Request
 
+from app.admission import Buffers, Lane, while_connected
 from app.documents import robot_from_inline
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
@@ -25,7 +24,8 @@ T = TypeVar("T")
 INLINE_WEIGHT = 20_000
 """Bound on the sum of dof² of inline robots in memory; a working memory grows with its square."""
 LOADING_THREADS = 4
-WAITING_THREADS = 32
+WAITING_THREADS = 8
+"""Beside one for each symbolic worker: for those that wait for it, and for known answers."""
 
 
 class InlineRobots:
@@ -78,21 +78,36 @@ class Services:
         self.store = RobotStore(settings.data_dir)
         self.inline = InlineRobots()
         self.symbolic = SymbolicWorkers(settings.symbolic_workers)
-        self._compute = anyio.CapacityLimiter(settings.compute_threads)
-        self._load = anyio.CapacityLimiter(LOADING_THREADS)
-        self._wait = anyio.CapacityLimiter(WAITING_THREADS)
+        self.buffers = Buffers(settings.max_buffered_bytes)
+        queue = settings.max_waiting, settings.max_wait_seconds
+        self.compute = Lane("compute", settings.compute_threads, *queue)
+        self.load = Lane("load", LOADING_THREADS, *queue)
+        self.apart = Lane("apart", settings.symbolic_workers + WAITING_THREADS, *queue)
 
-    async def computed(self, call: Callable[[], T]) -> T:
-        """Runs a computation in one of the compute threads."""
-        return await run_sync(call, limiter=self._compute)
+    def close(self) -> None:
+        """Ends what still runs."""
+        for lane in (self.compute, self.load, self.apart):
+            lane.close()
+        self.symbolic.close()
 
-    async def waited(self, call: Callable[[], T]) -> T:
-        """Waits in a thread for a process that does the work; takes no compute thread."""
-        return await run_sync(call, limiter=self._wait)
+    async def computed(self, call: Callable[[], T], request: Request) -> T:
+        """Runs a computation in one of the compute threads, as long as the client is there.
+
+        Raises:
+            RequestProblem: 503, too many are at work or wait.
+            Unwanted: The client went away.
+        """
+        seconds = self.settings.max_request_seconds
+        async with self.compute.visit(seconds) as visit, while_connected(request, visit):
+            return await visit.run(call)
 
     async def loaded(self, call: Callable[[], T]) -> T:
-        """Reads or writes robots in a thread: a lane of its own, not held up by computations."""
-        return await run_sync(call, limiter=self._load)
+        """Reads or writes robots in a thread: a lane of its own, not held up by computations.
+
+        Raises:
+            RequestProblem: 503, too many are at work or wait.
+        """
+        return await self.load.run(call)
 
     async def robot(self, robot_id: str) -> StoredRobot:
         """A robot by id; loaded in a thread where it is not in memory.

@@ -10,9 +10,10 @@ from typing import Any
 from anyio.to_thread import run_sync
 from fastapi import FastAPI
 
-from app import docs, problems
+from app import admission, docs, problems
+from app.access.wiring import describe, protect
+from app.connections import STATE, ConnectionGuard, ConnectionLimits
 from app.dependencies import Services
-from app.middleware import RequestId
 from app.openapi import build_openapi
 from app.rehearsal import rehearse
 from app.routes import compute, convert, diff, health, robots, tables
@@ -35,13 +36,13 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     chosen = settings or Settings()
 
     @asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+    async def lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
         app.state.services = Services(chosen)
         await run_sync(warm_up)
         if chosen.preload:
             await rehearse(app, app.state.services)
-        yield
-        app.state.services.symbolic.close()
+        yield {STATE: ConnectionGuard(_limits(chosen))}
+        app.state.services.close()
 
     app = FastAPI(
         title="Denavit",
@@ -60,7 +61,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.include_router(diff.build_router(chosen.max_document_bytes))
     docs.install(app)
     problems.install(app)
-    app.add_middleware(RequestId)
+    admission.install(app)
+    protect(app, chosen)
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
@@ -69,10 +71,20 @@ def create_app(settings: Settings | None = None) -> FastAPI:
                 diff.DiffRequest, diff.InlineDiffRequest, diff.DiffResponse,
             )  # fmt: skip
             app.openapi_schema = build_openapi(app, types)
+            describe(app.openapi_schema, chosen)
         return app.openapi_schema
 
     app.openapi = openapi  # type: ignore[method-assign]
     return app
+
+
+def _limits(settings: Settings) -> ConnectionLimits:
+    return ConnectionLimits(
+        settings.max_connections,
+        settings.head_seconds,
+        settings.body_seconds,
+        settings.write_seconds,
+    )
 
 
 def __getattr__(name: str) -> Any:

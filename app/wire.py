@@ -24,6 +24,7 @@ from app.problems import (
 )
 from app.text import render_text
 from dh_to_urdf.pasted.writer import TABLE_TEXTS
+from kinematics.deadline import checked, checkpoint
 from robots.robot import FloatArray
 
 T = TypeVar("T")
@@ -42,6 +43,8 @@ PIECE = 100_000
 """Bytes of JSON that are decoded at once."""
 LARGE = 20_000
 """Numbers in an array above which it is written in parts, so that other threads get a turn."""
+LONG = 1_000
+"""Items of a list above which it is written in parts, too."""
 
 _PATH = re.compile(r" - at `([^`]*)`$")
 _TYPE_NAMES = (
@@ -143,6 +146,7 @@ def decode_rows(text: bytes, pointer: str) -> FloatArray | list[list[float]]:
     start, end = 1, text.rfind(b"]")
     try:
         while start < end:
+            checkpoint()
             cut = text.find(b"],", start + PIECE, end)
             stop = end if cut < 0 else cut + 1
             rows = msgspec.json.decode(b"[" + text[start:stop] + b"]", type=list[list[float]])
@@ -270,7 +274,14 @@ def _append_json(payload: object, parts: list[bytes]) -> None:
         rows = max(1, LARGE // max(1, payload[0].size))
         parts.extend(
             (b"," if start else b"[") + _dumps(payload[start : start + rows])[1:-1]
-            for start in range(0, len(payload), rows)
+            for start in checked(range(0, len(payload), rows), 1)
+        )
+        parts.append(b"]")
+    elif isinstance(payload, list) and len(payload) > LONG:
+        rows = max(1, LARGE // max(1, np.size(payload[0])))
+        parts.extend(
+            (b"," if start else b"[") + _dumps(payload[start : start + rows])[1:-1]
+            for start in checked(range(0, len(payload), rows), 1)
         )
         parts.append(b"]")
     else:
@@ -283,7 +294,7 @@ def _has_large(payload: dict[str, Any]) -> bool:
         if kind is np.ndarray:
             if value.size > LARGE:
                 return True
-        elif kind is dict and _has_large(value):
+        elif (kind is list and len(value) > LONG) or (kind is dict and _has_large(value)):
             return True
     return False
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.compiled import jit
+from kinematics.deadline import checkpoint
 from kinematics.inverse.kernel import residual
 from kinematics.kernels import Array
 from kinematics.redundancy.distances import clearances
@@ -15,6 +16,9 @@ from kinematics.redundancy.kernel import workspace
 from kinematics.redundancy.problem import Problem
 from kinematics.redundancy.sweep import RESOLUTION, swept_clearances
 from robots.robot import FloatArray
+
+SWEPT = 16
+"""Intervals that are swept between two checkpoints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +84,11 @@ def measure(problem: Problem, Q: FloatArray) -> Measures:
     C, turns, *_ = arm.constants
     if len(problem.obstacles):
         world = problem.obstacles, problem.link_radius
-        swept_clearances(C, turns, Q, *world, RESOLUTION, workspace(arm.K), swept)
+        W, least = workspace(arm.K), np.inf
+        for first in range(0, len(swept), SWEPT):
+            checkpoint()
+            last = min(first + SWEPT, len(swept))
+            least = swept_clearances(C, turns, Q, *world, RESOLUTION, W, swept, first, last, least)
     steps = np.abs(np.diff(Q, axis=0))
     most = problem.most_per_step
     return Measures(
