@@ -83,7 +83,7 @@ def serve(
 @main.command("key")
 @click.option("--name", required=True, help="Whose key it is.")
 @click.option(
-    "--scope", type=click.Choice([*Scope]), default=Scope.READ, show_default=True,
+    "--scope", type=click.Choice(["read", "write"]), default="read", show_default=True,
     help="write also uploads and deletes robots.",
 )  # fmt: skip
 def make_key(name: str, scope: str) -> None:

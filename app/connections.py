@@ -275,6 +275,8 @@ class GuardedProtocol(HttpToolsProtocol):
                 self._too_slow()
         elif self.phase is Phase.LINGER and waited > LINGER:
             self.cut_off()
+        elif self.phase is Phase.IDLE and waited > limits.head_seconds + self.timeout_keep_alive:
+            self.transport.close()
 
     def cut_off(self) -> None:
         """Ends the connection, whatever is on its way."""
@@ -291,6 +293,10 @@ class GuardedProtocol(HttpToolsProtocol):
                 return
             self.cycle.disconnected = True
             self.cycle.message_event.set()
+        elif self.phase is Phase.BODY:
+            # The answer is given already, before the body was read.
+            self._linger()
+            return
         status, slug, detail = self._refusal
         body = orjson.dumps(
             {
@@ -310,6 +316,9 @@ class GuardedProtocol(HttpToolsProtocol):
             b"connection: close\r\n\r\n",
         ]
         self.transport.write(b"".join([*head, body]))
+        self._linger()
+
+    def _linger(self) -> None:
         self._enter(Phase.LINGER, LINGER)
         # A close with unread data would reset the connection, and the client not see why.
         if self.transport.can_write_eof():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from importlib.metadata import version
@@ -20,6 +21,8 @@ from app.routes import compute, convert, diff, health, robots, tables
 from app.settings import Settings
 from kinematics.warm import warm_up
 
+SWITCH_SECONDS = 0.0005
+"""How long a computation keeps the event loop waiting for the interpreter, at each of its turns."""
 DESCRIPTION = """Kinematics over HTTP: post a Denavit-Hartenberg table or a URDF, ask for forward
 kinematics, Jacobians, singularities and inverse kinematics.
 
@@ -37,6 +40,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
+        sys.setswitchinterval(SWITCH_SECONDS)
         app.state.services = Services(chosen)
         await run_sync(warm_up)
         if chosen.preload:

@@ -82,6 +82,12 @@ def start_server():
 
 
 @pytest.fixture(scope="session")
+def running_servers():
+    """The same, for fixtures that last longer."""
+    return running_server
+
+
+@pytest.fixture(scope="session")
 def exercises() -> dict:
     return json.loads((FIXTURES / "exercises.json").read_text())
 
