@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 from pydantic import ValidationError
 
+from app.access.keys import InvalidKeys, Scope, new_key
 from app.query import number
 from app.settings import Settings
 from app.text import render_text
@@ -60,6 +61,22 @@ def _told(error: ValidationError) -> str:
     return "\n".join(
         f"DENAVIT_{str(item['loc'][0]).upper()}: {item['msg']}" for item in error.errors()
     )
+
+
+@main.command("key")
+@click.option("--name", required=True, help="Whose key it is.")
+@click.option(
+    "--scope", type=click.Choice(["read", "write"]), default="read", show_default=True,
+    help="write also uploads and deletes robots.",
+)  # fmt: skip
+def make_key(name: str, scope: str) -> None:
+    """Makes an API key: shows it once, with the line for DENAVIT_API_KEYS(_FILE)."""
+    try:
+        secret, key = new_key(name, Scope(scope))
+    except InvalidKeys as error:
+        raise click.ClickException(str(error)) from None
+    click.echo(f"key (keep it, it is not shown again): {secret}")
+    click.echo(f"line: {key.line}")
 
 
 @main.command("robots")

@@ -8,11 +8,10 @@ from collections import OrderedDict
 from collections.abc import Callable
 from typing import Annotated, Any, TypeVar
 
-import anyio
 import msgspec
-from anyio.to_thread import run_sync
 from fastapi import Depends, Request
 
+from app.admission import Buffers, Lane, while_connected
 from app.documents import robot_from_inline
 from app.problems import INVALID_REQUEST, TOO_LARGE, RequestProblem
 from app.settings import Settings
@@ -27,9 +26,10 @@ INLINE_WEIGHT = 20_000
 """Bound on the sum of dof² of inline robots in memory; a working memory grows with its square."""
 LOADING_THREADS = 4
 STORING_THREADS = 8
-WAITING_THREADS = 32
 CHECKED_AT_START = 0.5
 """Seconds for which a start waits for the check of the uploads, which then goes on beside."""
+WAITING_THREADS = 8
+"""Beside one for each symbolic worker: for those that wait for it, and for known answers."""
 
 
 class InlineRobots:
@@ -85,27 +85,47 @@ class Services:
         )
         self.inline = InlineRobots()
         self.symbolic = SymbolicWorkers(settings.symbolic_workers)
-        self._compute = anyio.CapacityLimiter(settings.compute_threads)
-        self._load = anyio.CapacityLimiter(LOADING_THREADS)
-        self._store = anyio.CapacityLimiter(STORING_THREADS)
         self._stopping = threading.Event()
-        self._wait = anyio.CapacityLimiter(WAITING_THREADS)
+        self.buffers = Buffers(settings.max_buffered_bytes)
+        queue = settings.max_waiting, settings.max_wait_seconds
+        self.compute = Lane("compute", settings.compute_threads, *queue)
+        self.load = Lane("load", LOADING_THREADS, *queue)
+        self.writing = Lane("writing", STORING_THREADS, *queue)
+        self.apart = Lane("apart", settings.symbolic_workers + WAITING_THREADS, *queue)
 
-    async def computed(self, call: Callable[[], T]) -> T:
-        """Runs a computation in one of the compute threads."""
-        return await run_sync(call, limiter=self._compute)
+    def close(self) -> None:
+        """Ends what still runs, and what goes on besides requests."""
+        self._stopping.set()
+        for lane in (self.compute, self.load, self.writing, self.apart):
+            lane.close()
+        self.symbolic.close()
 
-    async def waited(self, call: Callable[[], T]) -> T:
-        """Waits in a thread for a process that does the work; takes no compute thread."""
-        return await run_sync(call, limiter=self._wait)
+    async def computed(self, call: Callable[[], T], request: Request) -> T:
+        """Runs a computation in one of the compute threads, as long as the client is there.
+
+        Raises:
+            RequestProblem: 503, too many are at work or wait.
+            Unwanted: The client went away.
+        """
+        seconds = self.settings.max_request_seconds
+        async with self.compute.visit(seconds) as visit, while_connected(request, visit):
+            return await visit.run(call)
 
     async def loaded(self, call: Callable[[], T]) -> T:
-        """Reads robots in a thread: a lane of its own, not held up by computations."""
-        return await run_sync(call, limiter=self._load)
+        """Reads robots in a thread: a lane of its own, not held up by computations.
+
+        Raises:
+            RequestProblem: 503, too many are at work or wait.
+        """
+        return await self.load.run(call)
 
     async def stored(self, call: Callable[[], T]) -> T:
-        """Writes robots in a thread: may wait for other writers, and holds up no reader."""
-        return await run_sync(call, limiter=self._store)
+        """Writes robots in a thread: may wait for other writers, and holds up no reader.
+
+        Raises:
+            RequestProblem: 503, too many are at work or wait.
+        """
+        return await self.writing.run(call)
 
     def check_uploads(self) -> None:
         """Checks all uploads, of many only the first ones before it returns."""
@@ -114,11 +134,6 @@ class Services:
         )
         check.start()
         check.join(CHECKED_AT_START)
-
-    def close(self) -> None:
-        """Ends what goes on besides requests."""
-        self._stopping.set()
-        self.symbolic.close()
 
     async def robot(self, robot_id: str) -> StoredRobot:
         """A robot by id; loaded in a thread where it is not in memory.

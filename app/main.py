@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from importlib.metadata import version
@@ -10,9 +11,10 @@ from typing import Any
 from anyio.to_thread import run_sync
 from fastapi import FastAPI
 
-from app import docs, problems
+from app import admission, docs, problems
+from app.access.wiring import describe, protect
+from app.connections import STATE, ConnectionGuard, ConnectionLimits
 from app.dependencies import Services
-from app.middleware import RequestId
 from app.openapi import build_openapi
 from app.readiness import Readiness, ReadinessReport
 from app.rehearsal import rehearse
@@ -24,6 +26,8 @@ from app.telemetry.observed import Observed
 from app.telemetry.tracing import telemetry_config
 from kinematics.warm import warm_up
 
+SWITCH_SECONDS = 0.0005
+"""How long a computation keeps the event loop waiting for the interpreter, at each of its turns."""
 DESCRIPTION = """Kinematics over HTTP: post a Denavit-Hartenberg table or a URDF, ask for forward
 kinematics, Jacobians, singularities and inverse kinematics.
 
@@ -40,14 +44,15 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     chosen = settings or Settings()
 
     @asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+    async def lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
+        sys.setswitchinterval(SWITCH_SECONDS)
         app.state.services = Services(chosen)
         await run_sync(app.state.services.check_uploads)
         await run_sync(warm_up)
         if chosen.preload:
             await rehearse(app, app.state.services)
         health.add_checks(app.state.readiness, app.state.services)
-        yield
+        yield {STATE: ConnectionGuard(_limits(chosen))}
         app.state.readiness.stop()
         app.state.services.close()
 
@@ -76,7 +81,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     docs.install(app)
     problems.install(app)
     app.add_middleware(RequestLine)
-    app.add_middleware(RequestId)
+    admission.install(app)
+    protect(app, chosen)
     app.add_middleware(
         Observed, counted, access_log=chosen.access_log, log_clients=chosen.log_clients
     )
@@ -89,10 +95,20 @@ def create_app(settings: Settings | None = None) -> FastAPI:
                 diff.DiffRequest, diff.InlineDiffRequest, diff.DiffResponse,
             )  # fmt: skip
             app.openapi_schema = build_openapi(app, types)
+            describe(app.openapi_schema, chosen)
         return app.openapi_schema
 
     app.openapi = openapi  # type: ignore[method-assign]
     return app
+
+
+def _limits(settings: Settings) -> ConnectionLimits:
+    return ConnectionLimits(
+        settings.max_connections,
+        settings.head_seconds,
+        settings.body_seconds,
+        settings.write_seconds,
+    )
 
 
 def __getattr__(name: str) -> Any:

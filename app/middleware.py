@@ -1,4 +1,4 @@
-"""Pure ASGI middleware: a request id on every answer, and safe headers."""
+"""Pure ASGI middleware: a request id on every answer."""
 
 from __future__ import annotations
 
@@ -49,7 +49,6 @@ class RequestId:
                 message["headers"] = [
                     *message["headers"],
                     (b"x-request-id", request_id.encode("ascii")),
-                    (b"x-content-type-options", b"nosniff"),
                 ]
             await send(message)
 

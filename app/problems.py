@@ -72,6 +72,11 @@ TOO_LARGE = ProblemType("too-large", 413, "The request is too large")
 INTERNAL = ProblemType("internal-error", 500, "The service failed")
 STOPPING = ProblemType("stopping", 503, "The service is stopping")
 
+BUSY = ProblemType("busy", 503, "The service has no room for this now")
+UNAUTHORISED = ProblemType("unauthorised", 401, "This needs a key")
+FORBIDDEN = ProblemType("forbidden", 403, "The key does not allow this")
+TOO_MANY = ProblemType("too-many-requests", 429, "Too many requests")
+
 BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     DHSyntaxError: MALFORMED_BODY,
     DHError: ProblemType("invalid-table", 422, "The D-H table cannot be used"),
@@ -102,7 +107,8 @@ BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     kinematics.InvalidTarget: ProblemType("invalid-target", 422, "The target is no pose"),
     kinematics.InvalidOption: ProblemType("invalid-option", 422, "An option is out of range"),
     SymbolicUnavailable: ProblemType("symbolic-unavailable", 501, "SymPy is not installed"),
-    WorkersBusy: ProblemType("busy", 503, "The service has no room for this now"),
+    WorkersBusy: BUSY,
+    kinematics.OutOfTime: ProblemType("out-of-time", 422, "The computation takes too long"),
     kinematics.RankDeficient: ProblemType("rank-deficient", 422, "The Jacobian has lost rank"),
     kinematics.MethodUnavailable: ProblemType(
         "method-unavailable", 501, "The method needs a package that is not installed"
@@ -114,7 +120,7 @@ METHOD_NOT_ALLOWED = ProblemType("method-not-allowed", 405, "The method is not p
 
 _GENERIC = (
     INVALID_REQUEST, MALFORMED_BODY, UNSUPPORTED_TYPE, NOT_ACCEPTABLE, TOO_LARGE, TOO_LONG,
-    NOT_FOUND, METHOD_NOT_ALLOWED, INTERNAL, STOPPING,
+    NOT_FOUND, METHOD_NOT_ALLOWED, INTERNAL, STOPPING, UNAUTHORISED, FORBIDDEN, TOO_MANY, BUSY,
 )  # fmt: skip
 ALL_TYPES = {type_.slug: type_ for type_ in (*BY_EXCEPTION.values(), *_GENERIC)}
 

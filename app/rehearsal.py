@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Any
 
 import msgspec
@@ -50,7 +51,13 @@ async def _request(app: FastAPI, path: str, body: bytes) -> None:
         REHEARSAL: True,
     }
 
+    received = False
+
     async def receive() -> dict[str, Any]:
+        nonlocal received
+        if received:
+            await asyncio.Event().wait()  # this client stays
+        received = True
         return {"type": "http.request", "body": body, "more_body": False}
 
     async def send(message: Any) -> None:

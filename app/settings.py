@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 
@@ -44,10 +44,47 @@ class Settings(BaseSettings):
     max_request_seconds: float = Field(
         default=60.0, gt=0, description="Longest computation of one request."
     )
+    max_waiting: int = Field(
+        default=64, ge=0, description="Requests that wait for a thread; more get 503."
+    )
+    max_wait_seconds: float = Field(
+        default=10.0, gt=0, description="Longest that a request waits for a thread."
+    )
+    max_buffered_bytes: int = Field(
+        default=512_000_000,
+        ge=1_000_000,
+        description="Large bodies and answers in memory at a time; beyond, large requests get 503.",
+    )
+    max_connections: int = Field(
+        default=1000, ge=1, description="Connections at a time; beyond, idle and slow ones close."
+    )
+    head_seconds: float = Field(
+        default=10.0, gt=0, description="Longest that the head of a request takes to arrive."
+    )
+    body_seconds: float = Field(
+        default=20.0, gt=0, description="The same of a body, and a second more for each 10 kB."
+    )
+    write_seconds: float = Field(
+        default=20.0, gt=0, description="Longest that nobody reads an answer, likewise."
+    )
     compute_threads: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
         ge=1,
         description="Threads for batches and for inverse kinematics.",
+    )
+    api_keys: SecretStr = Field(
+        default=SecretStr(""), description="Hash lines of API keys, as `denavit key` prints them."
+    )
+    api_keys_file: Path | None = Field(default=None, description="A file of such lines, besides.")
+    rate_limit: str = Field(
+        default="", description="Requests of one key or address, such as 10/second;600/minute."
+    )
+    trusted_proxies: str = Field(
+        default="",
+        description="Addresses of reverse proxies whose X-Forwarded-For is believed.",
+    )
+    cors_origins: str = Field(
+        default="", description="Origins whose web pages may use the API, or *."
     )
     symbolic_workers: int = Field(
         default=1, ge=1, le=16, description="Processes for symbolic kinematics at a time."

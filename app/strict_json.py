@@ -11,6 +11,7 @@ import numpy as np
 
 from app.problems import INVALID_REQUEST, MALFORMED_BODY, TOO_LARGE, RequestProblem
 from dh_to_urdf.errors import escaped, quoted
+from kinematics.deadline import checkpoint
 from robots.robot import FloatArray
 
 T = TypeVar("T")
@@ -225,6 +226,7 @@ def decode_rows(text: bytes, pointer: str, columns: int, most: int) -> FloatArra
     pieces: list[FloatArray] = []
     start, end, done = 1, text.rfind(b"]"), 0
     while start < end:
+        checkpoint()
         cut = _ROW_END.search(text, start + PIECE, end)
         stop = cut.start() + 1 if cut else end
         if stop - start > PIECE + MAX_FIELD:

@@ -24,6 +24,7 @@ from app.problems import (
 )
 from app.text import render_text
 from dh_to_urdf.pasted.writer import TABLE_TEXTS
+from kinematics.deadline import checked
 from robots.robot import FloatArray
 
 JSON = "application/json"
@@ -41,6 +42,8 @@ MAX_RANGES = 32
 """Entries of an Accept header that are read."""
 LARGE = 20_000
 """Numbers in an array above which it is written in parts, so that other threads get a turn."""
+LONG = 1_000
+"""Items of a list above which it is written in parts, too."""
 
 FORMATS = {
     "json": JSON,
@@ -169,7 +172,14 @@ def _append_json(payload: object, parts: list[bytes]) -> None:
         rows = max(1, LARGE // max(1, payload[0].size))
         parts.extend(
             (b"," if start else b"[") + _dumps(payload[start : start + rows])[1:-1]
-            for start in range(0, len(payload), rows)
+            for start in checked(range(0, len(payload), rows), 1)
+        )
+        parts.append(b"]")
+    elif isinstance(payload, list) and len(payload) > LONG:
+        rows = max(1, LARGE // max(1, np.size(payload[0])))
+        parts.extend(
+            (b"," if start else b"[") + _dumps(payload[start : start + rows])[1:-1]
+            for start in checked(range(0, len(payload), rows), 1)
         )
         parts.append(b"]")
     else:
@@ -182,7 +192,7 @@ def _has_large(payload: dict[str, Any]) -> bool:
         if kind is np.ndarray:
             if value.size > LARGE:
                 return True
-        elif kind is dict and _has_large(value):
+        elif (kind is list and len(value) > LONG) or (kind is dict and _has_large(value)):
             return True
     return False
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from kinematics.chain import chain_of
 from kinematics.configuration import configuration
+from kinematics.deadline import checked
 from kinematics.jacobian import ReferenceFrame, jacobian
 from kinematics.spatial_vectors import check_same_length
 from robots.robot import FloatArray, Robot
@@ -53,7 +54,7 @@ def hessian(
         H[:, columns[:, None], columns] = _pairs(J[:, columns], reference_frame)
         return H
     step = max(1, _NUMBERS_AT_ONCE // (6 * robot.dof**2))
-    for start in range(0, len(J), step):
+    for start in checked(range(0, len(J), step), 1):
         part = J[start : start + step, :, columns]
         H[start : start + step, :, columns[:, None], columns] = _pairs(part, reference_frame)
     return H
@@ -92,8 +93,23 @@ def jacobian_derivative(
     qd = configuration(robot, qd, "/qd")
     check_same_length(np.asarray(q), qd, "/qd")
     columns = chain_of(robot, frame or robot.tip_frame).columns
-    S = J[..., columns]
-    T = S * qd[..., None, columns]
+    shape = np.broadcast_shapes(J.shape[:-2], qd.shape[:-1])
+    result = np.zeros((*shape, 6, robot.dof))
+    if not shape:
+        result[:, columns] = _change(J[:, columns], qd[columns], reference_frame)
+        return result
+    J, qd = np.broadcast_to(J, result.shape), np.broadcast_to(qd, (*shape, robot.dof))
+    step = max(1, _NUMBERS_AT_ONCE // (6 * robot.dof))
+    for start in checked(range(0, len(result), step), 1):
+        part = slice(start, start + step)
+        change = _change(J[part][..., columns], qd[part][..., columns], reference_frame)
+        result[part, :, columns] = change
+    return result
+
+
+def _change(S: FloatArray, qd: FloatArray, reference_frame: ReferenceFrame) -> FloatArray:
+    """dJ/dt over a chain's own columns; shapes (..., 6, K), (..., K) -> (..., 6, K)."""
+    T = S * qd[..., None, :]
     before, after = _sum_before(T), _sum_before(T[..., ::-1])[..., ::-1]
     v, w = S[..., :3, :], S[..., 3:, :]
     if reference_frame is ReferenceFrame.LOCAL:
@@ -106,9 +122,7 @@ def jacobian_derivative(
             dv = _cross(turn, v) + _cross(before[..., :3, :], w)
         else:
             dv = _cross(turn + T[..., 3:, :], v) + _cross(w, after[..., :3, :])
-    result = np.zeros((*T.shape[:-1], robot.dof))
-    result[..., columns] = np.concatenate((dv, dw), axis=-2)
-    return result
+    return np.concatenate((dv, dw), axis=-2)
 
 
 def _pairs(S: FloatArray, reference_frame: ReferenceFrame) -> FloatArray:

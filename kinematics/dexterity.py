@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.chain import Chain, chain_of
+from kinematics.deadline import svd
 from kinematics.errors import InvalidOption
 from kinematics.singularity import RANK_TOLERANCE, rank_of
 from kinematics.task import Task
@@ -67,7 +68,7 @@ def dexterity(
     scale = np.ones(len(task.rows))
     scale[: len(task.positions)] = 1.0 / length
     homogeneous = J * scale[:, None] * np.where(turns, 1.0, length)
-    sigma: FloatArray = np.asarray(np.linalg.svd(homogeneous, compute_uv=False), dtype=np.float64)
+    sigma: FloatArray = svd(homogeneous, compute_uv=False)
     regular = rank_of(sigma, tolerance) == sigma.shape[-1]
     smallest = np.where(regular, sigma[..., -1], 1.0)
     largest = np.where(regular, sigma[..., 0], 1.0)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.deadline import svd
 from kinematics.singularity import RANK_TOLERANCE, SMALLEST
 from kinematics.task import Task
 from robots.robot import FloatArray
@@ -53,7 +54,7 @@ def _ellipsoid(J: FloatArray, rows: tuple[int, ...], tolerance: float) -> Ellips
         return None
     if J.shape[-1] < k:
         J = np.concatenate((J, np.zeros((*J.shape[:-1], k - J.shape[-1]))), axis=-1)
-    U, sigma, _ = np.linalg.svd(J, full_matrices=False)
+    U, sigma, _ = svd(J, full_matrices=False)
     axes = np.zeros((*sigma.shape, 3))
     axes[..., rows] = np.swapaxes(U, -1, -2)
     axes[np.abs(axes) < 1e-14] = 0.0

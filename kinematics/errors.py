@@ -56,5 +56,12 @@ class RankDeficient(KinematicsError):
         super().__init__(message, pointer)
 
 
+class OutOfTime(KinematicsError):
+    """A computation that takes longer than one may."""
+
+    def __init__(self) -> None:
+        super().__init__("this takes longer than one request may; ask for less at once", "")
+
+
 class MethodUnavailable(KinematicsError):
     """A method that needs a package that is not installed."""

@@ -10,6 +10,7 @@ import pinocchio as pin
 from kinematics.chain import chain_of
 from kinematics.compiled import COMPILED, writable
 from kinematics.configuration import configuration
+from kinematics.deadline import checkpoint
 from kinematics.kernels import forward_many
 from robots.robot import FloatArray, Robot
 
@@ -54,6 +55,7 @@ def _one(robot: Robot, q: FloatArray, names: tuple[str, ...]) -> dict[str, Float
 
 
 def _many(robot: Robot, q: FloatArray, name: str) -> FloatArray:
+    checkpoint()
     chain = chain_of(robot, name)
     K = chain.length
     out = np.empty((len(q), 16))

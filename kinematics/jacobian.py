@@ -10,6 +10,7 @@ import pinocchio as pin
 from kinematics.chain import chain_of
 from kinematics.compiled import COMPILED, writable
 from kinematics.configuration import configuration
+from kinematics.deadline import checkpoint
 from kinematics.forward import fk
 from kinematics.kernels import jacobian_many
 from kinematics.orientation import analytic_map
@@ -139,6 +140,7 @@ def _one(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFram
 
 
 def _many(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFrame) -> FloatArray:
+    checkpoint()
     chain = chain_of(robot, frame)
     K = chain.length
     poses, J = np.empty((len(q), 16)), np.zeros((len(q), 6, robot.dof))

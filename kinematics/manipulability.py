@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.deadline import svd
 from kinematics.derivatives import hessian
 from kinematics.jacobian import ReferenceFrame, task_jacobian
 from kinematics.singularity import RANK_TOLERANCE, rank_of
@@ -69,7 +70,7 @@ def manipulability_gradient(
     axes = ReferenceFrame.LOCAL if task.own_axes else ReferenceFrame.LOCAL_WORLD_ALIGNED
     J = task_jacobian(robot, q, task, frame, axes)
     H = hessian(robot, q, frame, axes)[..., list(task.rows), :, :]
-    U, sigma, Vt = np.linalg.svd(J, full_matrices=False)
+    U, sigma, Vt = svd(J, full_matrices=False)
     changes = np.einsum("...mi,...mjk,...ij->...ik", U, H, Vt, optimize=True)
     gradient = (_products_of_others(sigma)[..., None, :] @ changes)[..., 0, :]
     w = np.prod(sigma, axis=-1)

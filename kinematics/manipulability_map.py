@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinematics.configuration import configuration
+from kinematics.deadline import svd
 from kinematics.errors import InvalidOption
 from kinematics.jacobian import task_jacobian
 from kinematics.task import POSE, Task
@@ -77,7 +78,7 @@ def manipulability_map(
     grid = np.tile(q, (samples * samples, 1))
     grid[:, columns[0]] = np.tile(x, samples)
     grid[:, columns[1]] = np.repeat(y, samples)
-    sigma = np.linalg.svd(task_jacobian(robot, grid, task, frame), compute_uv=False)
+    sigma = svd(task_jacobian(robot, grid, task, frame), compute_uv=False)
     largest = sigma[:, 0]
     inverse = np.divide(sigma[:, -1], largest, out=np.zeros_like(largest), where=largest > 0)
     shape = (samples, samples)

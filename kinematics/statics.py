@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.configuration import configuration
+from kinematics.deadline import checked, svd
 from kinematics.jacobian import ReferenceFrame, jacobian, task_jacobian
 from kinematics.singularity import RANK_TOLERANCE, rank_of, signed
 from kinematics.spatial_vectors import WRENCH_ROWS, check_same_length, spatial_vector
@@ -108,7 +109,7 @@ def wrench_of(
     J = task_jacobian(robot, q, task, frame, reference_frame)
     tau = configuration(robot, tau, "/tau")
     check_same_length(np.asarray(q), tau, "/tau")
-    U, sigma, Vt = np.linalg.svd(J)
+    U, sigma, Vt = svd(J)
     r = sigma.shape[-1]
     rank = rank_of(sigma, tolerance)
     counts = np.arange(r) < rank[..., None]
@@ -121,6 +122,7 @@ def wrench_of(
         rank=rank,
         determined=rank == m,
         lost_directions=[
-            signed(u[:, k:].T) for u, k in zip(U.reshape(-1, m, m), rank.reshape(-1), strict=True)
+            signed(u[:, k:].T)
+            for u, k in checked(zip(U.reshape(-1, m, m), rank.reshape(-1), strict=True))
         ],
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.configuration import configuration
+from kinematics.deadline import checked, svd
 from kinematics.errors import InvalidOption
 from kinematics.jacobian import ReferenceFrame, jacobian, task_jacobian
 from kinematics.singularity import RANK_TOLERANCE, rank_of, signed
@@ -114,7 +115,7 @@ def joint_velocities(
     J = task_jacobian(robot, q, task, frame, reference_frame)
     twist = spatial_vector(twist, task.row_names, "/twist")
     check_same_length(np.asarray(q), twist, "/twist")
-    U, sigma, Vt = np.linalg.svd(J)
+    U, sigma, Vt = svd(J)
     r = sigma.shape[-1]
     rank = rank_of(sigma, tolerance)
     if damping:
@@ -132,7 +133,7 @@ def joint_velocities(
         residual=(J @ qd[..., None])[..., 0] - twist,
         rank=rank,
         determined=rank == len(task.rows),
-        null_motions=[signed(V[k:]) for V, k in zip(bases, ranks, strict=True)],
+        null_motions=[signed(V[k:]) for V, k in checked(zip(bases, ranks, strict=True))],
         within_velocity_limits=np.all(np.abs(qd) <= limits, axis=-1),
     )
 

@@ -120,6 +120,12 @@ def wait_for():
 
 
 @pytest.fixture(scope="session")
+def running_servers():
+    """The same, for fixtures that last longer."""
+    return running_server
+
+
+@pytest.fixture(scope="session")
 def exercises() -> dict:
     return json.loads((FIXTURES / "exercises.json").read_text())
 

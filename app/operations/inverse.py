@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 
 from app.operations.base import (
+    LIGHT_DOF,
     UNITS_SCHEMA,
     Answer,
     Context,
@@ -164,6 +165,7 @@ class IKResponse(msgspec.Struct, kw_only=True):
     time_budget_ms: float
 
 
+QUICK_ITERATIONS = 1000
 QUICK_SECONDS = 0.0005
 """What a single solve may take before it is moved to a thread."""
 
@@ -222,6 +224,8 @@ def _options(
 def _quick(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
     """A single target if half a millisecond is enough for it."""
     if request.target is None or request.choose is not None or not COMPILED:
+        return None
+    if robot.dof > LIGHT_DOF or request.max_iterations > QUICK_ITERATIONS:
         return None
     problem = _read(robot, request, context)
     result = _solve_one(robot, problem, problem.quick_options)

@@ -24,6 +24,7 @@ from app.operations.base import (
 from app.operations.schema import within
 from kinematics.chain import chain_of
 from kinematics.configuration import joint_names
+from kinematics.deadline import checked
 from kinematics.dexterity import characteristic_length, dexterity
 from kinematics.ellipsoids import Ellipsoid, ellipsoids
 from kinematics.errors import InvalidOption
@@ -163,13 +164,14 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
     check_size(q, 6 * robot.dof + robot.dof**2)
     full = jacobian(robot, q, frame)
     J = task_jacobian(robot, q, task, frame)
-    batch = [report_on(one, robot, task, request.tolerance) for one in (J if q.ndim == 2 else [J])]
+    every = J if q.ndim == 2 else [J]
+    batch = [report_on(one, robot, task, request.tolerance) for one in checked(every)]
     first = batch[0]
     leaves = _stacked(batch) if q.ndim == 2 else {name: getattr(first, name) for name in _LEAVES}
     named = factorization(robot, q, task, frame)
     words = [
         _in_words(robot, task, one, report)
-        for one, report in zip(full if q.ndim == 2 else [full], batch, strict=True)
+        for one, report in checked(zip(full if q.ndim == 2 else [full], batch, strict=True))
     ]
     translation, rotation = ellipsoids(J, task, request.tolerance)
     payload = {

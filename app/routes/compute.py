@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from typing import Any
 
 import msgspec
@@ -10,6 +10,7 @@ import numpy as np
 from fastapi import FastAPI, Request, Response
 from fastapi.responses import StreamingResponse
 
+from app.admission import SMALL_BODY, Held, Lane, while_connected
 from app.dependencies import Services, services_of
 from app.npy import decode_npy
 from app.openapi import inline_request_type
@@ -91,7 +92,7 @@ class _Handlers:
         body = await read_body(request, self.max_body)
         decode = _npy_decoder if kind == NPY else _json_decoder
         return await _answer(
-            services, operation, stored.robot, units, wanted, len(body),
+            request, services, operation, stored.robot, units, wanted, len(body),
             lambda: decode(operation, body, parameters, services.settings),
         )  # fmt: skip
 
@@ -103,7 +104,7 @@ class _Handlers:
         units, wanted = units_of(request), wanted_type(request, *self.offers)
         body = body_from_query(request, units, stored.robot, operation.query)
         return await _answer(
-            services, operation, stored.robot, units, wanted, len(body),
+            request, services, operation, stored.robot, units, wanted, len(body),
             lambda: decode_json(body, operation.request),
         )  # fmt: skip
 
@@ -115,11 +116,13 @@ class _Handlers:
         units, wanted = units_of(request), wanted_type(request, *self.offers)
         body = await read_body(request, self.max_body)
         if len(body) > INLINE_BYTES:
-            parsed = await services.computed(lambda: self._inline(body, services.settings))
+            parsed = await services.computed(lambda: self._inline(body, services.settings), request)
         else:
             parsed = self._inline(body, services.settings)
         robot = await services.inline_robot(parsed.robot)
-        return await _answer(services, operation, robot, units, wanted, len(body), lambda: parsed)
+        return await _answer(
+            request, services, operation, robot, units, wanted, len(body), lambda: parsed
+        )
 
     def _inline(self, body: bytes, settings: Settings) -> Any:
         if len(body) > MAX_FIELD:
@@ -139,6 +142,7 @@ def _most_bytes(settings: Settings) -> dict[str, int]:
 
 
 async def _answer(
+    request: Request,
     services: Services,
     operation: Operation,
     robot: Robot,
@@ -164,44 +168,76 @@ async def _answer(
             headers=answer.headers,
         )
 
-    def compute(request: msgspec.Struct) -> Response:
-        return written(operation.run(robot, request, context))
+    def compute(asked: msgspec.Struct) -> Response:
+        return written(operation.run(robot, asked, context))
 
+    lane = services.apart if operation.apart else services.compute
     if wanted == NDJSON:
-        return await _streamed(services, operation, robot, context, read)
-    if operation.apart:
-        return await services.waited(lambda: compute(read()))
-    if size > INLINE_BYTES:
-        return await services.computed(lambda: compute(read()))
-    request = read()
-    answer = operation.run_quickly(robot, request, context)
+        return await _streamed(request, services, operation, robot, context, read)
+    if operation.apart or size > INLINE_BYTES:
+        return await _computed(request, services, lane, lambda: compute(read()))
+    asked = read()
+    answer = operation.run_quickly(robot, asked, context)
     if answer is not None:
         return written(answer)
-    return await services.computed(lambda: compute(request))
+    return await _computed(request, services, lane, lambda: compute(asked))
+
+
+async def _computed(
+    request: Request, services: Services, lane: Lane, call: Callable[[], Response]
+) -> Response:
+    """An answer from a thread; a large one stays admitted until it is sent."""
+    services.buffers.check()
+    visit = lane.enter(services.settings.max_request_seconds)
+    try:
+        async with while_connected(request, visit):
+            response = await visit.run(call)
+    except BaseException:
+        visit.leave()
+        raise
+    size = int(response.headers.get("content-length", 0))
+    if size > SMALL_BODY:
+        return Held(response, visit, services.buffers, size)
+    visit.leave()
+    return response
 
 
 async def _streamed(
-    services: Services, operation: Operation, robot: Robot, context: Context, read: Any
+    request: Request,
+    services: Services,
+    operation: Operation,
+    robot: Robot,
+    context: Context,
+    read: Any,
 ) -> Response:
     """Lines as they are computed; the work stops where the client goes away."""
     assert operation.stream is not None
-    request = await services.computed(read)
-    parts = operation.stream(robot, request, context)
+    stream = operation.stream
+    visit = services.compute.enter(services.settings.max_request_seconds)
 
     def following() -> bytes:
         return json_lines(next(parts, ()))
 
-    # The first part before the status line: what is wrong with the request shows there.
-    part = await services.computed(following)
+    try:
+        async with while_connected(request, visit):
+            asked = await visit.run(read)
+            parts = stream(robot, asked, context)
+            # The first part before the status line: what is wrong with the request shows there.
+            part = await visit.run(following)
+    except BaseException:
+        visit.leave()
+        raise
 
     async def body() -> AsyncIterator[bytes]:
         line = part
         while line:
             yield line
-            line = await services.computed(following)
+            line = await visit.run(following)
 
-    # A reverse proxy that gathers answers must not gather this one.
-    return StreamingResponse(body(), media_type=NDJSON, headers={"X-Accel-Buffering": "no"})
+    # Its lines are not kept, so they take no memory; but its place is taken to the end. A reverse
+    # proxy that gathers answers must not gather this one.
+    lines = StreamingResponse(body(), media_type=NDJSON, headers={"X-Accel-Buffering": "no"})
+    return Held(lines, visit, services.buffers, 0)
 
 
 def _json_decoder(

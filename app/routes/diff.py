@@ -186,7 +186,7 @@ async def _answer(
         )
         return respond(_payload(found, units), wanted)
 
-    return await services.computed(answer)
+    return await services.computed(answer, request)
 
 
 def _payload(found: Comparison, units: Units) -> dict[str, Any]:

@@ -80,7 +80,9 @@ def build_router(max_body: int) -> APIRouter:
             return found
         call = _robot_table(stored.robot, request)
         explained = _flag(request, "explain")
-        return await services.computed(lambda: _written(call(), wanted, units, explained, headers))
+        return await services.computed(
+            lambda: _written(call(), wanted, units, explained, headers), request
+        )
 
     @router.post("/urdf-to-dh", summary="URDF to D-H table", tags=["convert"], responses=answer,
                  openapi_extra={"requestBody": {"required": True, "content": {
@@ -160,7 +162,7 @@ async def _extracted(
         found = extract(read(), convention, snap=snap, positive_a=positive_a)
         return _written(found, wanted, units, explained)
 
-    return await services.computed(answer)
+    return await services.computed(answer, request)
 
 
 def _robot_table(robot: Robot, request: Request) -> Callable[[], DHTable | Extraction]:

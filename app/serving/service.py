@@ -7,6 +7,10 @@ import sys
 
 import click
 
+from app.access.keys import InvalidKeys
+from app.access.rates import InvalidRate
+from app.access.wiring import check_access
+from app.connections import raise_file_limit
 from app.readiness import written_to
 from app.serving.address import CannotListen, bound_sockets, port_of
 from app.settings import Settings
@@ -25,13 +29,15 @@ def serve(settings: Settings) -> int:
     log_to_stderr(settings)
     # Until the server takes over, a signal ends the process at once, and with 0.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    raise_file_limit()
     try:
         require_exporters()
+        check_access(settings)
         sockets = bound_sockets(settings.host, settings.port)
         # Once, before the workers start: they share the directory and the compiled code.
         RobotStore(settings.data_dir)
         written_to(settings.data_dir)
-    except (CannotListen, TracingUnavailable) as error:
+    except (CannotListen, InvalidKeys, InvalidRate, TracingUnavailable) as error:
         LOG.critical("cannot start: %s", error)
         return 1
     except OSError as error:

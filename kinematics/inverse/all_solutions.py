@@ -11,6 +11,7 @@ import numpy as np
 
 from kinematics.chain import Chain, chain_of
 from kinematics.compiled import COMPILED
+from kinematics.deadline import checked
 from kinematics.inverse.bounds import TURN, JointBounds
 from kinematics.inverse.result import IKOptions, IKStatus, Tolerance
 from kinematics.inverse.solve import solve_ik
@@ -175,7 +176,7 @@ def _search(
     )
     once = replace(options, max_restarts=0, tolerance=tight)
     collected: list[IKSolution] = []
-    for number in range(SEARCH_STARTS):
+    for number in checked(range(SEARCH_STARTS), 1):
         q = start.copy()
         if number:
             q[chain.columns] = lowest + (offset + number * ratio) % 1.0 * span

@@ -15,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 from kinematics.chain import chain_of
+from kinematics.deadline import current
 from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.kernel import (
     DAMPING,
@@ -150,7 +151,9 @@ def solve_on_pinocchio(
     sequence = starts(options.random_seed, low[problem.moving], high[problem.moving])
     best, q = _Best(start), start
     iterations = restarts = 0
+    wanted = current()
     while True:
+        wanted.check_wanted()
         iterations += _descend(problem, bounds, q, options, deadline, best)
         if best.converged or restarts >= max_restarts or time.perf_counter() >= deadline:
             break

@@ -7,6 +7,7 @@ import time
 import numpy as np
 
 from kinematics.compiled import COMPILED
+from kinematics.deadline import current
 from kinematics.inverse.numeric import solve_on_pinocchio
 from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus
 from kinematics.inverse.solver import solver_of
@@ -87,7 +88,9 @@ def solve_ik_batch(
         solver = solver_of(robot, name, task)
         return solver.solve_batch(targets, seed, options, threads, deadline)
     results = []
+    wanted = current()
     for target in targets:
+        wanted.check_wanted()
         left = max(0.0, deadline - time.perf_counter())
         limited = options.within(left)
         results.append(

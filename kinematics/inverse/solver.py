@@ -14,6 +14,7 @@ import numpy as np
 
 from kinematics.chain import Chain, chain_of
 from kinematics.compiled import writable
+from kinematics.deadline import current
 from kinematics.inverse import kernel
 from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.closed_form import closed_form_of
@@ -29,7 +30,9 @@ SLICE = 256
 STEP_SECONDS = 0.5e-6
 """Less than a step takes; turns the time budget of a batch's target into steps."""
 PART = 128
-"""Targets that one thread works on between two looks at the clock."""
+"""Most targets that one thread works on between two looks at the clock."""
+PART_STEPS = 400_000
+"""Most steps, times joints, between two looks at the clock: some tenths of a second."""
 
 KEPT = 512
 """Solvers that are kept."""
@@ -124,6 +127,7 @@ class Solver:
         P, limits, answer = self.constants(options.random_seed), options.limits, np.empty(2 * K + 5)
         steps, last, code = solve_one(P, target, origin, 0, SLICE, limits, answer)
         while code == kernel.OUT_OF_STEPS and perf_counter() - started < options.time_budget:
+            current().check_wanted()
             more, last, code = solve_one(P, target, origin, last + 1, SLICE, limits, answer)
             steps += more
         status = _OF_CODE[code]
@@ -155,18 +159,39 @@ class Solver:
         elapsed, origin = np.zeros(n), start[columns]
         P = self.constants(options.random_seed)
         budget = int(min(max(options.time_budget / STEP_SECONDS, 1), 2**40))
-        none_left = options.within(0.0).limits
+        at_once = int(min(budget, max(1, PART_STEPS // max(1, K))))
+        none_left, wanted = options.within(0.0).limits, current()
 
         def work(first: int) -> None:
-            part = slice(first, first + PART)
+            wanted.check_wanted()
+            part = slice(first, first + size)
             began = perf_counter()
             limits = options.limits if began < deadline else none_left
-            solve_many(P, targets[part], origin, budget, limits, answers[part], ends[part])
+            quick = min(budget, SLICE)
+            solve_many(P, targets[part], origin, quick, limits, answers[part], ends[part])
             if limits is none_left:
                 ends[part, 2][ends[part, 2] == kernel.GIVEN_UP] = kernel.OUT_OF_STEPS
+            else:
+                for i in np.flatnonzero(ends[part, 2] == kernel.OUT_OF_STEPS) + first:
+                    go_on(int(i))
             elapsed[part] = (perf_counter() - began) / len(targets[part])
 
-        parts = range(0, n, PART)
+        def go_on(i: int) -> None:
+            steps, last, code = (int(x) for x in ends[i])
+            while code == kernel.OUT_OF_STEPS and steps < budget and perf_counter() < deadline:
+                wanted.check_wanted()
+                most = min(budget - steps, at_once)
+                more, last, code = solve_one(
+                    P, targets[i], origin, last + 1, most, options.limits, answers[i]
+                )
+                # A start that gave up at once counts too, so that this comes to an end.
+                steps += max(1, more)
+            ends[i] = steps, last, code
+
+        # The first slice of every target, at most: one start, and what it takes to settle.
+        most_steps = SLICE + 2 * int(options.limits[2])
+        size = int(min(PART, max(1, PART_STEPS // (most_steps * max(1, K)))))
+        parts = range(0, n, size)
         if threads > 1 and len(parts) > 1:
             with ThreadPoolExecutor(threads) as pool:
                 list(pool.map(work, parts))

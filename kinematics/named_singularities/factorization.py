@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from kinematics.chain import Chain, chain_of
 from kinematics.configuration import configuration
+from kinematics.deadline import svd
 from kinematics.inverse.closed_form.geometry import LENGTH
 from kinematics.jacobian import task_jacobian
 from kinematics.named_singularities import parts
@@ -90,7 +91,7 @@ def factorization(
     product = constant * np.prod([factor.value for factor in factors], axis=0)
     J = task_jacobian(robot, batch, task, frame)[:, :, chain.columns]
     square = J.shape[1] == J.shape[2]
-    measured = np.linalg.det(J) if square else np.prod(np.linalg.svd(J, compute_uv=False), axis=-1)
+    measured = np.linalg.det(J) if square else np.prod(svd(J, compute_uv=False), axis=-1)
     if not square:
         product = np.abs(product)
     difference = np.abs(product - measured)

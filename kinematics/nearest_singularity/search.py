@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinematics.chain import Chain
+from kinematics.deadline import checkpoint
 from kinematics.jacobian import ReferenceFrame, jacobian
 from kinematics.singularity import rank_of
 from kinematics.task import Task
@@ -42,6 +43,7 @@ class Search:
 
     def decomposed(self, q: FloatArray) -> tuple[FloatArray, FloatArray, float, bool]:
         """Singular vectors to the smallest singular value, it itself, and if it counts as zero."""
+        checkpoint()
         U, sigma, Vt = np.linalg.svd(self.jacobians(q[None])[0])
         r = len(sigma)
         zero = bool(rank_of(sigma, self.tolerance) < r)

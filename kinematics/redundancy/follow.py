@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinematics.deadline import Deadline, current, under
+from kinematics.errors import OutOfTime
 from kinematics.redundancy.measure import Measures, measure
 from kinematics.redundancy.methods import Method
 from kinematics.redundancy.methods.stop import Stop, StopReason
@@ -76,12 +78,17 @@ def follow(
     work = method.follow(problem, options, Q)
     told, done, elapsed = 0, 1, 0.0
     stop: Stop | None = None
+    whole = current()
     while True:
         started = time.perf_counter()
         try:
-            done = next(work)
+            with under(Deadline(options.seconds - elapsed, of=whole)):
+                done = next(work)
         except StopIteration as end:
             stop = end.value
+            break
+        except OutOfTime:
+            stop = Stop(StopReason.TIME, done)
             break
         finally:
             elapsed += time.perf_counter() - started
@@ -95,7 +102,9 @@ def follow(
         done = stop.sample
     if done > told:
         yield Progress(told, done, Q[:done])
-    return _result(problem, method, Q[:done], stop, elapsed)
+    # What was done is measured, also when the time is up.
+    with under(Deadline(of=whole)):
+        return _result(problem, method, Q[:done], stop, elapsed)
 
 
 def followed(problem: Problem, method: Method, options: PathOptions) -> PathResult:

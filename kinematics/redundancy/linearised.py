@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.compiled import jit
+from kinematics.deadline import checkpoint
 from kinematics.kernels import Array
 from kinematics.redundancy.distances import near_pairs
 from kinematics.redundancy.kernel import task_at, workspace
@@ -136,6 +137,7 @@ class Linearised:
 
     def at(self, q: FloatArray, target: FloatArray, need: float) -> None:
         """Linearises at q."""
+        checkpoint()
         problem = self.problem
         self.used, self.count, self.position, self.rotation, self.least = assemble(
             *problem.arm.constants, target, q, self.low, self.high, problem.obstacles,

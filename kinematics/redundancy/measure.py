@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.compiled import jit
+from kinematics.deadline import checkpoint
 from kinematics.inverse.kernel import residual
 from kinematics.kernels import Array
 from kinematics.redundancy.arm import Arm
@@ -17,6 +18,9 @@ from kinematics.redundancy.link_points import link_ends
 from kinematics.redundancy.problem import Problem
 from kinematics.redundancy.sweep import RESOLUTION, swept_clearances
 from robots.robot import FloatArray
+
+SWEPT = 16
+"""Intervals that are swept between two checkpoints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +97,12 @@ def swept_between(problem: Problem, Q: FloatArray) -> FloatArray:
         C, turns, *_ = problem.arm.constants
         rows = problem.links.rows
         W = workspace(problem.arm.K, len(rows))
-        Q = np.ascontiguousarray(Q)
-        swept_clearances(C, turns, Q, problem.obstacles, rows, RESOLUTION, W, swept)
+        world = problem.obstacles, rows, RESOLUTION, W
+        Q, least = np.ascontiguousarray(Q), np.inf
+        for first in range(0, len(swept), SWEPT):
+            checkpoint()
+            last = min(first + SWEPT, len(swept))
+            least = swept_clearances(C, turns, Q, *world, swept, first, last, least)
     return swept
 
 

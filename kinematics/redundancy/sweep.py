@@ -159,16 +159,35 @@ def swept_clearances(
     resolution: float,
     W: Array,
     found: Array,
-) -> None:
+    first: int,
+    last: int,
+    enough: float,
+) -> float:
     """:func:`swept_clearance` between successive configurations; found has shape (n - 1,).
 
     Only the least of all is resolved; of the others is said that they are not below it.
+
+    Args:
+        C: Constants of the chain.
+        turns: Shape (K,).
+        Q: Configurations, shape (n, K).
+        obstacles: Shape (M, 16).
+        S: Links, see :mod:`kinematics.redundancy.link_points`.
+        resolution: How far the bound may be from an attained clearance, m.
+        W: Workspace.
+        found: Filled from ``first`` up to before ``last``.
+        first: The first interval.
+        last: The one after the last.
+        enough: The least clearance of those before, m.
+
+    Returns:
+        The least so far, m.
     """
-    enough = math.inf
     work = max(1, len(S) * len(obstacles) * (len(Q) - 1))
     most = max(16, min(MAX_VISITS, MAX_DISTANCES // work))
-    for i in range(len(Q) - 1):
+    for i in range(first, last):
         found[i] = swept_clearance(
             C, turns, Q[i], Q[i + 1], obstacles, S, enough, resolution, W, most
         )
         enough = min(enough, found[i])
+    return enough

@@ -19,11 +19,14 @@ from pathlib import Path
 from typing import Any
 
 from dh_to_urdf.table import DHTable
+from kinematics.deadline import checkpoint, current
 from kinematics.errors import KinematicsError
 from kinematics.symbolic.request import SymbolicRequest, checked
 from kinematics.symbolic.time_limit import GRACE_SECONDS, HEADER
 
 ROOT = Path(__file__).parents[2]
+LOOK = 0.2
+"""Seconds between two looks at whether anybody still waits."""
 PATIENCE = 10.0
 """Seconds that a request waits for a worker."""
 WAITING = 4
@@ -103,8 +106,11 @@ class SymbolicWorkers:
         if not self._places.acquire(blocking=False):
             raise busy
         try:
-            if not self._slots.acquire(timeout=PATIENCE):
-                raise busy
+            until = time.monotonic() + PATIENCE
+            while not self._slots.acquire(timeout=LOOK):
+                checkpoint()
+                if time.monotonic() > until:
+                    raise busy
             try:
                 line = self._known(key, request.time_budget) or self._work(table, request)
             finally:
@@ -129,6 +135,7 @@ class SymbolicWorkers:
                 with process:
                     process.kill()
         if not lines:
+            checkpoint()
             raise WorkersBusy(
                 "the symbolic worker was stopped before it had an answer; ask again", 1.0
             )
@@ -196,7 +203,8 @@ def _lines(process: subprocess.Popen[bytes], task: bytes, budget: float) -> tupl
     """Complete lines that arrive before the deadline, and whether the task is finished."""
     assert process.stdin is not None
     assert process.stdout is not None
-    deadline = time.monotonic() + budget + GRACE_SECONDS
+    wanted = current()
+    deadline = time.monotonic() + min(budget + GRACE_SECONDS, wanted.left)
     found = b""
     try:
         process.stdin.write(len(task).to_bytes(HEADER) + task)
@@ -204,8 +212,11 @@ def _lines(process: subprocess.Popen[bytes], task: bytes, budget: float) -> tupl
     except BrokenPipeError:
         return [], False
     while not found.endswith(b"\n\n") and (left := deadline - time.monotonic()) > 0:
-        ready, _, _ = select.select([process.stdout], [], [], left)
-        piece = os.read(process.stdout.fileno(), _READ) if ready else b""
+        ready, _, _ = select.select([process.stdout], [], [], min(left, LOOK))
+        if not ready:
+            wanted.check_wanted()
+            continue
+        piece = os.read(process.stdout.fileno(), _READ)
         if not piece:
             break
         found += piece

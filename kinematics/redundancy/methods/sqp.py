@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from kinematics.compiled import jit
+from kinematics.deadline import checkpoint
 from kinematics.inverse.kernel import columns, residual
 from kinematics.kernels import Array
 from kinematics.redundancy.distances import listed_pairs, near_pairs
@@ -129,6 +130,7 @@ class _Program:
     def _look(self, q: FloatArray, target: FloatArray) -> None:
         if np.array_equal(q, self.seen):
             return
+        checkpoint()
         self.seen[:] = q
         problem = self.problem
         self.value = look(

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from kinematics.deadline import Deadline, current
 from kinematics.errors import InvalidOption, MethodUnavailable
 from kinematics.redundancy.link_points import OFFSET, RADIUS, WHOLE
 from kinematics.redundancy.measure import Measures, measure
@@ -54,11 +55,12 @@ def follow(
         )
     for _ in qp.follow(problem, options, Q):
         pass
-    program = _Program(casadi, problem, options, len(Q))
+    program = _Program(casadi, problem, options, len(Q), current())
     need = problem.d_safe + options.margin
     before = _fault(problem, measure(problem, Q))
     for _ in range(TRIES):
         solved = program.solve(Q, need)
+        current().check_wanted()
         measures = measure(problem, solved)
         if measures.min_swept >= problem.d_safe:
             break
@@ -78,7 +80,9 @@ def _fault(problem: Problem, measures: Measures) -> float:
 class _Program:
     """The program of a whole path; the functions of one sample, mapped over all."""
 
-    def __init__(self, casadi: Any, problem: Problem, options: PathOptions, N: int) -> None:
+    def __init__(
+        self, casadi: Any, problem: Problem, options: PathOptions, N: int, deadline: Deadline
+    ) -> None:
         self.problem, self.N = problem, N
         arm, K = problem.arm, problem.arm.K
         q, G = casadi.SX.sym("q", K), casadi.SX.sym("G", 12)
@@ -104,12 +108,12 @@ class _Program:
             "constr_viol_tol": 1e-10,
             "bound_relax_factor": 0.0,
             "max_iter": 300,
-            "max_cpu_time": max(1e-3, min(options.seconds, 1e6) / TRIES),
+            "max_wall_time": max(1e-3, min(deadline.left, 1e6) / TRIES),
             "mu_strategy": "adaptive",
         }
-        self.solver = casadi.nlpsol(
-            "whole", "ipopt", program, {"ipopt": settings, "print_time": False}
-        )
+        self.wanted = _wanted(casadi, deadline, X.numel(), constraints.numel())
+        told = {"ipopt": settings, "print_time": False, "iteration_callback": self.wanted}
+        self.solver = casadi.nlpsol("whole", "ipopt", program, told)
         chain, most = arm.chain, problem.most_per_step[self.fast]
         self.low, self.high = np.tile(chain.lower, N - 1), np.tile(chain.upper, N - 1)
         rows, pairs = error.numel() * (N - 1), self.pairs * (N - 1)
@@ -127,6 +131,27 @@ class _Program:
             return Q.copy()
         X = np.clip(X, self.problem.arm.chain.lower, self.problem.arm.chain.upper)
         return np.concatenate((Q[:1], X))
+
+
+def _wanted(casadi: Any, deadline: Deadline, variables: int, constraints: int) -> Any:
+    """What IPOPT asks between two iterations: whether to go on."""
+    sizes = {"x": variables, "f": 1, "g": constraints, "lam_x": variables, "lam_g": constraints}
+
+    class Wanted(casadi.Callback):  # type: ignore[misc]
+        def __init__(self) -> None:
+            casadi.Callback.__init__(self)
+            self.construct("wanted", {})
+
+        def get_n_in(self) -> int:
+            return int(casadi.nlpsol_n_out())
+
+        def get_sparsity_in(self, i: int) -> Any:
+            return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(i), 1))
+
+        def eval(self, _: Any) -> list[int]:
+            return [int(deadline.is_dropped)]
+
+    return Wanted()
 
 
 def _forward(casadi: Any, problem: Problem, q: Any) -> tuple[list[Any], Any]:

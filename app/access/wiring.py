@@ -1,0 +1,90 @@
+"""What ``create_app`` adds for protection: middleware, in its order, and what the docs say."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from fastapi import FastAPI
+from starlette.middleware.cors import CORSMiddleware
+
+from app.access.control import AccessControl
+from app.access.headers import SafeHeaders
+from app.access.keys import KeyRing, read_keys
+from app.access.rates import RateLimits
+from app.admission import BodyBudget
+from app.middleware import RequestId
+from app.openapi import PROBLEMS
+from app.settings import Settings
+
+READABLE = (
+    "ETag", "Location", "Retry-After", "RateLimit-Limit", "RateLimit-Remaining", "RateLimit-Reset",
+    "X-Request-ID", "X-Converged", "X-Not-Converged",
+)  # fmt: skip
+"""Headers that pages of other origins may read."""
+SENDABLE = (
+    "Authorization", "Content-Type", "If-Match", "If-None-Match", "X-API-Key", "X-Request-ID",
+)  # fmt: skip
+METHODS = ("GET", "HEAD", "POST", "PUT", "DELETE")
+
+
+def key_ring(settings: Settings) -> KeyRing:
+    """The keys that a deployment accepts.
+
+    Raises:
+        InvalidKeys: They cannot be read.
+    """
+    return read_keys(settings.api_keys.get_secret_value(), settings.api_keys_file)
+
+
+def check_access(settings: Settings) -> None:
+    """Reads keys and rate limit as :func:`protect` will, so that a start fails early.
+
+    Raises:
+        InvalidKeys: Keys cannot be read.
+        InvalidRate: The rate limit cannot be read.
+    """
+    key_ring(settings)
+    if settings.rate_limit.strip():
+        RateLimits(settings.rate_limit)
+
+
+def protect(app: FastAPI, settings: Settings) -> None:
+    """Adds middleware; the last added is the outermost.
+
+    Raises:
+        InvalidKeys: Keys cannot be read.
+        InvalidRate: The rate limit cannot be read.
+    """
+    keys = key_ring(settings)
+    rates = RateLimits(settings.rate_limit) if settings.rate_limit.strip() else None
+    app.add_middleware(BodyBudget)
+    if keys or rates is not None:
+        app.add_middleware(AccessControl, keys=keys, rates=rates)
+    origins = [one for one in re.split(r"[,\s]+", settings.cors_origins) if one]
+    if origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=origins,
+            allow_methods=METHODS,
+            allow_headers=SENDABLE,
+            expose_headers=READABLE,
+        )
+    app.add_middleware(RequestId)
+    app.add_middleware(SafeHeaders, private=bool(keys))
+
+
+def describe(document: dict[str, Any], settings: Settings) -> None:
+    """Adds to an OpenAPI document that the service may be busy, and keys where they are needed."""
+    paths = {path: item for path, item in document["paths"].items() if "/health/" not in path}
+    for item in paths.values():
+        for operation in item.values():
+            operation.setdefault("responses", {}).setdefault("503", PROBLEMS["4XX"])
+    if not key_ring(settings):
+        return
+    schemes = document.setdefault("components", {}).setdefault("securitySchemes", {})
+    schemes["bearer"] = {"type": "http", "scheme": "bearer"}
+    schemes["apiKey"] = {"type": "apiKey", "in": "header", "name": "X-API-Key"}
+    for item in paths.values():
+        for operation in item.values():
+            operation["security"] = [{"bearer": []}, {"apiKey": []}]

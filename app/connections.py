@@ -1,0 +1,373 @@
+"""Connections of uvicorn, guarded: slow clients are cut off, floods wait their turn.
+
+``uvicorn --http app.connections:GuardedProtocol``; ``denavit serve`` does it. The application
+hands the guard over in its lifespan state, so one guard serves all connections of a process.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import resource
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from time import monotonic
+from typing import Any
+
+import orjson
+from uvicorn._types import ASGI3Application
+from uvicorn.protocols.http.httptools_impl import (
+    STATUS_LINE,
+    HttpToolsProtocol,
+    RequestResponseCycle,
+)
+
+STATE = "connections"
+"""Name of the guard in the lifespan state."""
+BYTES_A_SECOND = 10_000
+"""Who sends or reads more slowly than this is cut off, after the seconds of grace."""
+MAX_HEAD_BYTES = 65_536
+MAX_HEADERS = 100
+MAX_OVERHEAD = 65_536
+"""Bytes of chunk sizes, extensions and trailers, beside sixteen for each byte of a body."""
+MAX_PIPELINED = 64
+AT_ONCE = 24
+"""Requests begun in one turn of the event loop: milliseconds, so that health is seldom late."""
+SPARE_FILES = 100
+"""File descriptors that are left for robots and worker processes."""
+LINGER = 2.0
+"""Seconds in which a client may read why it was refused."""
+FIRST = ("/health/live", "/health/ready", "/metrics")
+"""Begun at once, however many wait."""
+
+
+@dataclass(frozen=True)
+class ConnectionLimits:
+    """What a connection may take.
+
+    Attributes:
+        connections: At a time; beyond, the one that has idled or dawdled longest is closed.
+        head_seconds: For the head of a request to arrive.
+        body_seconds: The same for a body, beside its size by ``BYTES_A_SECOND``.
+        write_seconds: For the client to read what was sent, beside its size.
+    """
+
+    connections: int = 1000
+    head_seconds: float = 10.0
+    body_seconds: float = 20.0
+    write_seconds: float = 20.0
+
+    @property
+    def most(self) -> int:
+        """Connections at a time, no more than there are file descriptors for."""
+        soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+        if soft == resource.RLIM_INFINITY:
+            return self.connections
+        return max(1, min(self.connections, soft - min(SPARE_FILES, soft // 2)))
+
+
+class Phase(Enum):
+    """What a connection is at."""
+
+    IDLE = "idle"
+    HEAD = "head"
+    BODY = "body"
+    ANSWER = "answer"
+    LINGER = "linger"
+
+
+class ConnectionGuard:
+    """What the connections of one process share: their number, the clock, and the turnstile."""
+
+    def __init__(self, limits: ConnectionLimits) -> None:
+        self.limits = limits
+        self.most = limits.most
+        self.open: dict[GuardedProtocol, None] = {}
+        self._queue: deque[Callable[[], None]] = deque()
+        self._begun = 0
+        self._turning = False
+        self._sweeping = False
+
+    @property
+    def waiting(self) -> int:
+        """Requests that have not begun."""
+        return len(self._queue)
+
+    def enter(self, connection: GuardedProtocol) -> None:
+        """Takes a connection in; where there are too many, the slowest gives way."""
+        self.open[connection] = None
+        if len(self.open) > self.most:
+            self._make_room(connection)
+        if not self._sweeping:
+            self._sweeping = True
+            connection.loop.call_later(self._pause, self._sweep, connection.loop)
+
+    def leave(self, connection: GuardedProtocol) -> None:
+        """A connection is lost."""
+        self.open.pop(connection, None)
+
+    def begin(self, start: Callable[[], None], loop: asyncio.AbstractEventLoop) -> None:
+        """Starts a request in its turn: so many in each turn of the event loop."""
+        if not self._turning:
+            self._turning = True
+            self._begun = 0
+            loop.call_soon(self._turn, loop)
+        if self._begun < AT_ONCE and not self._queue:
+            self._begun += 1
+            start()
+        else:
+            self._queue.append(start)
+
+    def _turn(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._begun = 0
+        while self._queue and self._begun < AT_ONCE:
+            self._begun += 1
+            self._queue.popleft()()
+        if self._begun:
+            loop.call_soon(self._turn, loop)
+        else:
+            self._turning = False
+
+    @property
+    def _pause(self) -> float:
+        """Seconds between two looks at all connections."""
+        limits = self.limits
+        return min(1.0, limits.head_seconds / 4, limits.body_seconds / 4, limits.write_seconds / 4)
+
+    def _sweep(self, loop: asyncio.AbstractEventLoop) -> None:
+        now = monotonic()
+        for connection in tuple(self.open):
+            connection.look(now)
+        if self.open:
+            loop.call_later(self._pause, self._sweep, loop)
+        else:
+            self._sweeping = False
+
+    def _make_room(self, newest: GuardedProtocol) -> None:
+        # Oldest first: who has waited longest in a phase in which nothing is owed to it.
+        for phases in ((Phase.IDLE, Phase.LINGER), (Phase.HEAD,)):
+            waiting = [one for one in self.open if one.phase in phases and one is not newest]
+            if waiting:
+                min(waiting, key=lambda one: one.since).cut_off()
+                return
+        newest.cut_off()
+
+
+class GuardedProtocol(HttpToolsProtocol):
+    """One connection: uvicorn's own protocol, with an eye on the clock and on sizes."""
+
+    guard: ConnectionGuard
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        guard = self.app_state.get(STATE)
+        if not isinstance(guard, ConnectionGuard):
+            raise RuntimeError(f"the application's lifespan gives no {STATE}")
+        self.guard = guard
+        self.phase = Phase.HEAD
+        self.since = monotonic()
+        self._allowed = guard.limits.head_seconds
+        self._unread_since: float | None = None
+        self._unread = 0
+        self._raw = self._payload = self._head = self._count = 0
+        self._refusal = (400, "malformed-request", "this is no HTTP request that is read here")
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """The connection is there; its first request is awaited."""
+        super().connection_made(transport)
+        self.guard.enter(self)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """The connection is gone."""
+        self.guard.leave(self)
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Reads on, as far as sizes allow."""
+        if self.phase is Phase.LINGER or self.parser is None:
+            return
+        if self.phase is Phase.IDLE:
+            self._enter(Phase.HEAD, self.guard.limits.head_seconds)
+            self._raw = 0
+        self._raw += len(data)
+        super().data_received(data)
+        if self.phase is Phase.HEAD and self._raw > MAX_HEAD_BYTES:
+            self._refuse_head()
+        elif self.phase is Phase.BODY and self._raw > 16 * self._payload + MAX_OVERHEAD:
+            self._refusal = (400, "malformed-request", "the body has more framing than content")
+            self.send_400_response("")
+
+    def eof_received(self) -> None:
+        """The client sends no more; uvicorn takes it for gone, and so do its computations."""
+
+    def on_message_begin(self) -> None:
+        """A request begins."""
+        super().on_message_begin()
+        self._head = self._count = 0
+
+    def on_url(self, url: bytes) -> None:
+        """A part of the target."""
+        self._grow(len(url))
+        super().on_url(url)
+
+    def on_header(self, name: bytes, value: bytes) -> None:
+        """A header, or a trailer."""
+        self._count += 1
+        self._grow(len(name) + len(value) + 4)
+        super().on_header(name, value)
+
+    def on_headers_complete(self) -> None:
+        """The head is there; the body is awaited."""
+        if len(self.pipeline) >= MAX_PIPELINED:
+            raise ValueError("too many requests are pipelined")
+        self._enter(Phase.BODY, self.guard.limits.body_seconds)
+        self._raw = self._payload = 0
+        super().on_headers_complete()
+
+    def on_body(self, body: bytes) -> None:
+        """A part of the body."""
+        self._payload += len(body)
+        super().on_body(body)
+
+    def on_message_complete(self) -> None:
+        """The request is there; the answer is awaited."""
+        if self.phase is Phase.BODY:
+            done = self.cycle.response_complete and not self.pipeline
+            self._enter(Phase.IDLE if done else Phase.ANSWER, 0.0)
+        self._raw = 0
+        super().on_message_complete()
+
+    def on_response_complete(self) -> None:
+        """The answer is written."""
+        super().on_response_complete()
+        if self.phase is Phase.ANSWER and not self.pipeline:
+            self._enter(Phase.IDLE, 0.0)
+
+    def pause_writing(self) -> None:
+        """More is written than the client reads."""
+        super().pause_writing()
+        self._unread_since = monotonic()
+        self._unread = self.transport.get_write_buffer_size()
+
+    def resume_writing(self) -> None:
+        """The client has read on."""
+        super().resume_writing()
+        self._unread_since = None
+
+    def look(self, now: float) -> None:
+        """Cuts the connection off where its time is up; asked every second or so."""
+        limits, buffered = self.guard.limits, self.transport.get_write_buffer_size()
+        if self._unread_since is None and buffered and self.transport.is_closing():
+            self._unread_since, self._unread = now, buffered
+        if self._unread_since is not None:
+            allowed = limits.write_seconds + self._unread / BYTES_A_SECOND
+            if now - self._unread_since > allowed:
+                self.cut_off()
+            return
+        waited = now - self.since
+        if self.phase is Phase.HEAD and waited > self._allowed:
+            self._refusal = (408, "request-timeout", "the head of the request took too long")
+            self._too_slow()
+        elif self.phase is Phase.BODY and not self.flow.read_paused:
+            if waited > self._allowed + self._payload / BYTES_A_SECOND:
+                self._refusal = (408, "request-timeout", "the body of the request took too long")
+                self._too_slow()
+        elif self.phase is Phase.LINGER and waited > LINGER:
+            self.cut_off()
+        elif self.phase is Phase.IDLE and waited > limits.head_seconds + self.timeout_keep_alive:
+            self.transport.close()
+
+    def cut_off(self) -> None:
+        """Ends the connection, whatever is on its way."""
+        self.transport.abort()
+
+    def send_400_response(self, msg: str) -> None:  # noqa: ARG002  uvicorn's text
+        """Says why the request is not read, and ends the connection once that was read."""
+        if self.transport.is_closing():
+            return
+        if self.cycle is not None and not self.cycle.response_complete:
+            if self.cycle.response_started or self.pipeline or self.phase is Phase.HEAD:
+                # Another answer is due on this connection: no place for this one.
+                self.cut_off()
+                return
+            self.cycle.disconnected = True
+            self.cycle.message_event.set()
+        elif self.phase is Phase.BODY:
+            # The answer is given already, before the body was read.
+            self._linger()
+            return
+        status, slug, detail = self._refusal
+        body = orjson.dumps(
+            {
+                "type": f"{self.root_path}/problems/{slug}",
+                "title": "The request is not read",
+                "status": status,
+                "detail": detail,
+                "errors": [{"pointer": "", "message": detail}],
+                "request_id": "",
+            }
+        )
+        head = [
+            STATUS_LINE[status],
+            b"content-type: application/problem+json\r\n",
+            b"content-length: %d\r\n" % len(body),
+            b"x-content-type-options: nosniff\r\ncache-control: no-store\r\n",
+            b"connection: close\r\n\r\n",
+        ]
+        self.transport.write(b"".join([*head, body]))
+        self._linger()
+
+    def _linger(self) -> None:
+        self._enter(Phase.LINGER, LINGER)
+        # A close with unread data would reset the connection, and the client not see why.
+        if self.transport.can_write_eof():
+            self.transport.write_eof()
+        else:
+            self.transport.close()
+
+    def _start_asgi_task(self, cycle: RequestResponseCycle, app: ASGI3Application) -> None:
+        if cycle.scope["path"] in FIRST:
+            super()._start_asgi_task(cycle, app)
+            return
+
+        def start() -> None:
+            if not cycle.disconnected:
+                super(GuardedProtocol, self)._start_asgi_task(cycle, app)
+
+        self.guard.begin(start, self.loop)
+
+    def _enter(self, phase: Phase, allowed: float) -> None:
+        self.phase, self.since, self._allowed = phase, monotonic(), allowed
+
+    def _grow(self, size: int) -> None:
+        self._head += size
+        if self._head > MAX_HEAD_BYTES or self._count > MAX_HEADERS:
+            self._refusal = (
+                431,
+                "head-too-large",
+                f"the head is larger than {MAX_HEAD_BYTES} bytes or {MAX_HEADERS} headers; large"
+                " requests go into the body",
+            )
+            raise ValueError(self._refusal[2])
+
+    def _refuse_head(self) -> None:
+        try:
+            self._grow(MAX_HEAD_BYTES + 1)
+        except ValueError:
+            self.send_400_response("")
+
+    def _too_slow(self) -> None:
+        started = self._raw > 0 or self.phase is Phase.BODY
+        if started:
+            self.send_400_response("")
+        else:
+            self.transport.close()
+
+
+def raise_file_limit() -> None:
+    """Takes as many file descriptors as this process may: connections are files."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = 65_536 if hard == resource.RLIM_INFINITY else min(65_536, hard)
+    if soft != resource.RLIM_INFINITY and soft < wanted:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))

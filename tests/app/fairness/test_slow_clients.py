@@ -1,0 +1,192 @@
+"""Clients that send or read too slowly, too much or too often, on real sockets."""
+
+import contextlib
+import json
+import resource
+import socket
+import subprocess
+import time
+
+import httpx
+import numpy as np
+import pytest
+
+FK = "/v1/robots/panda/fk?q=0,0,0,0,0,0,0"
+QUICK = {"head_seconds": 1, "body_seconds": 1, "write_seconds": 1}
+
+
+def answer(connection: socket.socket) -> bytes:
+    parts = []
+    while part := connection.recv(65536):
+        parts.append(part)
+    return b"".join(parts)
+
+
+def is_fine(server) -> bool:
+    return httpx.get(server.address + FK, timeout=10).status_code == 200
+
+
+def problem_of(raw: bytes) -> dict:
+    head, _, body = raw.partition(b"\r\n\r\n")
+    assert b"application/problem+json" in head
+    assert f"content-length: {len(body)}".encode() in head
+    return json.loads(body)
+
+
+def test_a_head_that_does_not_come_is_cut_off(serve):
+    with serve(**QUICK) as server, server.connect() as connection:
+        connection.sendall(b"GET /health/live HTTP/1.1\r\nHost: x\r\nX-A: ")
+        started = time.monotonic()
+        with contextlib.suppress(OSError):
+            while time.monotonic() - started < 20:
+                connection.sendall(b"a")
+                time.sleep(0.2)
+                connection.settimeout(0.01)
+                with contextlib.suppress(TimeoutError):
+                    if connection.recv(1):
+                        break
+        assert time.monotonic() - started < 6
+        connection.settimeout(5)
+        raw = b"H" + answer(connection)
+        assert raw.startswith(b"HTTP/1.1 408 ")
+        assert problem_of(raw)["detail"] == "the head of the request took too long"
+
+
+def test_a_body_that_trickles_is_cut_off_and_a_slow_one_is_not(serve):
+    body = json.dumps({"q": [0.0] * 7}).encode()
+    head = (
+        b"POST /v1/robots/panda/fk HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n"
+        b"Connection: close\r\nContent-Length: %d\r\n\r\n"
+    )
+    with serve(**QUICK) as server:
+        with server.connect() as connection:
+            connection.sendall(head % len(body) + body[:5])
+            time.sleep(0.5)
+            connection.sendall(body[5:])
+            assert answer(connection).startswith(b"HTTP/1.1 200 ")
+        with server.connect() as connection:
+            connection.sendall(head % len(body) + body[:5])
+            raw = answer(connection)
+            assert raw.startswith(b"HTTP/1.1 408 ")
+            assert problem_of(raw)["detail"] == "the body of the request took too long"
+        assert is_fine(server)
+
+
+def test_an_idle_connection_is_closed_and_says_nothing(serve):
+    with serve(**QUICK) as server, server.connect() as connection:
+        assert answer(connection) == b""
+
+
+def test_a_thousand_slow_clients_do_not_hold_the_service(serve):
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if hard < 2500:
+        pytest.skip("too few file descriptors")
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, 2500), hard))
+    with serve(max_connections=200) as server, contextlib.ExitStack() as stack:
+        slow = []
+        for _ in range(1000):
+            connection = stack.enter_context(server.connect())
+            connection.sendall(b"POST /v1/fk HTTP/1.1\r\nHost: x\r\nX-A: b")
+            slow.append(connection)
+        for _ in range(5):
+            for connection in slow:
+                with contextlib.suppress(OSError):
+                    connection.send(b"c")
+            started = time.monotonic()
+            assert is_fine(server)
+            assert time.monotonic() - started < 5
+        kept = sum(still_open(connection) for connection in slow)
+        assert 100 < kept <= 200
+
+
+def still_open(connection: socket.socket) -> bool:
+    connection.setblocking(False)
+    try:
+        return connection.recv(1) != b""
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+
+
+def test_an_answer_that_nobody_reads_is_dropped(serve):
+    q = np.zeros((20_000, 7)).tolist()
+    body = json.dumps({"q": q}).encode()
+    with serve(**QUICK) as server, contextlib.ExitStack() as stack:
+        before = server.resident_bytes()
+        for _ in range(8):
+            connection = stack.enter_context(socket.socket())
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            connection.connect(("127.0.0.1", server.port))
+            connection.settimeout(60)
+            connection.sendall(
+                b"POST /v1/robots/panda/jacobian HTTP/1.1\r\nHost: x\r\nContent-Type:"
+                b" application/json\r\nContent-Length: %d\r\n\r\n" % len(body) + body
+            )
+        time.sleep(1)
+        assert is_fine(server)
+        # Up to 16 MB at 10 kB/s would be read for half an hour; the kernel's buffers take a few.
+        assert server.resident_bytes() - before < 500e6
+
+
+def test_a_reader_that_stops_is_disconnected(serve):
+    body = json.dumps({"q": np.zeros((3_000, 7)).tolist()}).encode()
+    with serve(**QUICK) as server, socket.socket() as connection:
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        connection.connect(("127.0.0.1", server.port))
+        connection.settimeout(60)
+        connection.sendall(
+            b"POST /v1/robots/panda/twist HTTP/1.1\r\nHost: x\r\nContent-Type: application/x-npy"
+            b"\r\nContent-Length: 0\r\n\r\n"
+        )
+        assert connection.recv(20).startswith(b"HTTP/1.1 4")
+        connection.sendall(
+            b"POST /v1/robots/panda/fk HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n"
+            b"Content-Length: %d\r\n\r\n" % len(body) + body
+        )
+        time.sleep(0.5)
+        assert is_fine(server)
+
+
+@pytest.mark.parametrize(
+    ("request_", "status"),
+    [
+        (b"GET / HTTP/1.1\r\nHost: x\r\n" + b"X-A: b\r\n" * 200 + b"\r\n", 431),
+        (b"GET / HTTP/1.1\r\nHost: x\r\nX-A: " + b"b" * 100_000 + b"\r\n\r\n", 431),
+        (b"GET / HTTP/1.1\r\nHost: x\r\nX-A: " + b"b" * 100_000, 431),
+        (b"GET /" + b"a" * 100_000 + b" HTTP/1.1\r\nHost: x\r\n\r\n", 431),
+        (b"GET /" + b"a" * 100_000, 431),
+        (b"\x16\x03\x01\x02\x00\x01\x00", 400),
+        (b"GET  HTTP/1.1\r\n\r\n", 400),
+        (b"POST /v1/fk HTTP/1.1\r\nContent-Length: -1\r\n\r\n", 400),
+        (b"POST /v1/fk HTTP/1.1\r\nContent-Length: 3\r\nContent-Length: 4\r\n\r\n", 400),
+        (b"POST /v1/fk HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
+         + b"1;" + b"e" * 200_000, 415),
+    ],
+    ids=["headers", "header", "open-header", "target", "open-target", "tls", "no-target",
+         "negative", "two-lengths", "extension"],
+)  # fmt: skip
+def test_heads_that_are_too_large_or_none_are_refused(server, request_, status):
+    host, port = server.removeprefix("http://").split(":")
+    with socket.create_connection((host, int(port)), 20) as connection:
+        connection.sendall(request_)
+        raw = answer(connection)
+    assert raw.startswith(f"HTTP/1.1 {status} ".encode())
+    assert problem_of(raw)["status"] == status
+    assert len(raw) < 1000
+
+
+def test_the_worker_survives_more_connections_than_files(serve, tmp_path):
+    with serve(max_connections=5000) as server, contextlib.ExitStack() as stack:
+        subprocess.run(["prlimit", f"--pid={server.pid}", "--nofile=120:120"], check=True)
+        for _ in range(300):
+            with contextlib.suppress(OSError):
+                stack.enter_context(server.connect(2))
+        stack.close()
+        deadline = time.monotonic() + 30
+        while True:
+            try:
+                assert is_fine(server)
+                break
+            except httpx.TransportError:
+                assert time.monotonic() < deadline

@@ -1,0 +1,118 @@
+"""A computation ends when its client goes away, and when its time is up."""
+
+import json
+import socket
+import time
+
+import httpx
+import numpy as np
+import pytest
+
+RNG = np.random.default_rng(0)
+Q = RNG.uniform(-1, 1, (60_000, 7)).round(4).tolist()
+FAR = [{"position": [0.8, 1e-5 * k, 0.4], "rpy": [2, 1, 0]} for k in range(10_000)]
+PATIENT = {"max_restarts": 10_000, "max_iterations": 10_000, "time_budget_ms": 60_000}
+SCENE = {
+    "q": [1.9, -0.25, -0.45, -0.5, -0.5, -0.35, 0, 0.2],
+    "target": {"position": [1.15, -0.15]},
+    "task": "xy",
+    "obstacles": [{"type": "circle", "center": [0.73, 0.22], "radius": 0.08}],
+    "d_safe": 0.02,
+}
+TABLE = {
+    "convention": "standard",
+    "joints": [
+        {"type": "R", "a": 0.1 + 0.1 * k, "alpha": 0.2 + 0.3 * k, "d": 0.1 + 0.2 * k}
+        for k in range(9)
+    ],
+}
+LONG_ARM = {
+    "convention": "standard",
+    "joints": [{"type": "R", "a": 0.1, "alpha": 0.3 + 0.1 * (k % 7), "d": 0.05} for k in range(60)],
+}
+BENT = RNG.uniform(-2, 2, 60).round(4).tolist()
+WORK = {
+    "singularity": ("/v1/robots/panda/singularity", {"q": Q}),
+    "joint velocities": ("/v1/robots/panda/joint-velocities",
+                         {"q": Q, "twist": [0.1, 0, 0, 0, 0, 0]}),
+    "many targets": ("/v1/robots/panda/ik", {"targets": FAR, **PATIENT}),
+    "nearest singularity": ("/v1/singularity/nearest", {"robot": LONG_ARM, "q": BENT}),
+    "sqp": ("/v1/robots/planar_8r/path", {**SCENE, "method": "sqp", "samples": 5000}),
+    "whole path": ("/v1/robots/planar_8r/path",
+                   {**SCENE, "method": "whole_path", "samples": 2000}),
+    "methods": ("/v1/robots/planar_8r/path/compare",
+                {**SCENE, "samples": 5000, "methods": ["sqp"] * 16}),
+    "closed forms": ("/v1/symbolic", {"robot": TABLE, "quantities": "all",
+                                      "parameters": "symbolic", "time_budget_ms": 60_000}),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory, start_server_for_module):
+    with start_server_for_module(tmp_path_factory.mktemp("data")) as server:
+        yield server
+
+
+def sent(server, path: str, body: dict, *headers: str) -> socket.socket:
+    """A connection on which a request is sent, whose answer nobody has read."""
+    content = json.dumps(body).encode()
+    lines = (f"POST {path} HTTP/1.1", "Host: x", "Content-Type: application/json",
+             f"Content-Length: {len(content)}", *headers)  # fmt: skip
+    connection = server.connect()
+    connection.sendall("\r\n".join((*lines, "\r\n")).encode() + content)
+    return connection
+
+
+@pytest.mark.parametrize("name", WORK)
+def test_work_stops_when_the_client_goes_away(shared, name):
+    path, body = WORK[name]
+    assert shared.is_idle(30)
+    connection = sent(shared, path, body)
+    assert shared.is_busy()
+    time.sleep(0.5)
+    assert shared.is_busy(1), "it was done before the client left"
+    connection.close()
+    assert shared.is_idle(3)
+
+
+def test_a_stream_stops_too(shared):
+    path, body = WORK["many targets"]
+    assert shared.is_idle(30)
+    connection = sent(shared, path, body, "Accept: application/x-ndjson")
+    assert shared.is_busy()
+    connection.close()
+    assert shared.is_idle(3)
+
+
+def test_who_leaves_the_queue_is_not_computed_for(serve):
+    path, body = WORK["singularity"]
+    with serve(compute_threads=1) as server:
+        connections = [sent(server, path, body) for _ in range(6)]
+        assert server.is_busy()
+        for connection in reversed(connections):
+            connection.close()
+        assert server.is_idle(4)
+        quick = httpx.post(server.address + path, json={"q": Q[:100]}, timeout=30)
+        assert quick.status_code == 200
+
+
+@pytest.mark.parametrize("name", WORK)
+def test_every_computation_obeys_the_time_limit(limited, name):
+    path, body = WORK[name]
+    started = time.monotonic()
+    answer = httpx.post(limited.address + path, json=body, timeout=60)
+    assert time.monotonic() - started < 12
+    if answer.status_code == 200:
+        text = answer.text
+        assert "timeout" in text or "time was over" in text or '"simplified"' in text
+    else:
+        assert answer.status_code == 422
+        assert answer.json()["type"] == "/problems/out-of-time"
+    assert limited.is_idle(5)
+
+
+@pytest.fixture(scope="module")
+def limited(tmp_path_factory, start_server_for_module):
+    data = tmp_path_factory.mktemp("limited")
+    with start_server_for_module(data, max_request_seconds=1) as server:
+        yield server
