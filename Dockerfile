@@ -23,7 +23,8 @@ RUN /opt/denavit/bin/python -B docker/strip.py robots/library
 RUN --mount=type=cache,target=/var/cache/pip \
     python docker/locked.py build > build.txt \
     && python -m pip install --require-hashes --no-deps --only-binary :all: -r build.txt
-COPY LICENSE README.md ./
+COPY LICENSE README.md hatch_build.py ./
+COPY web web
 COPY dh_to_urdf dh_to_urdf
 COPY robots robots
 COPY kinematics kinematics

@@ -10,7 +10,7 @@ from typing import Any
 from anyio.to_thread import run_sync
 from fastapi import FastAPI
 
-from app import docs, problems
+from app import docs, page, problems
 from app.dependencies import Services
 from app.middleware import RequestId
 from app.openapi import build_openapi
@@ -58,6 +58,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.include_router(convert.build_router(chosen.max_document_bytes))
     app.include_router(tables.build_router(chosen.max_document_bytes))
     app.include_router(diff.build_router(chosen.max_document_bytes))
+    app.state.page = page.load_page()
+    page.install(app, app.state.page)
     docs.install(app)
     problems.install(app)
     app.add_middleware(RequestId)

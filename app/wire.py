@@ -31,6 +31,7 @@ T = TypeVar("T")
 JSON = "application/json"
 NPY = "application/x-npy"
 TEXT = "text/plain"
+HTML = "text/html"
 NDJSON = "application/x-ndjson"
 YAML = "application/yaml"
 CSV = "text/csv"
@@ -54,6 +55,7 @@ _TYPE_NAMES = (
 FORMATS = {
     "json": JSON,
     "text": TEXT,
+    "html": HTML,
     "npy": NPY,
     "ndjson": NDJSON,
     "yaml": YAML,
