@@ -18,7 +18,7 @@ export function h<K extends keyof HTMLElementTagNameMap>(
 function set(element: HTMLElement, name: string, value: Attributes[string]): void {
   if (value === null || value === undefined || value === false) return;
   if (typeof value === 'function') element.addEventListener(name.slice(2), value);
-  else if (name === 'value') (element as HTMLInputElement).value = String(value);
+  else if (name === 'value' && !(element instanceof HTMLOptionElement)) (element as HTMLInputElement).value = String(value);
   else element.setAttribute(name, value === true ? '' : String(value));
 }
 
@@ -32,4 +32,24 @@ function add(element: HTMLElement, children: Child[]): void {
 export function replace(element: HTMLElement, ...children: Child[]): void {
   element.replaceChildren();
   add(element, children);
+}
+
+/** A select of [value, text] pairs. */
+export function select(
+  label: string,
+  options: readonly (readonly [string, string])[],
+  value: string,
+  chosen: (value: string) => void,
+): HTMLSelectElement {
+  const element = h(
+    'select',
+    { 'aria-label': label, onchange: () => chosen(element.value) },
+    ...options.map(([key, text]) => h('option', { value: key }, text)),
+  );
+  element.value = value;
+  return element;
+}
+
+export function button(text: string, pressed: () => void, attributes: Attributes = {}): HTMLButtonElement {
+  return h('button', { type: 'button', onclick: () => pressed(), ...attributes }, text);
 }

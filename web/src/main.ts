@@ -1,66 +1,123 @@
+/** The page starts here: its parts, and how the state becomes a robot and a link. */
 import * as api from './api';
 import { h } from './dom';
-import { preferred, speak, t } from './i18n';
-import type { Scene } from './scene/types';
+import { headerView, remember, remembered, withRobot } from './header';
+import { preferred, speak, t, type Language } from './i18n';
+import { jointsView } from './joints';
+import { isAbort, Latest } from './latest';
+import { fromHash, toHash } from './link';
+import { atRest, resolve } from './model';
+import type { Page } from './page';
+import { sectionsView } from './sections';
+import { START, Store, type State } from './state';
+import { tableView } from './table/view';
 
-await speak(preferred());
+const theme = remembered('theme');
+if (theme) document.documentElement.dataset.theme = theme;
 
-const host = h('div', { id: 'scene', role: 'img', 'aria-label': t.scene });
-const picker = h('select', { id: 'robot' });
-const sliders = h('div');
-const pose = h('pre', { id: 'pose' });
-document.body.append(
-  h('header', {}, h('label', {}, `${t.robot} `, picker)),
-  h('div', { id: 'panel' }, h('h2', {}, t.joints), sliders, h('h2', {}, t.pose), pose),
-  host,
-);
+function languageOf(text: string | null): Language {
+  return text === 'en' || text === 'fr' ? text : preferred();
+}
 
-let scene: Scene | null = null;
-let robot: api.RobotView;
-let q: number[] = [];
+const language = languageOf(remembered('language'));
+const [first] = await Promise.all([fromHash(location.hash), speak(language)]);
+const store = new Store(first.q.length || first.source !== START.source ? first : { ...first, ...withRobot(first, 'puma560') });
 
-async function show(id: string): Promise<void> {
-  const [view, urdf] = await Promise.all([
-    api.json<api.RobotView>(api.readRobot(id)),
-    api.text(api.readURDF(id)),
-  ]);
-  robot = view;
-  q = view.joints.map(() => 0);
-  scene?.setRobot({
-    key: view.revision,
-    urdf,
-    joints: view.joints,
-    baseFrame: view.base_frame,
-    tipFrame: view.tip_frame,
-    convention: view.convention,
-    id,
+const status = h('p', { class: 'hidden', role: 'status', 'aria-live': 'polite' });
+const toast = h('p', { class: 'toast', role: 'alert', hidden: true });
+let toastTimer: ReturnType<typeof setTimeout>;
+
+const page: Page = {
+  store,
+  model: null,
+  calls: new Map(),
+  answers: { fk: null, singularity: null },
+  say(words) {
+    status.textContent = words;
+  },
+  tell(words, bad = false) {
+    toast.textContent = words;
+    toast.classList.toggle('bad', bad);
+    toast.hidden = false;
+    clearTimeout(toastTimer);
+    toastTimer = setTimeout(() => (toast.hidden = true), bad ? 8000 : 3000);
+  },
+  onModel: [],
+  onNumbers: [],
+};
+
+const table = tableView(page);
+const stage = h('section', { class: 'stage', id: 'stage', 'aria-label': t.scene });
+const models = new Latest();
+
+/** The robot of the state; while a table cannot be used, the last one that could stays. */
+function load(): void {
+  models.run(async (signal) => {
+    const { state } = store;
+    try {
+      const model = await resolve(state.source, state.angle, signal);
+      page.model = model;
+      table.showErrors([]);
+      document.body.classList.remove('stale');
+      document.title = model.title ? `${model.title} · Denavit` : 'Denavit';
+      const fits = store.state.q.length === model.joints.length;
+      if (!fits) store.set({ q: atRest(model.joints, store.state.angle) });
+      for (const tell of page.onModel) tell();
+    } catch (error) {
+      if (isAbort(error)) throw error;
+      document.body.classList.add('stale');
+      if (error instanceof api.Refusal) {
+        table.showErrors(error.errors.length ? error.errors : [{ pointer: '', message: error.detail }]);
+        if (state.source.kind !== 'table') page.tell(error.detail, true);
+      } else page.tell(t.unreachable, true);
+    }
   });
-  sliders.replaceChildren(
-    ...view.joints.map((joint, k) => {
-      const input = h('input', {
-        type: 'range', min: joint.lower ?? -Math.PI, max: joint.upper ?? Math.PI, step: 'any', value: 0,
-        'aria-label': joint.name,
-        oninput: () => { q[k] = input.valueAsNumber; void moved(); },
-      });
-      return h('label', {}, joint.name, input);
-    }),
-  );
-  await moved();
 }
 
-async function moved(): Promise<void> {
-  scene?.setQ(q);
-  const answer = await api.json<api.FKAnswer>(api.fk({ id: robot.id }, q, 'ZXZ', 'rad'));
-  const found = answer.poses[robot.tip_frame];
-  pose.textContent = found?.matrix.map((row) => row.map((x) => x.toFixed(4).padStart(9)).join(' ')).join('\n') ?? '';
-}
-
-const { robots } = await api.json<{ robots: api.RobotLine[] }>(api.listRobots());
-picker.append(...robots.map((one) => h('option', { value: one.id }, one.title)));
-picker.value = 'puma560';
-picker.addEventListener('change', () => void show(picker.value));
-const { createScene } = await import('./scene');
-scene = createScene(host, {
-  onJointChange: () => {}, onTargetDrag: () => {}, onFramePick: () => {}, onGhostPick: () => {},
+/** What a screen reader is told once the numbers rest. */
+let speaking: ReturnType<typeof setTimeout>;
+page.onNumbers.push(() => {
+  clearTimeout(speaking);
+  speaking = setTimeout(() => {
+    const pose = Object.values(page.answers.fk?.poses ?? {})[0];
+    const rank = page.answers.singularity;
+    const place = pose ? `${t.position} ${pose.position.map((x) => x.toFixed(3)).join(', ')}` : '';
+    page.say([place, rank ? `${t.rank} ${rank.rank}` : ''].filter(Boolean).join('; '));
+  }, 900);
 });
-await show('puma560');
+
+let linking: ReturnType<typeof setTimeout>;
+let hash = location.hash;
+store.listen((state, before) => {
+  const shown = state.source.kind !== 'table' && state.angle !== before.angle;
+  if (state.source !== before.source || shown) load();
+  clearTimeout(linking);
+  linking = setTimeout(() => void link(state), 250);
+});
+
+async function link(state: State): Promise<void> {
+  hash = `#${await toHash(state)}`;
+  history.replaceState(null, '', hash);
+}
+
+addEventListener('hashchange', () => {
+  if (location.hash !== hash) void fromHash(location.hash).then((state) => store.set(state, 'link'));
+});
+
+document.body.prepend(
+  h('a', { class: 'skip', href: '#numbers', onclick: (event) => { event.preventDefault(); document.getElementById('numbers')?.focus(); } }, t.skip),
+  headerView(page, {
+    language,
+    speak(chosen) {
+      remember('language', chosen);
+      void link(store.state).then(() => location.reload());
+    },
+  }),
+  h('main', {},
+    h('div', { class: 'column model' }, table.element,
+      h('section', { class: 'card', 'aria-labelledby': 'joints-title' }, h('h2', { id: 'joints-title' }, t.joints), jointsView(page))),
+    stage,
+    h('div', { class: 'column numbers', id: 'numbers', tabindex: -1 }, sectionsView(page))),
+  status, toast);
+load();
+void import('./stage').then(({ stageView }) => stageView(page, stage));
