@@ -30,6 +30,10 @@ function compressed() {
 // DENAVIT_SERVICE is the service that `npm run dev` shows.
 const service = process.env.DENAVIT_SERVICE ?? 'http://localhost:8000';
 
+const LATER =
+  /node_modules|\/scene\/index|\/i18n\/(en|fr)\.|\/src\/(main|stage|solve|target|files|dialog|reproduction)\.|\/panels\/(ik|path|obstacles|reproduce)\.|\/table\/paste\./;
+const isShell = (id) => /\/web\/src\/.*\.ts$/.test(id) && !LATER.test(id) && !/\/scene\/(?!types)/.test(id);
+
 export default defineConfig({
   base: './',
   build: {
@@ -39,6 +43,8 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     reportCompressedSize: false,
     chunkSizeWarningLimit: 1500,
+    // The first screen as one file; what is opened later, and each language, as files of their own.
+    rolldownOptions: { output: { codeSplitting: { groups: [{ name: 'shell', test: isShell }] } } },
   },
   plugins: [compressed()],
   server: { proxy: { '/v1': service, '/docs': service, '/openapi.json': service } },

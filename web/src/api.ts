@@ -517,17 +517,11 @@ export const urdfToTable = (urdf: string, convention: Convention, angle: AngleUn
   type: 'application/xml',
 });
 
-/** Stores a robot on the service under an id. */
-export const putRobot = (id: string, document: TableDocument | string): Call => ({
-  method: 'PUT',
-  path: `v1/robots/${encodeURIComponent(id)}`,
-  query: {},
+/** Stores a robot on the service; refused where the name is taken. */
+export const createRobot = (name: string, document: TableDocument | string): Call => ({
+  method: 'POST',
+  path: 'v1/robots',
+  query: typeof document === 'string' ? { name } : {},
   body: document,
   ...(typeof document === 'string' ? { type: 'application/xml' } : {}),
-});
-
-export const deleteRobot = (id: string): Call => ({
-  method: 'DELETE',
-  path: `v1/robots/${encodeURIComponent(id)}`,
-  query: {},
 });

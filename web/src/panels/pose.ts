@@ -14,6 +14,7 @@ export function posePanel(page: Page): Panel {
   const matrix = matrixView('T', [], [], [4, 4]);
   const facts = h('dl', { class: 'facts' });
   const euler = h('output', { class: 'mono' });
+  const note = h('p', { class: 'note', hidden: true }, t.eulerDegenerate);
   const sequence = select(
     t.eulerSequence,
     SEQUENCES.map((one) => [one, one]),
@@ -31,6 +32,7 @@ export function posePanel(page: Page): Panel {
       matrix.element,
       facts,
       h('div', { class: 'line' }, h('label', {}, `${t.eulerSequence} `, sequence), euler),
+      note,
     ),
     call: (model, state) => api.fk(model.ref, state.q, state.euler, state.angle),
     show(answer, model, state) {
@@ -53,8 +55,8 @@ export function posePanel(page: Page): Panel {
       replace(
         euler,
         ...(found?.solutions ?? []).map((one, k) => h('span', { class: 'triple' }, `${k + 1}: ${angles(one)}`)),
-        found?.degenerate && h('span', { class: 'note' }, t.eulerDegenerate),
       );
+      note.hidden = !found?.degenerate;
     },
   };
 }

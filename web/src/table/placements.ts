@@ -2,13 +2,11 @@
 import type { Cell, Placement, TableDocument } from '../api';
 import { button, h, replace } from '../dom';
 import { t } from '../i18n';
-import type { Page } from '../page';
 
 const ENDS = ['base', 'tool'] as const;
 const ZERO: readonly Cell[] = [0, 0, 0];
 
 export function placements(
-  page: Page,
   edit: (document: TableDocument, kind: string) => void,
 ): { element: HTMLElement; render(document: TableDocument): void } {
   const body = h('div');

@@ -38,7 +38,7 @@ export function tableView(page: Page): TableView {
   const help = h('p', { class: 'note help', id: 'column-help' });
   const problems = h('ul', { class: 'problems', 'aria-label': t.problems });
   const links = formula(page);
-  const ends = placements(page, edit);
+  const ends = placements(edit);
   let built = '';
   let cells = new Map<string, HTMLInputElement | HTMLSelectElement>();
 
@@ -78,7 +78,7 @@ export function tableView(page: Page): TableView {
         onkeydown: (event) => step(event as KeyboardEvent, pointer),
       });
       cells.set(pointer, field);
-      return h('td', {}, field);
+      return h('td', { class: column ? 'cell' : 'bound' }, field);
     };
     const heads = columns.map((column) =>
       h('th', { scope: 'col' },
@@ -119,7 +119,7 @@ export function tableView(page: Page): TableView {
             { 'aria-label': t.moveUp(k + 1), title: t.moveUp(k + 1), disabled: k === 0 }),
           button('↓', () => change('move', (one) => moveRow(one, k, k + 1)),
             { 'aria-label': t.moveDown(k + 1), title: t.moveDown(k + 1), disabled: k === document.joints.length - 1 }),
-          button('＋', () => change('add', (one) => addRow(one, k)),
+          button('+', () => change('add', (one) => addRow(one, k)),
             { 'aria-label': t.addAfter(k + 1), title: t.addAfter(k + 1) }),
           button('×', () => change('remove', (one) => removeRow(one, k)),
             { 'aria-label': t.remove(k + 1), title: t.remove(k + 1), disabled: document.joints.length === 1 })));
@@ -128,7 +128,7 @@ export function tableView(page: Page): TableView {
       h('caption', { class: 'hidden' }, t.table),
       h('thead', {}, h('tr', {},
         h('th', { scope: 'col' }, 'k'),
-        h('th', { scope: 'col', title: t.jointType }, h('span', { class: 'hidden' }, t.jointType), 'σ'),
+        h('th', { scope: 'col', title: t.jointType }, h('span', { class: 'hidden' }, t.jointType)),
         ...extra.map((one) => h('th', { scope: 'col' }, one)),
         ...heads,
         h('th', { scope: 'col' }, t.lower), h('th', { scope: 'col' }, t.upper),
