@@ -54,7 +54,7 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
   const redo = button('↷', () => store.redo(), { 'aria-label': t.redo, title: `${t.redo} (Ctrl+Y)` });
   const angle = select(t.angleUnit, [['deg', '°'], ['rad', 'rad']], store.state.angle, (value) =>
     store.set(withAngle(page, value as api.AngleUnit), 'angle'));
-  const digits = select(t.digits, [3, 4, 6, 9, 12].map((n) => [String(n), `.${'0'.repeat(Math.min(n, 4))}${n > 4 ? `…${n}` : ''}`]), String(store.state.digits), (value) =>
+  const digits = select(t.digits, [3, 4, 6, 9, 12].map((n) => [String(n), t.digitsShown(n)]), String(store.state.digits), (value) =>
     store.set({ digits: Number(value) }, 'digits'));
   const language = select(t.language, [['en', 'English'], ['fr', 'Français']], choices.language, (value) =>
     choices.speak(value as Language));

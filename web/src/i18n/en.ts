@@ -18,6 +18,7 @@ export const en = {
   settings: 'Settings',
   angleUnit: 'Unit of angles',
   digits: 'Digits shown',
+  digitsShown: (n: number) => `${n} digits`,
   language: 'Language',
   theme: 'Light or dark',
   skip: 'Skip to the numbers',

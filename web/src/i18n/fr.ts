@@ -18,6 +18,7 @@ export const fr: Words = {
   settings: 'Réglages',
   angleUnit: 'Unité des angles',
   digits: 'Décimales',
+  digitsShown: (n) => `${n} déc.`,
   language: 'Langue',
   theme: 'Clair ou sombre',
   skip: 'Aller aux nombres',

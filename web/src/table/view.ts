@@ -131,7 +131,7 @@ export function tableView(page: Page): TableView {
         h('th', { scope: 'col', title: t.jointType }, h('span', { class: 'hidden' }, t.jointType)),
         ...extra.map((one) => h('th', { scope: 'col' }, one)),
         ...heads,
-        h('th', { scope: 'col' }, t.lower), h('th', { scope: 'col' }, t.upper),
+        h('th', { scope: 'col', class: 'bound' }, t.lower), h('th', { scope: 'col', class: 'bound' }, t.upper),
         h('td'))),
       h('tbody', {}, ...body)));
   }
