@@ -436,6 +436,12 @@ export const readRobot = (id: string): Call => ({
   query: {},
 });
 
+export const listMeshes = (id: string): Call => ({
+  method: 'GET',
+  path: `v1/robots/${encodeURIComponent(id)}/meshes`,
+  query: {},
+});
+
 export const readURDF = (id: string): Call => ({
   method: 'GET',
   path: `v1/robots/${encodeURIComponent(id)}/urdf`,
