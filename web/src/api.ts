@@ -342,7 +342,7 @@ export async function text(call: Call, signal?: AbortSignal): Promise<string> {
 }
 
 /** Computations whose fields a student types into a URL. */
-const BY_GET = new Set(['fk', 'dh-matrices', 'jacobian', 'singularity', 'picture.svg']);
+const BY_GET = new Set(['fk', 'dh-matrices', 'jacobian', 'singularity', 'picture.svg', 'workspace']);
 
 type Fields = Readonly<Record<string, unknown>>;
 
@@ -419,6 +419,10 @@ export const comparePaths = (
   methods: readonly string[],
   angle: AngleUnit,
 ): Call => computation('path/compare', robot, { ...fields, methods }, angle);
+
+/** Points that the tip reaches, as an npy file of shape (samples, 3). */
+export const workspace = (robot: RobotRef, samples: number): Call =>
+  computation('workspace', robot, { samples }, 'rad', 'application/x-npy');
 
 /** The arm as a picture, for browsers without WebGL. */
 export const picture = (robot: RobotRef, q: Q, angle: AngleUnit): Call =>

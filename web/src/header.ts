@@ -1,7 +1,7 @@
 /** Which robot, undo, link, units, language, colours. */
 import * as api from './api';
 import { button, h, replace, select } from './dom';
-import { t, type Language } from './i18n';
+import { opened, t, type Language } from './i18n';
 import type { Page } from './page';
 import { START, type State } from './state';
 
@@ -47,7 +47,7 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
   });
   const file = h('input', { type: 'file', hidden: true, accept: '.urdf,.xml,.yaml,.yml,.json,.csv,.par,.txt,.md,.tex,.m,.py,.tsv', onchange: () => {
     const chosen = file.files?.[0];
-    if (chosen) void import('./files').then(({ openFile }) => openFile(page, chosen));
+    if (chosen) void opened(import('./files')).then(({ openFile }) => openFile(page, chosen));
     file.value = '';
   } });
   const undo = button('↶', () => store.undo(), { 'aria-label': t.undo, title: `${t.undo} (Ctrl+Z)` });
@@ -59,8 +59,8 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
   const language = select(t.language, [['en', 'English'], ['fr', 'Français']], choices.language, (value) =>
     choices.speak(value as Language));
   const theme = button('◐', () => switchTheme(page), { 'aria-label': t.theme, title: t.theme });
-  const download = button(t.download, () => void import('./files').then(({ downloadDialog }) => downloadDialog(page)));
-  const save = button(t.save, () => void import('./files').then(({ saveDialog }) => saveDialog(page)));
+  const download = button(t.download, () => void opened(import('./files')).then(({ downloadDialog }) => downloadDialog(page)));
+  const save = button(t.save, () => void opened(import('./files')).then(({ saveDialog }) => saveDialog(page)));
   const share = button(t.copyLink, () => void navigator.clipboard.writeText(location.href).then(
     () => page.tell(t.linkCopied), () => page.tell(location.href)));
 

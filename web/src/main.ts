@@ -2,7 +2,7 @@
 import * as api from './api';
 import { h } from './dom';
 import { headerView, remember, remembered, withRobot } from './header';
-import { preferred, speak, t, type Language } from './i18n';
+import { opened, preferred, speak, t, type Language } from './i18n';
 import { jointsView } from './joints';
 import { isAbort, Latest } from './latest';
 import { fromHash, toHash } from './link';
@@ -44,6 +44,7 @@ const page: Page = {
   },
   onModel: [],
   onNumbers: [],
+  onExtras: [],
 };
 
 const table = tableView(page);
@@ -96,7 +97,9 @@ store.listen((state, before) => {
 });
 
 async function link(state: State): Promise<void> {
-  hash = `#${await toHash(state)}`;
+  const next = `#${await toHash(state)}`;
+  if (store.state !== state) return;
+  hash = next;
   history.replaceState(null, '', hash);
 }
 
@@ -120,4 +123,10 @@ document.body.prepend(
     h('div', { class: 'column numbers', id: 'numbers', tabindex: -1 }, sectionsView(page))),
   status, toast);
 load();
-void import('./stage').then(({ stageView }) => stageView(page, stage));
+// The view comes after the first numbers, which need less than it does.
+let staged = false;
+page.onNumbers.push(() => {
+  if (staged) return;
+  staged = true;
+  void opened(import('./stage')).then(({ stageView }) => stageView(page, stage));
+});

@@ -18,4 +18,6 @@ export interface Page {
   /** Listeners for a new model, and for new numbers. */
   readonly onModel: (() => void)[];
   readonly onNumbers: (() => void)[];
+  /** Listeners for what the scene shows besides the state: solutions, a path that was followed. */
+  readonly onExtras: (() => void)[];
 }

@@ -1,8 +1,9 @@
 /** The sections of numbers: folded or open, asked for only while open. */
 import * as api from './api';
 import { button, h, replace } from './dom';
-import { t } from './i18n';
+import { opened, t } from './i18n';
 import { Latest } from './latest';
+import type { Model } from './model';
 import type { Page } from './page';
 import { jacobianPanel } from './panels/jacobian';
 import { linksPanel } from './panels/links';
@@ -54,7 +55,7 @@ export function sectionsView(page: Page): HTMLElement {
 
   async function fill(id: keyof typeof LAZY, place: HTMLElement): Promise<void> {
     if (place.childElementCount) return;
-    const make = await LAZY[id]();
+    const make = await opened(LAZY[id]());
     if (!place.childElementCount) replace(place, make(page));
   }
 
@@ -82,7 +83,7 @@ export function sectionsView(page: Page): HTMLElement {
     live.run(async (signal) => {
       const { state } = store;
       const now = page.model;
-      if (!now || state.q.length !== now.joints.length) return;
+      if (!now || state.q.length !== now.joints.length || isOfAnother(now, state)) return;
       const asked = wanted(state).map(async (panel) => {
         const call = panel.call(now, state);
         const details = lines.get(panel.id);
@@ -123,4 +124,9 @@ export let reproduced: Section = 'pose';
 
 export function reproduce(id: Section): void {
   reproduced = id;
+}
+
+/** A robot that was just chosen is on its way: its posture is not for the one before. */
+function isOfAnother({ ref }: Model, { source }: State): boolean {
+  return source.kind === 'stored' ? !('id' in ref) || ref.id !== source.id : 'id' in ref && source.kind === 'urdf';
 }

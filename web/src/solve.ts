@@ -72,6 +72,6 @@ function ask(page: Page, question: Question): void {
       else throw thrown;
     }
     for (const tell of onSolved) tell(answer, error);
-    for (const tell of page.onNumbers) tell();
+    for (const tell of [...page.onNumbers, ...page.onExtras]) tell();
   });
 }

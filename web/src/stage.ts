@@ -10,15 +10,19 @@ import { NoWebGL, type Scene, type SceneEllipsoid } from './scene/types';
 import type { State, View } from './state';
 import { matrixOf } from './target';
 
-const CLOUD = 4000;
+const CLOUD = 20_000;
 
 export async function stageView(page: Page, place: HTMLElement): Promise<void> {
   const { store } = page;
   const host = h('div', { class: 'host', role: 'img', 'aria-label': t.sceneHelp });
   replace(place, host, toolbar(page, () => scene?.fit()));
   let scene: Scene | null = null;
+  if (!hasWebGL()) {
+    pictureView(page, host);
+    return;
+  }
+  const { createScene } = await import('./scene');
   try {
-    const { createScene } = await import('./scene');
     scene = createScene(host, {
       onJointChange(index, value) {
         const joint = page.model?.joints[index];
@@ -43,6 +47,11 @@ export async function stageView(page: Page, place: HTMLElement): Promise<void> {
     return;
   }
   drawIn(page, scene);
+}
+
+/** Asked first: three.js itself complains on the console. */
+function hasWebGL(): boolean {
+  return document.createElement('canvas').getContext('webgl2') !== null;
 }
 
 /** What stands beside the arm as ghosts: solutions to pick from, and postures kept. */
@@ -97,7 +106,7 @@ function drawIn(page: Page, scene: Scene): void {
     if (key === clouded) return;
     clouded = key;
     if (!key) scene.setCloud(null);
-    else clouds.run(async (signal) => scene.setCloud(await cloudOf(now, signal)));
+    else clouds.run((signal) => told(async () => scene.setCloud(await cloudOf(now, signal))));
   }
 
   function compare(state: State): void {
@@ -108,10 +117,19 @@ function drawIn(page: Page, scene: Scene): void {
       scene.setOther(null, []);
       return;
     }
-    others.run(async (signal) => {
+    others.run((signal) => told(async () => {
       const second = await resolve({ kind: 'stored', id: state.view.other, convention: null }, state.angle, signal);
       scene.setOther(sceneRobot(second), toScene(second.joints, state.q, state.angle));
-    });
+    }));
+  }
+
+  async function told(work: () => Promise<void>): Promise<void> {
+    try {
+      await work();
+    } catch (error) {
+      if (error instanceof api.Refusal) page.tell(error.detail, true);
+      else throw error;
+    }
   }
 
   function numbers(): void {
@@ -136,28 +154,16 @@ function drawIn(page: Page, scene: Scene): void {
 
   store.listen(draw);
   page.onModel.push(drawRobot);
-  page.onNumbers.push(numbers, () => draw(store.state));
+  page.onNumbers.push(numbers);
+  page.onExtras.push(() => draw(store.state));
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', numbers);
   drawRobot();
 }
 
-/** Positions of the tip at random postures within the limits, by the service. */
+/** Positions of the tip over its workspace, by the service. */
 async function cloudOf(model: Model, signal: AbortSignal): Promise<Float32Array> {
-  const random = (lower: number, upper: number): number => lower + Math.random() * (upper - lower);
-  const q = Array.from({ length: CLOUD }, () =>
-    model.joints.map((joint) => {
-      const half = joint.type === 'prismatic' ? 1 : Math.PI;
-      const free = joint.lower === null || joint.upper === null;
-      return Number((free ? random(-half, half) : random(joint.lower, joint.upper)).toFixed(4));
-    }));
-  const call = api.computation('fk', model.ref, { q }, 'rad', 'application/x-npy');
-  const post: api.Call = call.method === 'POST' ? call : { ...call, method: 'POST', query: {}, body: { q } };
-  const matrices = readNpy(await (await api.send(post, signal)).arrayBuffer());
-  const points = new Float32Array(3 * CLOUD);
-  for (let k = 0; k < CLOUD; k += 1) {
-    for (let i = 0; i < 3; i += 1) points[3 * k + i] = matrices[16 * k + 4 * i + 3] ?? 0;
-  }
-  return points;
+  const response = await api.send(api.workspace(model.ref, CLOUD), signal);
+  return Float32Array.from(readNpy(await response.arrayBuffer()));
 }
 
 /** Numbers of an npy file: little-endian doubles behind a header that says its own length. */

@@ -171,6 +171,7 @@ export function pathPanel(page: Page): HTMLElement {
       const points = Object.values(reached.poses)[0]?.position as unknown as api.Matrix;
       playback.path = points;
       playback.wanted = asked.target?.position && points[0] ? [points[0], asked.target.position] : points;
+      for (const tell of [...page.onExtras, ...page.onNumbers]) tell();
       start();
     });
   }

@@ -1,7 +1,7 @@
 /** The table as it is typed, with what the service says of its cells. */
 import * as api from '../api';
 import { button, h, replace, select } from '../dom';
-import { t } from '../i18n';
+import { opened, t } from '../i18n';
 import type { Page } from '../page';
 import {
   COLUMNS, SYMBOLS, type Column, addRow, moveRow, newTable, ownColumn, removeRow, setCell, setLimit,
@@ -34,7 +34,7 @@ export function tableView(page: Page): TableView {
     (value) => void convert(page, value as api.Convention),
   );
   const units = h('span', { class: 'note' });
-  const grid = h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-label': t.table });
+  const grid = h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-label': t.tableRows });
   const help = h('p', { class: 'note help', id: 'column-help' });
   const problems = h('ul', { class: 'problems', 'aria-label': t.problems });
   const links = formula(page);
@@ -205,7 +205,7 @@ export function tableView(page: Page): TableView {
     const pasted = event.clipboardData?.getData('text/plain') ?? '';
     if (!/[\n\t|&]/.test(pasted.trim())) return;
     event.preventDefault();
-    void import('./paste').then(({ pasteDialog }) => pasteDialog(page, pasted, true));
+    void opened(import('./paste')).then(({ pasteDialog }) => pasteDialog(page, pasted, true));
   });
 
   const element = h('section', { class: 'card', 'aria-labelledby': 'table-title' },
@@ -218,7 +218,7 @@ export function tableView(page: Page): TableView {
           const start = current();
           edit(newTable(start?.convention ?? 'standard', store.state.angle), 'new');
         }),
-        button(t.paste, () => void import('./paste').then(({ pasteDialog }) => pasteDialog(page, '', false))))),
+        button(t.paste, () => void opened(import('./paste')).then(({ pasteDialog }) => pasteDialog(page, '', false))))),
     links.element,
     grid, problems, help, ends.element);
 
