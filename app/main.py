@@ -15,7 +15,7 @@ from app.dependencies import Services
 from app.middleware import RequestId
 from app.openapi import build_openapi
 from app.rehearsal import rehearse
-from app.routes import compute, convert, diff, health, robots, tables
+from app.routes import compute, convert, diff, health, meshes, robots, tables
 from app.settings import Settings
 from kinematics.warm import warm_up
 
@@ -55,6 +55,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     compute.add_routes(app, chosen.max_compute_bytes)
     app.include_router(health.router)
     app.include_router(robots.build_router(chosen.max_document_bytes))
+    app.include_router(meshes.router)
     app.include_router(convert.build_router(chosen.max_document_bytes))
     app.include_router(tables.build_router(chosen.max_document_bytes))
     app.include_router(diff.build_router(chosen.max_document_bytes))
@@ -67,7 +68,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
             types = (
-                robots.RobotView, robots.RobotList, health.Health,
+                robots.RobotView, robots.RobotList, meshes.MeshList, health.Health,
                 diff.DiffRequest, diff.InlineDiffRequest, diff.DiffResponse,
             )  # fmt: skip
             app.openapi_schema = build_openapi(app, types)

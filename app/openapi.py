@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from typing import Annotated, Any
 
@@ -10,7 +11,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from app.operations import OPERATIONS, Operation
-from app.wire import FORMATS, JSON, NPY
+from app.wire import FORMATS, JSON, NPY, PNG
 
 REF = "#/components/schemas/{name}"
 _NUMBERS = {
@@ -27,6 +28,11 @@ _NUMBERS = {
     "seed": ("First start, comma-separated joint values.", False),
     "frames": ("Frame names, comma-separated, or all; default the tip.", False),
     "frame": ("Frame name; default the tip.", False),
+    "joints": ("Names of two joints, comma-separated.", True),
+    "view": ("auto (default), iso, xy, xz or yz.", False),
+    "labels": ("true (default) or false: names of the axes.", False),
+    "width": ("Pixels, 200 to 2000; default 640.", False),
+    "height": ("Pixels, 200 to 2000; default 480.", False),
     "euler": ("Euler sequence such as ZXZ; for ik with angles: ZXZ:10,20,30.", False),
     "reference_frame": ("local_world_aligned, world or local.", False),
     "task": ("Task space by name, or six 0 or 1.", False),
@@ -75,9 +81,13 @@ class ProblemDetails(msgspec.Struct, kw_only=True):
     request_id: str
 
 
-@cache
 def inline_request_type(operation: Operation) -> type[msgspec.Struct]:
     """The request of a computation with a ``robot`` besides."""
+    return _inline(operation.request)
+
+
+@cache
+def _inline(request: type[msgspec.Struct]) -> type[msgspec.Struct]:
     robot = Annotated[
         msgspec.Raw,
         msgspec.Meta(
@@ -92,9 +102,9 @@ def inline_request_type(operation: Operation) -> type[msgspec.Struct]:
         ),
     ]
     return msgspec.defstruct(
-        f"Inline{operation.request.__name__}",
+        f"Inline{request.__name__}",
         [("robot", robot)],
-        bases=(operation.request,),
+        bases=(request,),
         kw_only=True,
         forbid_unknown_fields=True,
     )
@@ -102,12 +112,15 @@ def inline_request_type(operation: Operation) -> type[msgspec.Struct]:
 
 def operation_docs(operation: Operation) -> dict[str, dict[str, Any]]:
     """What the docs say of a computation's routes, by path and method."""
-    name = operation.name.replace("-", "_").replace("/", "_")
+    name = re.sub(r"[-/.]", "_", operation.name)
     answers = _answers(operation)
-    forms = [key for key, value in FORMATS.items() if value in operation.offers[1:]]
+    first, *forms = sorted(
+        (key for key, value in FORMATS.items() if value in operation.offers),
+        key=lambda key: FORMATS[key] != operation.offers[0],
+    )
     choices = [
         _parameter("angle", "rad (default) or deg: joint values, Euler angles.", ["rad", "deg"]),
-        _parameter("format", f"json (default) or {', '.join(forms)}.", ["json", *forms]),
+        _parameter("format", f"{' or '.join([f'{first} (default)', *forms])}.", [first, *forms]),
     ]
     body: dict[str, Any] = {
         JSON: {
@@ -164,8 +177,7 @@ def _answers(operation: Operation) -> dict[str, Any]:
         "200": {
             "description": "The answer.",
             "content": {
-                JSON: {"schema": {"$ref": REF.format(name=operation.response.__name__)}},
-                **{form: {"schema": _form_schema(form)} for form in operation.offers[1:]},
+                form: {"schema": _form_schema(operation, form)} for form in operation.offers
             },
         },
         **{str(status): problem for status, problem in PROBLEMS.items()},
@@ -173,8 +185,10 @@ def _answers(operation: Operation) -> dict[str, Any]:
     }
 
 
-def _form_schema(form: str) -> dict[str, str]:
-    return {"type": "string", "format": "binary"} if form == NPY else {"type": "string"}
+def _form_schema(operation: Operation, form: str) -> dict[str, str]:
+    if form == JSON:
+        return {"$ref": REF.format(name=operation.response.__name__)}
+    return {"type": "string", "format": "binary"} if form in (NPY, PNG) else {"type": "string"}
 
 
 PROBLEMS: dict[int | str, dict[str, Any]] = {

@@ -72,6 +72,7 @@ BY_EXCEPTION: dict[type[Exception], ProblemType] = {
     robots.UnknownFrame: ProblemType("unknown-frame", 422, "The robot has no such frame"),
     robots.RobotNotFound: ProblemType("robot-not-found", 404, "There is no such robot"),
     robots.InvalidRobotId: ProblemType("invalid-robot-id", 422, "This id cannot name a robot"),
+    robots.MeshNotFound: ProblemType("mesh-not-found", 404, "The robot has no such mesh"),
     robots.RobotExists: ProblemType("robot-exists", 409, "The id is taken"),
     robots.ReadOnlyRobot: ProblemType("read-only-robot", 409, "Shipped robots are read-only"),
     robots.RevisionMismatch: ProblemType("revision-mismatch", 412, "The robot has changed"),

@@ -214,6 +214,14 @@ def _integer(name: str, text: str, units: Units) -> int:
     return int(value)
 
 
+def _flag(name: str, text: str, units: Units) -> bool:  # noqa: ARG001
+    if text not in ("true", "false"):
+        raise RequestProblem(
+            INVALID_REQUEST, f"{name} is {text[:32]!r}; give true or false", f"/{name}"
+        )
+    return text == "true"
+
+
 _READERS: dict[str, Callable[[str, str, Units], Any]] = {
     "position": _lengths,
     "rpy": _numbers,
@@ -233,6 +241,10 @@ _READERS: dict[str, Callable[[str, str, Units], Any]] = {
     "tf": _scalar,
     "samples": _integer,
     "methods": _frames,
+    "joints": _frames,
+    "labels": _flag,
+    "width": _integer,
+    "height": _integer,
     "max_restarts": _integer,
     "random_seed": _integer,
     "frames": _frames,

@@ -36,6 +36,7 @@ NDJSON = "application/x-ndjson"
 YAML = "application/yaml"
 CSV = "text/csv"
 SVG = "image/svg+xml"
+PNG = "image/png"
 LATEX = TABLE_TEXTS["latex"].media_type
 PYTHON_SOURCE = "text/x-python"
 C_SOURCE = "text/x-c"
@@ -61,6 +62,7 @@ FORMATS = {
     "yaml": YAML,
     "csv": CSV,
     "svg": SVG,
+    "png": PNG,
     "python": PYTHON_SOURCE,
     "c": C_SOURCE,
 } | {name: form.media_type for name, form in TABLE_TEXTS.items()}

@@ -23,6 +23,9 @@ SCRIPTS = Path(sysconfig.get_path("scripts"))
 PREFIX = SITE / "cmeel.prefix"
 ROBOTS = PREFIX / "share" / "example-robot-data" / "robots"
 
+# Visual meshes that are worth their size: 17 MiB. Other arms are drawn as skeletons.
+MESHES = ("panda_description/meshes/visual", "ur_description/meshes/ur5/visual")
+
 # Sources, headers, static libraries and type stubs: for compilers and checkers.
 BUILD_SUFFIXES = {".a", ".c", ".cpp", ".h", ".hpp", ".pxd", ".pxi", ".pyi", ".pyx"}
 # What neither the service nor what it imports from these packages imports. The image's build
@@ -52,10 +55,12 @@ def main() -> None:
 
 
 def keep_robot_data(library: Path) -> None:
-    """Of example-robot-data keeps the URDFs that the library names, and their licences."""
+    """Of example-robot-data keeps the URDFs that the library names, some meshes, and licences."""
     reader = YAML(typ="safe", pure=True)
     heads = [reader.load(path.read_text(encoding="utf-8")) for path in library.glob("*.yaml")]
     kept = {ROBOTS / head["urdf"] for head in heads if "urdf" in head}
+    for folder in MESHES:
+        kept.update(path for path in (ROBOTS / folder).rglob("*") if path.is_file())
     if absent := sorted(str(path) for path in kept if not path.is_file()):
         sys.exit(f"the library names files that are not installed: {', '.join(absent)}")
     for urdf in list(kept):

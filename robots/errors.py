@@ -88,6 +88,14 @@ class RevisionMismatch(RobotError):
         super().__init__(f"robot {robot_id!r} {state}; read it again and repeat the request")
 
 
+class MeshNotFound(RobotError):
+    """A mesh that a robot does not have; only shipped robots have any."""
+
+    def __init__(self, robot_id: str, name: str, valid: tuple[str, ...]) -> None:
+        told = hint(name, valid) if valid else "no mesh of it is kept here"
+        super().__init__(f"robot {robot_id[:64]!r} has no mesh {name[:64]!r}; {told}")
+
+
 class DamagedRobot(RobotError):
     """A stored file whose checksum does not hold; it is never served."""
 

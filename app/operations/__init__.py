@@ -7,8 +7,10 @@ from app.operations.dh import DH_MATRICES
 from app.operations.forward import FK
 from app.operations.inverse import IK
 from app.operations.jacobian import JACOBIAN
+from app.operations.maps import MANIPULABILITY_MAP, WORKSPACE
 from app.operations.nearest_singularity import NEAREST_SINGULARITY
 from app.operations.path import PATH
+from app.operations.pictures import PICTURE_PNG, PICTURE_SVG
 from app.operations.singularity import SINGULARITY
 from app.operations.solutions import SOLUTIONS
 from app.operations.statics import JOINT_TORQUES, WRENCH
@@ -35,6 +37,10 @@ OPERATIONS: tuple[Operation, ...] = (
     STEP,
     PATH,
     COMPARE,
+    PICTURE_SVG,
+    PICTURE_PNG,
+    WORKSPACE,
+    MANIPULABILITY_MAP,
 )
 
 __all__ = ["OPERATIONS", "Answer", "Operation"]

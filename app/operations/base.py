@@ -12,7 +12,7 @@ import numpy as np
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
 from app.units import Units
-from app.wire import CSV, JSON, NDJSON, NPY, SVG, TEXT, decode_json, decode_rows
+from app.wire import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT, decode_json, decode_rows
 from dh_to_urdf.errors import escaped, quoted
 from kinematics.configuration import configuration, configuration_by_name
 from kinematics.jacobian import ReferenceFrame
@@ -90,7 +90,8 @@ class Context:
 class Answer:
     """What a computation gives: a payload for JSON and text, and what npy and CSV hold.
 
-    A ``listing`` is the whole answer in any other form than JSON, a ``picture`` draws it as SVG.
+    A ``listing`` is the whole answer in any other form than JSON, a ``picture`` draws it as SVG,
+    from which PNG is made.
     """
 
     payload: dict[str, Any]
@@ -119,7 +120,7 @@ class Operation:
         stream: The answer in parts, each a list of rows, where it can be sent while it grows.
         rehearsed: Whether to send the example once as the service starts.
         array_field: Field that a body of type npy stands for, if there is one.
-        forms: Media types of the answer, JSON first, where they are not the usual ones.
+        forms: Media types of the answer, the default first, where they are not the usual ones.
         apart: Whether another process does the work, so that waiting for it takes no compute
             thread.
         pictured: Whether the answer has a picture.
@@ -146,10 +147,10 @@ class Operation:
 
     @property
     def offers(self) -> tuple[str, ...]:
-        """Media types of the answer, JSON first."""
+        """Media types of the answer, the default first."""
         if self.forms:
             return self.forms
-        picture = (SVG,) if self.pictured else ()
+        picture = (SVG, PNG) if self.pictured else ()
         if self.tabular:
             return (JSON, TEXT, CSV, *picture)
         return (JSON, TEXT, NPY, *((NDJSON,) if self.stream else ()), *picture)

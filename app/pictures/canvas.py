@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Sequence
 from xml.sax.saxutils import escape, quoteattr
 
@@ -78,8 +79,13 @@ class Canvas:
         color: str = INK,
         bold: bool = False,
         turned: bool = False,
+        halo: bool = False,
     ) -> None:
-        """A line of text; ``turned`` by a quarter, to be read from the right."""
+        """A line of text.
+
+        ``turned`` by a quarter, to be read from the right; ``halo``: with a white edge, to be
+        read over lines.
+        """
         x, y = f"{at[0]:.2f}", f"{at[1]:.2f}"
         attributes = {
             "x": x,
@@ -90,9 +96,23 @@ class Canvas:
         }
         if bold:
             attributes["font-weight"] = "bold"
+        if halo:
+            attributes |= {"stroke": "#ffffff", "stroke-width": "3", "paint-order": "stroke"}
         if turned:
             attributes["transform"] = f"rotate(-90 {x} {y})"
         self._add("text", attributes, escape(text))
+
+    def image(self, box: tuple[float, float, float, float], png: bytes) -> None:
+        """A raster stretched over a box (x, y, width, height), its pixels as sharp squares."""
+        x, y, width, height = (f"{value:.2f}" for value in box)
+        data = base64.b64encode(png).decode("ascii")
+        self._add(
+            "image",
+            {
+                "x": x, "y": y, "width": width, "height": height, "preserveAspectRatio": "none",
+                "image-rendering": "pixelated", "href": f"data:image/png;base64,{data}",
+            },
+        )  # fmt: skip
 
     def clip(self, name: str, box: tuple[float, float, float, float]) -> None:
         """Begins a group that shows nothing outside a box (x, y, width, height)."""

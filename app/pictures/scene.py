@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.pictures.canvas import COLORS, GRID, INK, Canvas
-from app.pictures.chart import Box, ticks
+from app.pictures.canvas import COLORS, INK, Canvas
+from app.pictures.chart import Box
+from app.pictures.plane import draw_axes, draw_border, equal_plane
 from kinematics.chain import Chain
 from kinematics.named_singularities.posture import posture
 from kinematics.redundancy.obstacles import BOX, CAPSULE, CIRCLE, HALF_SPACE, SPHERE
@@ -65,30 +66,17 @@ def draw_scene(
         reach: Least and largest coordinates to show, shape (2, 3), m.
     """
     columns = list(PLANES[plane])
-    left, top, width, height = box[0] + 40, box[1] + 4, box[2] - 46, box[3] - 30
-    low, high = reach[:, columns]
-    scale = min(width / (high[0] - low[0]), height / (high[1] - low[1]))
-    middle = (low + high) / 2
+    shown = equal_plane(box, *reach[:, columns])
+    scale = shown.scale
 
     def place(points: FloatArray) -> FloatArray:
-        flat = np.asarray(points)[..., columns] if np.shape(points)[-1] == 3 else np.asarray(points)
-        x = left + width / 2 + (flat[..., 0] - middle[0]) * scale
-        y = top + height / 2 - (flat[..., 1] - middle[1]) * scale
-        return np.stack((x, y), axis=-1)
+        flat = np.asarray(points)
+        return shown.place(flat[..., columns] if flat.shape[-1] == 3 else flat)
 
-    half = np.array([width, height]) / (2 * scale)
-    for value in ticks(middle[0] - half[0], middle[0] + half[0]):
-        x = place(np.array([value, middle[1]]))[0]
-        canvas.line([(x, top), (x, top + height)], GRID, 0.6)
-        canvas.text((x, top + height + 13), f"{value + 0.0:.6g}", 10, anchor="middle")
-    for value in ticks(middle[1] - half[1], middle[1] + half[1]):
-        y = place(np.array([middle[0], value]))[1]
-        canvas.line([(left, y), (left + width, y)], GRID, 0.6)
-        canvas.text((left - 4, y + 3.5), f"{value + 0.0:.6g}", 10, anchor="end")
-    canvas.text((left + width / 2, top + height + 26), f"{plane[0]} [m]", 10, anchor="middle")
-    canvas.text((left - 28, top + height / 2), f"{plane[1]} [m]", 10, anchor="middle", turned=True)
-    canvas.clip(name, (left, top, width, height))
-    corners = middle + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    draw_axes(canvas, shown, f"{plane[0]} [m]", f"{plane[1]} [m]")
+    canvas.clip(name, shown.box)
+    (west, south), (east, north) = shown.low, shown.high
+    corners = np.array([[west, south], [east, south], [east, north], [west, north]])
     for row in scene.obstacles:
         _obstacle(canvas, row, place, scale, columns, corners)
     count = len(scene.links)
@@ -103,8 +91,7 @@ def draw_scene(
     canvas.line(place(scene.trace), COLORS[1], 1.6)
     canvas.circle(place(scene.trace[-1]), 3.0, COLORS[1], COLORS[1])
     canvas.end_clip()
-    frame = [(left, top), (left + width, top), (left + width, top + height), (left, top + height)]
-    canvas.line(frame, INK, 0.8, closed=True)
+    draw_border(canvas, shown)
 
 
 def _obstacle(

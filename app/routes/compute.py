@@ -14,6 +14,7 @@ from app.dependencies import Services, services_of
 from app.openapi import inline_request_type
 from app.operations import OPERATIONS, Answer, Operation
 from app.operations.base import Context
+from app.pictures.png import png_of
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.query import body_from_query, check_query, units_of
 from app.units import Units
@@ -21,6 +22,7 @@ from app.wire import (
     JSON,
     NDJSON,
     NPY,
+    PNG,
     SVG,
     decode_json,
     decode_npy,
@@ -124,6 +126,8 @@ async def _answer(
     def written(answer: Answer) -> Response:
         if answer.picture is not None and wanted == SVG:
             return Response(answer.picture(), headers=answer.headers, media_type=SVG)
+        if answer.picture is not None and wanted == PNG:
+            return Response(png_of(answer.picture()), headers=answer.headers, media_type=PNG)
         if answer.listing is not None and wanted != JSON:
             return Response(answer.listing, media_type=f"{wanted}; charset=utf-8")
         return respond(

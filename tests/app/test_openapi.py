@@ -31,8 +31,8 @@ def filled(path, operation):
 def test_every_example_runs_as_it_stands_and_fits_its_schema(client, document):
     ran = 0
     for path, method, operation in operations(document):
-        if not path.startswith("/v1"):
-            continue
+        if not path.startswith("/v1") or path.endswith("/meshes/{name}"):
+            continue  # test_meshes.py reads each file that a robot has
         url = filled(path, operation)
         query = {p["name"]: p["example"] for p in operation.get("parameters", [])
                  if p["in"] == "query" and "example" in p}  # fmt: skip

@@ -1,0 +1,134 @@
+"""picture.svg and picture.png: the arm with its frames, without a browser."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import msgspec
+import numpy as np
+
+from app.operations.base import Answer, Configuration, Context, Operation, read_configuration
+from app.pictures.arm_figure import arm_figure, caption_of
+from app.pictures.camera import VIEWS
+from app.problems import INVALID_REQUEST, RequestProblem
+from app.wire import PNG, SVG
+from kinematics.forward import fk
+from kinematics.skeleton import skeleton_of
+from robots.robot import FloatArray, Robot
+
+MOST_ARMS, MOST_FRAMES = 32, 100
+SIZES = (200, 2000)
+LIGHT_DOF = 10
+
+
+class PictureRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """What to draw."""
+
+    q: Configuration
+    frames: Annotated[
+        list[str] | str | None,
+        msgspec.Meta(
+            description='Frames whose axes are drawn: names, "all" or "none"; default the frames'
+            " of the D-H table, or base and tip."
+        ),
+    ] = None
+    view: Annotated[
+        str,
+        msgspec.Meta(
+            description="auto (default: the plane in which a planar arm moves, else iso), iso, xy,"
+            " xz or yz, in base axes."
+        ),
+    ] = "auto"
+    labels: Annotated[bool, msgspec.Meta(description="Whether the axes have names.")] = True
+    width: Annotated[int, msgspec.Meta(description="Pixels, 200 to 2000.")] = 640
+    height: Annotated[int, msgspec.Meta(description="Pixels, 200 to 2000.")] = 480
+
+
+class PictureResponse(msgspec.Struct, kw_only=True):
+    """A picture has no JSON form."""
+
+
+def _draw(robot: Robot, request: PictureRequest, context: Context) -> Answer:
+    q = np.atleast_2d(read_configuration(request.q, robot, context))
+    if len(q) > MOST_ARMS:
+        raise RequestProblem(
+            INVALID_REQUEST, f"q holds {len(q)} rows; give at most {MOST_ARMS} to draw", "/q"
+        )
+    if request.view not in VIEWS:
+        raise RequestProblem(
+            INVALID_REQUEST, f"view is {request.view[:32]!r}; give {', '.join(VIEWS)}", "/view"
+        )
+    for name in ("width", "height"):
+        value = getattr(request, name)
+        if not SIZES[0] <= value <= SIZES[1]:
+            raise RequestProblem(
+                INVALID_REQUEST, f"{name} is {value}; give {SIZES[0]} to {SIZES[1]}", f"/{name}"
+            )
+    frames = _frames(robot, request.frames)
+    svg = arm_figure(
+        [skeleton_of(robot, row) for row in q],
+        frames,
+        title=robot.name[:60],
+        caption=_caption(robot, q[-1], context),
+        view=request.view,
+        labels=request.labels,
+        size=(float(request.width), float(request.height)),
+    )
+    return Answer({}, picture=lambda: svg)
+
+
+def _frames(robot: Robot, asked: list[str] | str | None) -> list[str]:
+    if asked is None and robot.table is not None:
+        asked = [name for name in robot.frames if name != "base_link"]
+    elif asked is None:
+        asked = [robot.base_frame, robot.tip_frame]
+    elif asked == "all":
+        asked = list(robot.frames)
+    elif asked in ("none", ["none"]) and "none" not in robot.frames:
+        asked = []
+    names = [asked] if isinstance(asked, str) else list(dict.fromkeys(asked))
+    for index, name in enumerate(names):
+        robot.frame_id(name, f"/frames/{index}")
+    return names[:MOST_FRAMES]
+
+
+def _caption(robot: Robot, q: FloatArray, context: Context) -> list[str]:
+    shown = context.units.joints_out(robot, q)
+    degrees = context.units.degrees
+    values = [
+        f"{value:.4g}" + ("°" if degrees and turns else "" if turns else " m")
+        for value, turns in zip(shown.tolist(), robot.turns.tolist(), strict=True)
+    ]
+    tip = fk(robot, q)[robot.tip_frame][:3, 3]
+    place = ", ".join(f"{value + 0.0:.4f}" for value in tip.tolist())
+    names = [joint.name[:24] for joint in robot.joints]
+    joints = caption_of(names, values)[:3] if robot.dof <= 24 else [f"{robot.dof} joints"]
+    return [*joints, f"{robot.tip_frame[:40]} at ({place}) m"]
+
+
+def _quickly(robot: Robot, request: PictureRequest, context: Context) -> Answer | None:
+    light = robot.dof <= LIGHT_DOF and bytes(request.q)[1:64].lstrip()[:1] != b"["
+    return _draw(robot, request, context) if light else None
+
+
+def _picture(form: str) -> Operation:
+    word = form.partition("/")[2].partition("+")[0]
+    quick: Any = _quickly if form == SVG else lambda *_: None
+    return Operation(
+        name=f"picture.{word}",
+        summary=f"Picture of the arm as {word.upper()}",
+        description="The arm as a skeleton with the axes of its frames. Links of a D-H table go"
+        " along the common normal and the joint axis, as a and d are measured. Several q are drawn"
+        " over each other, the last one solid.",
+        request=PictureRequest,
+        response=PictureResponse,
+        run=_draw,
+        example={"q": [0.3, -0.6, 0.4, 0.2, 0.5, 0]},
+        example_robot="puma560",
+        query=("q", "frames", "view", "labels", "width", "height"),
+        forms=(form,),
+        quick=quick,
+    )
+
+
+PICTURE_SVG, PICTURE_PNG = _picture(SVG), _picture(PNG)

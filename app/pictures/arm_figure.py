@@ -1,0 +1,160 @@
+"""An arm as a skeleton: bones, joints, D-H frames with their names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from app.pictures.camera import Camera, camera_for, view_of
+from app.pictures.canvas import GRID, Canvas
+from app.pictures.chart import ticks
+from kinematics.skeleton import Skeleton
+from robots.robot import FloatArray
+
+AXIS_COLORS = ("#d62728", "#2ca02c", "#1f5fbf")
+BONE, JOINT = "#7a8794", "#2f3b47"
+_DIGITS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+_NUMBERED = re.compile(r"frame_(\d+)")
+MARGIN = 34.0
+
+
+def arm_figure(
+    skeletons: Sequence[Skeleton],
+    frames: Sequence[str],
+    *,
+    title: str,
+    caption: Sequence[str] = (),
+    view: str = "auto",
+    labels: bool = True,
+    size: tuple[float, float] = (640.0, 480.0),
+) -> str:
+    """Draws an arm at one q or several; the last is drawn solid, those before fainter.
+
+    Args:
+        skeletons: The arm at each q.
+        frames: Names of the frames whose axes are drawn.
+        title: Of the picture.
+        caption: Lines below it.
+        view: auto, iso, xy, xz or yz; auto is the plane in which a planar arm moves, else iso.
+        labels: Whether the axes have names.
+        size: Width and height, pixels.
+
+    Returns:
+        SVG text.
+    """
+    shown = skeletons[-1]
+    chosen = view_of(shown.axes, shown.turns) if view == "auto" else view
+    points = np.concatenate([one.points for one in skeletons])
+    extent = float((points.max(axis=0) - points.min(axis=0)).max())
+    arrow = 0.11 * max(extent, 1e-3)
+    tips = [shown.frames[name][:3, 3] + arrow * shown.frames[name][:3, k]
+            for name in frames for k in range(3)]  # fmt: skip
+    everything = np.concatenate((points, np.array(tips).reshape(-1, 3), np.zeros((1, 3))))
+    foot = 16.0 * len(caption) + 8
+    box = (MARGIN, 32.0 + MARGIN / 2, size[0] - 2 * MARGIN, size[1] - 32 - foot - MARGIN)
+    camera = camera_for(chosen, everything, box)
+    canvas = Canvas(size[0], size[1], title)
+    _ground(canvas, camera, chosen, everything)
+    for number, one in enumerate(skeletons):
+        _arm(canvas, camera, one, 0.3 if number < len(skeletons) - 1 else 1.0)
+    _frames(canvas, camera, shown, frames, arrow, labels)
+    canvas.text((14, 22), title, 15, bold=True)
+    for line, text in enumerate(caption):
+        canvas.text((14, size[1] - foot + 14 + 16 * line), text, 11)
+    return canvas.render()
+
+
+def _ground(canvas: Canvas, camera: Camera, view: str, points: FloatArray) -> None:
+    """Grid lines of z = 0, or of the plane that is looked at, through round coordinates."""
+    across, up = {"xz": (0, 2), "yz": (1, 2)}.get(view, (0, 1))
+    low, high = points.min(axis=0), points.max(axis=0)
+    if view == "iso":
+        half = 0.5 * float((high - low).max())
+        low, high = (low + high) / 2 - half, (low + high) / 2 + half
+    for along, other in ((across, up), (up, across)):
+        values = ticks(float(low[along]), float(high[along]), 9)
+        step = values[1] - values[0] if len(values) > 1 else 0.0
+        for value in [values[0] - step, *values, values[-1] + step]:
+            ends = np.zeros((2, 3))
+            ends[:, along] = value
+            ends[:, other] = low[other], high[other]
+            canvas.line(camera.place(ends), GRID, 0.7)
+
+
+def _arm(canvas: Canvas, camera: Camera, skeleton: Skeleton, opacity: float) -> None:
+    for bone in sorted(skeleton.bones, key=lambda b: float(camera.depth(b).mean())):
+        if np.ptp(bone, axis=0).max() > 1e-9:
+            canvas.line(camera.place(bone), BONE, 7.0, opacity=opacity)
+    half = 11.0 / camera.scale
+    for origin, axis, turns in zip(
+        skeleton.origins, skeleton.axes, skeleton.turns.tolist(), strict=True
+    ):
+        ends = camera.place(np.array([origin - half * axis, origin + half * axis]))
+        across = float(np.hypot(*(ends[1] - ends[0])))
+        if not turns:
+            canvas.line(ends, JOINT, 9.0, opacity=opacity)
+            canvas.line(ends, "#ffffff", 5.0, opacity=opacity)
+        elif across > 6.0:
+            canvas.line(ends, JOINT, 12.0, opacity=opacity)
+        else:
+            canvas.circle(camera.place(origin), 7.0, "#ffffff", JOINT, 3.0, opacity=opacity)
+
+
+def _frames(
+    canvas: Canvas,
+    camera: Camera,
+    skeleton: Skeleton,
+    names: Sequence[str],
+    arrow: float,
+    labels: bool,
+) -> None:
+    taken: list[FloatArray] = []
+    for name in names:
+        T = skeleton.frames[name]
+        start = camera.place(T[:3, 3])
+        for k, letter in enumerate("xyz"):
+            end = camera.place(T[:3, 3] + arrow * T[:3, k])
+            length = float(np.hypot(*(end - start)))
+            if length < 2.0:
+                canvas.circle(start, 2.6, AXIS_COLORS[k], AXIS_COLORS[k], 0.5)
+            else:
+                canvas.line([start, end], AXIS_COLORS[k], 1.6)
+                canvas.line(_head(start, end), AXIS_COLORS[k], 1.0, closed=True,
+                            fill=AXIS_COLORS[k])  # fmt: skip
+            if labels and letter in "xz":
+                beside = end + (end - start) / max(length, 6.0) * 9.0 if length > 2 else end + 8.0
+                at = _free(beside, taken)
+                canvas.text((at[0], at[1] + 4), _label(letter, name), 11, anchor="middle",
+                            color=AXIS_COLORS[k], halo=True)  # fmt: skip
+
+
+def _head(start: FloatArray, end: FloatArray) -> FloatArray:
+    along = (end - start) / np.hypot(*(end - start))
+    across = np.array([-along[1], along[0]])
+    return np.array([end, end - 6.0 * along + 2.4 * across, end - 6.0 * along - 2.4 * across])
+
+
+def _label(letter: str, frame: str) -> str:
+    numbered = _NUMBERED.fullmatch(frame)
+    if numbered:
+        return letter + numbered[1].translate(_DIGITS)
+    return f"{letter} {frame[:24]}" if letter == "x" or frame == "tool" else letter
+
+
+def _free(at: FloatArray, taken: list[FloatArray]) -> FloatArray:
+    """The place, or the nearest one around it where no label stands yet."""
+    for ring in range(12):
+        for turn in np.arange(8) * (np.pi / 4):
+            spot = at + 7.0 * ring * np.array([np.cos(turn), np.sin(turn)])
+            if all(abs(o[0] - spot[0]) > 18 or abs(o[1] - spot[1]) > 11 for o in taken):
+                taken.append(spot)
+                return np.asarray(spot)
+    return at
+
+
+def caption_of(names: Sequence[str], values: Sequence[str], per_line: int = 8) -> list[str]:
+    """``name = value`` pairs in lines."""
+    pairs = [f"{name} = {value}" for name, value in zip(names, values, strict=True)]
+    return ["   ".join(pairs[k : k + per_line]) for k in range(0, len(pairs), per_line)]

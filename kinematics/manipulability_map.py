@@ -1,0 +1,98 @@
+"""Manipulability over two joints: where an arm is dexterous and where it is singular."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinematics.configuration import configuration
+from kinematics.errors import InvalidOption
+from kinematics.jacobian import task_jacobian
+from kinematics.task import POSE, Task
+from kinematics.workspace import drawn_bounds
+from robots.errors import hint
+from robots.robot import FloatArray, Robot
+
+MAX_SAMPLES = 400
+MIN_SAMPLES = 2
+
+
+@dataclass(frozen=True, eq=False)
+class ManipulabilityMap:
+    """Measures over a grid of two joint values; the other joints stay where they are.
+
+    Attributes:
+        joints: Names of the two joints.
+        x: Values of the first, shape (n,), rad or m.
+        y: Values of the second, shape (n,), rad or m.
+        manipulability: Yoshikawa's w at (x_i, y_j), shape (n, n): rows by y, columns by x.
+        inverse_condition: Smallest over largest singular value, 0 where singular, shape (n, n).
+        assumed: What was assumed of joints without limits, in words.
+    """
+
+    joints: tuple[str, str]
+    x: FloatArray
+    y: FloatArray
+    manipulability: FloatArray
+    inverse_condition: FloatArray
+    assumed: tuple[str, ...]
+
+
+def manipulability_map(
+    robot: Robot,
+    q: FloatArray,
+    joints: tuple[str, str],
+    samples: int,
+    task: Task = POSE,
+    frame: str | None = None,
+) -> ManipulabilityMap:
+    """Measures of the task Jacobian over the whole ranges of two joints.
+
+    Args:
+        robot: The robot.
+        q: Where the other joints stay, shape (dof,), rad and m.
+        joints: Names of two joints.
+        samples: Values of each, 2 to ``MAX_SAMPLES``.
+        task: The task space, in base axes.
+        frame: Frame name; default the tip.
+
+    Returns:
+        The map.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+        WrongConfiguration: q has a wrong shape or is not finite.
+        InvalidOption: No such joint, one joint twice, a slide without limits, or samples out of
+            range.
+    """
+    q = configuration(robot, q)
+    if not MIN_SAMPLES <= samples <= MAX_SAMPLES:
+        raise InvalidOption(
+            f"samples is {samples}; give {MIN_SAMPLES} to {MAX_SAMPLES}", "/samples"
+        )
+    columns = _columns(robot, joints)
+    lower, upper, assumed = drawn_bounds(robot, columns)
+    x, y = (np.linspace(lower[k], upper[k], samples) for k in columns)
+    grid = np.tile(q, (samples * samples, 1))
+    grid[:, columns[0]] = np.tile(x, samples)
+    grid[:, columns[1]] = np.repeat(y, samples)
+    sigma = np.linalg.svd(task_jacobian(robot, grid, task, frame), compute_uv=False)
+    largest = sigma[:, 0]
+    inverse = np.divide(sigma[:, -1], largest, out=np.zeros_like(largest), where=largest > 0)
+    shape = (samples, samples)
+    return ManipulabilityMap(
+        joints, x, y, np.prod(sigma, axis=1).reshape(shape), inverse.reshape(shape), assumed
+    )
+
+
+def _columns(robot: Robot, joints: tuple[str, str]) -> tuple[int, int]:
+    names = tuple(joint.name for joint in robot.joints)
+    for index, name in enumerate(joints):
+        if name not in names:
+            raise InvalidOption(
+                f"there is no joint {name[:64]!r}; {hint(name, names)}", f"/joints/{index}"
+            )
+    if joints[0] == joints[1]:
+        raise InvalidOption("joints names one joint twice; give two", "/joints/1")
+    return names.index(joints[0]), names.index(joints[1])

@@ -1,0 +1,118 @@
+"""The bones of a robot: where its frames, links and joint axes stand at a q."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dh_to_urdf import Convention, DHTable
+from kinematics.configuration import configuration
+from kinematics.forward import fk
+from kinematics.tree import tree_of
+from robots.robot import FloatArray, Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """A robot at one q, in the axes of its base frame.
+
+    Attributes:
+        frames: Pose of each frame by name, 4x4.
+        bones: A polyline a link, each of shape (k, 3), m. Between the frames of a D-H table it
+            goes along the common normal and along the axis, as ``a`` and ``d`` are measured.
+        origins: A point on each joint axis, in the order of q, shape (dof, 3), m.
+        axes: Unit vectors of the joint axes, shape (dof, 3).
+        turns: True for an angle, shape (dof,).
+    """
+
+    frames: dict[str, FloatArray]
+    bones: tuple[FloatArray, ...]
+    origins: FloatArray
+    axes: FloatArray
+    turns: NDArray[np.bool_]
+
+    @property
+    def points(self) -> FloatArray:
+        """All that has to be in a picture, shape (n, 3), m."""
+        return np.concatenate((*self.bones, self.origins))
+
+
+def skeleton_of(robot: Robot, q: FloatArray) -> Skeleton:
+    """The skeleton at one q.
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,), rad and m.
+
+    Returns:
+        The skeleton.
+
+    Raises:
+        WrongConfiguration: q has a wrong shape or is not finite.
+    """
+    q = configuration(robot, q)
+    frames = fk(robot, q, robot.frames)
+    table = robot.table
+    bones = _bones_of_table(table, frames) if table else _bones_of_links(robot, frames)
+    origins, axes = _joints(robot, q)
+    return Skeleton(frames, bones, origins, axes, robot.turns)
+
+
+def _bones_of_table(table: DHTable, frames: dict[str, FloatArray]) -> tuple[FloatArray, ...]:
+    bones = [_straight(frames["base_link"], frames["frame_0"])]
+    for k, row in enumerate(table.rows):
+        before, after = frames[f"frame_{row.parent}"], frames[f"frame_{k + 1}"]
+        if row.gamma or row.b:
+            bones.append(_straight(before, after))
+            continue
+        # The first of the two translations of A_k: d along z (standard), a along x (others).
+        along = before[:3, 2 if table.convention is Convention.STANDARD else 0]
+        p = before[:3, 3]
+        corner = p + along * float(along @ (after[:3, 3] - p))
+        bones.append(np.array([p, corner, after[:3, 3]]))
+    bones.append(_straight(frames[f"frame_{table.tip_row}"], frames["tool"]))
+    return tuple(bones)
+
+
+def _bones_of_links(robot: Robot, frames: dict[str, FloatArray]) -> tuple[FloatArray, ...]:
+    model = robot.model
+    bones = []
+    for name in robot.frames:
+        frame = model.frames[robot.frame_id(name)]
+        joint_frame = model.frames[frame.parentFrame]
+        parent = model.frames[joint_frame.parentFrame].name
+        if parent in frames and parent != name:
+            bones.append(_straight(frames[parent], frames[name]))
+    return tuple(bones)
+
+
+def _straight(before: FloatArray, after: FloatArray) -> FloatArray:
+    return np.array([before[:3, 3], after[:3, 3]])
+
+
+def _joints(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    tree = tree_of(robot)
+    index, placement = tree.frames[robot.base_frame]
+    poses: list[FloatArray] = []
+    for joint in tree.joints:
+        parent = poses[joint.parent] if joint.parent >= 0 else np.eye(4)
+        poses.append(parent @ joint.placement @ _motion(joint.turns, float(q[joint.column])))
+    base = (poses[index] if index >= 0 else np.eye(4)) @ placement
+    inverse = np.linalg.inv(base)
+    origins, axes = np.empty((robot.dof, 3)), np.empty((robot.dof, 3))
+    for joint, pose in zip(tree.joints, poses, strict=True):
+        seen = inverse @ pose
+        origins[joint.column], axes[joint.column] = seen[:3, 3], seen[:3, 2]
+    return origins, axes
+
+
+def _motion(turns: bool, value: float) -> FloatArray:
+    T = np.eye(4)
+    if turns:
+        c, s = np.cos(value), np.sin(value)
+        T[:2, :2] = [[c, -s], [s, c]]
+    else:
+        T[2, 3] = value
+    return T

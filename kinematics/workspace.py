@@ -1,0 +1,95 @@
+"""Where a frame can get: points reached from joint values drawn within the limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinematics.errors import InvalidOption
+from kinematics.forward import fk
+from robots.robot import FloatArray, Robot
+
+MAX_POINTS = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """A cloud of reached points.
+
+    Attributes:
+        points: Positions of the frame in the axes of the base frame, shape (n, 3), m.
+        low: Least coordinates, shape (3,), m.
+        high: Greatest coordinates, shape (3,), m.
+        assumed: What was assumed of joints without limits, in words.
+    """
+
+    points: FloatArray
+    low: FloatArray
+    high: FloatArray
+    assumed: tuple[str, ...]
+
+
+def workspace(
+    robot: Robot, samples: int, frame: str | None = None, random_seed: int = 0
+) -> Workspace:
+    """Draws joint values evenly within the limits and returns where the frame gets.
+
+    Joints that turn without limits go through a whole turn.
+
+    Args:
+        robot: The robot.
+        samples: Number of points, 1 to ``MAX_POINTS``.
+        frame: Frame name; default the tip.
+        random_seed: Of the draw; the same seed gives the same points.
+
+    Returns:
+        The cloud.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+        InvalidOption: A slide without limits, or samples out of range.
+    """
+    if not 1 <= samples <= MAX_POINTS:
+        raise InvalidOption(f"samples is {samples}; give 1 to {MAX_POINTS}", "/samples")
+    name = robot.tip_frame if frame is None else frame
+    robot.frame_id(name)
+    lower, upper, assumed = drawn_bounds(robot)
+    generator = np.random.default_rng(random_seed)
+    q = lower + (upper - lower) * generator.random((samples, robot.dof))
+    points = fk(robot, q, [name])[name][:, :3, 3]
+    return Workspace(points, points.min(axis=0), points.max(axis=0), assumed)
+
+
+def drawn_bounds(
+    robot: Robot, columns: Sequence[int] | None = None
+) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+    """Bounds between which joint values are drawn, shape (dof,) each, and what was assumed.
+
+    Args:
+        robot: The robot.
+        columns: Entries of q that are drawn; default all.
+
+    Raises:
+        InvalidOption: A slide has no limits.
+    """
+    lower, upper = robot.lower.copy(), robot.upper.copy()
+    assumed = []
+    for k in range(robot.dof) if columns is None else columns:
+        joint = robot.joints[k]
+        if math.isfinite(lower[k]) and math.isfinite(upper[k]):
+            continue
+        if not joint.type.turns:
+            raise InvalidOption(
+                f"joint {joint.name} slides without limits; give it lower and upper", "/robot"
+            )
+        if math.isfinite(lower[k]):
+            upper[k] = lower[k] + 2 * math.pi
+        elif math.isfinite(upper[k]):
+            lower[k] = upper[k] - 2 * math.pi
+        else:
+            lower[k], upper[k] = -math.pi, math.pi
+        assumed.append(f"joint {joint.name} has no limits; it goes through a whole turn")
+    return lower, upper, tuple(assumed)
