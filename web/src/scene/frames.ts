@@ -17,6 +17,7 @@ export class Frames {
       clear(one);
     }
     this.made.length = 0;
+    const { baseFrame, tipFrame } = model.robot;
     for (const name of named(model, shown)) {
       const frame = model.frame(name);
       if (!frame) continue;
@@ -27,7 +28,7 @@ export class Frames {
       if (number !== null) {
         group.add(label(`x${number}`, new Vector3(beyond, 0, 0), AXES[0], scale, dark));
         group.add(label(`z${number}`, new Vector3(0, 0, beyond), AXES[2], scale, dark));
-      } else {
+      } else if (name === baseFrame || name === tipFrame) {
         group.add(label(name, new Vector3(0, 0, beyond), dark ? 0xdfe4ea : 0x1c2430, scale, dark));
       }
       frame.add(group);

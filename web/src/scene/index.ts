@@ -36,7 +36,7 @@ import {
   type SceneRow,
 } from './types';
 
-const LABEL = 0.028;
+const LABEL = 0.021;
 const FIELD = 40;
 
 /** What is left on the host element for tests and the curious. */
@@ -83,6 +83,8 @@ class View implements Scene {
   private dark = false;
   private drawn = '';
   private requested = 0;
+  /** Whether the robot is new: its first posture is brought into view. */
+  private unseen = false;
 
   constructor(private readonly host: HTMLElement, callbacks: SceneCallbacks) {
     host.append(this.renderer.domElement);
@@ -128,12 +130,14 @@ class View implements Scene {
     this.drawn = '';
     this.drawGrid();
     this.robotChanged();
-    this.fit();
+    this.unseen = true;
   }
 
   setQ(q: readonly number[]): void {
     this.model?.setQ(q);
     this.refresh();
+    if (this.unseen) this.fit();
+    this.unseen = false;
   }
 
   setFramesShown(shown: FramesShown): void {
@@ -232,7 +236,7 @@ class View implements Scene {
     // Straight from above there is no "up" for the camera's turning: a little from the side.
     if (normal && Math.abs(normal.z) > 0.99) from.set(0, -0.12, Math.sign(normal.z) || 1).normalize();
     this.controls.target.copy(ball.center);
-    this.camera.position.copy(ball.center).addScaledVector(from, 1.05 * distance);
+    this.camera.position.copy(ball.center).addScaledVector(from, 0.9 * distance);
     this.camera.near = distance / 100;
     this.camera.far = distance * 30;
     this.camera.updateProjectionMatrix();

@@ -15,6 +15,7 @@ import {
   MeshLambertMaterial,
   Object3D,
   SphereGeometry,
+  SRGBColorSpace,
   Sprite,
   SpriteMaterial,
   Vector3,
@@ -76,7 +77,7 @@ export function axes(length: number, opacity = 1): Group {
   const group = new Group();
   AXES.forEach((color, k) => {
     const end = new Vector3().setComponent(k, length);
-    const arrow = rod(new Vector3(), end, 0.028 * length, color, 0.22 * length);
+    const arrow = rod(new Vector3(), end, 0.034 * length, color, 0.24 * length);
     arrow.traverse((one) => {
       if (one instanceof Mesh && opacity < 1) Object.assign(one.material, { transparent: true, opacity });
     });
@@ -107,6 +108,7 @@ export function label(text: string, at: Vector3, color: number, scale: Scale, da
   pen.strokeText(text, canvas.width / 2, canvas.height / 2);
   pen.fillText(text, canvas.width / 2, canvas.height / 2);
   const texture = new CanvasTexture(canvas);
+  texture.colorSpace = SRGBColorSpace;
   const material = new SpriteMaterial({ map: texture, depthTest: false, sizeAttenuation: false, transparent: true });
   const sprite = new Sprite(material);
   sprite.position.copy(at);

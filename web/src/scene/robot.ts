@@ -169,7 +169,9 @@ async function meshAt(href: string): Promise<Object3D> {
     return new OBJLoader(manager).loadAsync(url);
   }
   const { ColladaLoader } = await import('three/examples/jsm/loaders/ColladaLoader.js');
-  const found = await new ColladaLoader(manager).loadAsync(url);
+  const text = await (await fetch(url)).text();
+  // URDF counts in the file's own axes; the loader would turn those with z upwards.
+  const found = new ColladaLoader(manager).parse(text.replace('>Z_UP<', '>Y_UP<'), '');
   const scene = (found as { scene: Object3D }).scene;
   for (const light of scene.children.filter((one) => 'isLight' in one || 'isCamera' in one)) scene.remove(light);
   return scene;

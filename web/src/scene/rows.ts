@@ -112,7 +112,7 @@ export function drawMotion(
     if (last) {
       const angle = motion.kind.startsWith('R');
       const value = angle ? `${Number(((motion.value * 180) / Math.PI).toPrecision(5))}°` : `${Number(motion.value.toPrecision(4))} m`;
-      const up = new Vector3().setFromMatrixColumn(next, 2).multiplyScalar(-0.5 * scale.axis);
+      const up = new Vector3().setFromMatrixColumn(next, 2).multiplyScalar(-0.75 * scale.axis);
       group.add(label(`${motion.kind}(${value})`, q.clone().add(up), color, scale, dark));
     }
     at = next;
