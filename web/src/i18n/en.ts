@@ -30,6 +30,8 @@ export const en = {
     khalil: 'Khalil-Kleinfinger',
   },
   tableUnits: (angle: string, length: string) => `angles in ${angle}, lengths in ${length}`,
+  readAs: 'Read as …',
+  readAsHelp: 'The same numbers in another convention: another arm',
   newTable: 'New',
   paste: 'Paste …',
   problems: 'What is wrong with the table',

@@ -29,6 +29,8 @@ export const fr: First = {
     khalil: 'Khalil-Kleinfinger',
   },
   tableUnits: (angle, length) => `angles en ${angle}, longueurs en ${length}`,
+  readAs: 'Lire comme …',
+  readAsHelp: 'Les mêmes nombres dans une autre convention : un autre bras',
   newTable: 'Nouveau',
   paste: 'Coller …',
   problems: 'Ce qui ne va pas dans le tableau',
