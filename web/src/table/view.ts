@@ -216,9 +216,9 @@ export function tableView(page: Page): TableView {
   const element = h('section', { class: 'card', 'aria-labelledby': 'table-title' },
     h('div', { class: 'line spread' },
       h('h2', { id: 'table-title' }, t.table),
-      h('label', { class: 'line' }, `${t.convention} `, convention),
-      units, other,
-      h('span', { class: 'line' },
+      h('label', {}, `${t.convention} `, convention)),
+    h('div', { class: 'line spread small' }, units,
+      h('span', { class: 'line' }, other,
         button(t.newTable, () => {
           const start = current();
           edit(newTable(start?.convention ?? 'standard', store.state.angle), 'new');
