@@ -40,7 +40,7 @@ export function matrixView(
         line.forEach((value, k) => {
           const cell = cells[i]?.[k];
           if (!cell) return;
-          const text = fixed(value, digits);
+          const text = Math.abs(value) < 1e-12 ? '0' : fixed(value, digits);
           if (cell.textContent !== text) cell.textContent = text;
           cell.classList.toggle('zero', Number(value.toFixed(digits)) === 0);
           cell.dataset.value = String(value);
