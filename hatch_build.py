@@ -58,15 +58,12 @@ def build_page(root: Path) -> bool:
     if is_fresh(root):
         return False
     web, static = root / "web", root / "app" / "static"
-    npm = _npm()
     # A private folder, then a rename: whoever builds at the same time gets a whole page, too.
     with tempfile.TemporaryDirectory(prefix=".static-", dir=root / "app") as work:
         sources = source_hash(web)
-        if not _is_installed(web):
-            _run([*npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund"], web)
-            _installed(web).write_text(_lock_hash(web))
+        install_packages(web)
         page = Path(work) / "page"
-        _run([*npm, "run", "--silent", "build"], web, DENAVIT_PAGE=str(page))
+        run_npm(web, "run", "--silent", "build", DENAVIT_PAGE=str(page))
         (page / STAMP).write_text(sources)
         if static.exists():
             static.rename(Path(work) / "old")
@@ -92,17 +89,13 @@ def source_hash(web: Path) -> str:
     return found.hexdigest()
 
 
-def _lock_hash(web: Path) -> str:
-    return hashlib.sha256((web / "package-lock.json").read_bytes()).hexdigest()
-
-
-def _installed(web: Path) -> Path:
-    return web / "node_modules" / ".lock-hash"
-
-
-def _is_installed(web: Path) -> bool:
-    stamp = _installed(web)
-    return stamp.is_file() and stamp.read_text() == _lock_hash(web)
+def install_packages(web: Path) -> None:
+    """What the lock names, into ``web/node_modules``, unless it is there already."""
+    stamp = web / "node_modules" / ".lock-hash"
+    lock = hashlib.sha256((web / "package-lock.json").read_bytes()).hexdigest()
+    if not stamp.is_file() or stamp.read_text() != lock:
+        run_npm(web, "ci", "--ignore-scripts", "--no-audit", "--no-fund")
+        stamp.write_text(lock)
 
 
 def _npm() -> list[str]:
@@ -138,7 +131,13 @@ def npm_on_path() -> str | None:
     return npm if version >= new or (version[0] == old[0] and version >= old) else None
 
 
-def _run(command: list[str], folder: Path, **extra: str) -> None:
+def run_npm(folder: Path, *arguments: str, **extra: str) -> None:
+    """Runs npm in a folder, with more variables in its environment; its output goes to stderr.
+
+    Raises:
+        SystemExit: There is no Node, or npm failed.
+    """
+    command = [*_npm(), *arguments]
     # npm starts "node" by name for what it runs: the one that runs npm comes first.
     path = os.pathsep.join([str(Path(command[0]).parent), os.environ.get("PATH", os.defpath)])
     environment = {**os.environ, "PATH": path, **extra}

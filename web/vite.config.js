@@ -47,5 +47,6 @@ export default defineConfig({
     rolldownOptions: { output: { codeSplitting: { groups: [{ name: 'shell', test: isShell }] } } },
   },
   plugins: [compressed()],
+  test: { include: ['test/**/*.test.ts'], setupFiles: ['test/setup.ts'] },
   server: { proxy: { '/v1': service, '/docs': service, '/openapi.json': service } },
 });

@@ -78,10 +78,15 @@ def test_a_build_that_fails_says_so_and_keeps_the_page(checkout, tmp_path, monke
         (folder / name).chmod(0o755)
     monkeypatch.setenv("PATH", str(folder))
     (checkout / "web" / "src" / "main.ts").write_text("alert(1)")
-    with pytest.raises(SystemExit, match="npm ci .* failed"):
+    with pytest.raises(SystemExit, match=r"npm ci .* failed"):
         hook.build_page(checkout)
     assert (checkout / "app" / "static" / "index.html").is_file()
     assert [path.name for path in (checkout / "app").iterdir()] == ["static"]
+
+
+def test_types_hold_and_pure_functions_pass_their_own_tests():
+    hook.install_packages(ROOT / "web")
+    hook.run_npm(ROOT / "web", "run", "--silent", "check", NO_COLOR="1")
 
 
 def test_a_second_build_by_hand_does_nothing():

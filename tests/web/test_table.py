@@ -161,6 +161,18 @@ def test_another_convention_is_the_same_arm(open_page):
     np.testing.assert_allclose(visit.matrix("pose"), before, atol=1e-12)
 
 
+def test_the_same_numbers_can_be_read_in_another_convention(open_page, client):
+    visit = open_page("robot=puma560&q=0,45,-90,0,45,0&open=pose")
+    table = client.get("/v1/robots/puma560/dh?angle=deg").json() | {"convention": "modified"}
+    visit.page.get_by_label("Read as …").select_option("modified")
+    visit.page.wait_for_function("() => location.hash.includes('table=')")
+    visit.page.wait_for_timeout(300)
+    visit.settled()
+    np.testing.assert_allclose(
+        visit.matrix("pose"), pose_of(client, table, [0, 45, -90, 0, 45, 0]), rtol=0, atol=1e-15
+    )
+
+
 URDF = """<robot name="two"><link name="root"/><link name="arm"/><link name="hand"/>
 <joint name="z" type="revolute"><parent link="root"/><child link="arm"/><axis xyz="0 0 1"/>
 <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>

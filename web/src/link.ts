@@ -47,7 +47,7 @@ export async function fromHash(hash: string): Promise<State> {
     put({ source: { kind: 'stored', id: text('robot'), convention: convention || null } });
   }
   const table = await unpack<TableDocument>(text('table'));
-  if (table && Array.isArray(table.joints)) put({ source: { kind: 'table', table } });
+  if (isTable(table)) put({ source: { kind: 'table', table } });
   const urdf = await unpack<{ name: string; urdf: string }>(text('urdf'));
   if (typeof urdf?.urdf === 'string') {
     put({ source: { kind: 'urdf', name: String(urdf.name), urdf: urdf.urdf } });
@@ -69,10 +69,19 @@ export async function fromHash(hash: string): Promise<State> {
   const kept = text('kept') ? text('kept').split(';').map(numbers) : [];
   put({ kept: kept.filter((one) => one !== null) });
   const target = await unpack<State['target']>(text('target'));
-  if (target) put({ target });
+  if (target && Object.values(target).every(Array.isArray)) put({ target });
   const path = await unpack<State['path']>(text('path'));
   if (path && Array.isArray(path.obstacles)) put({ path: { ...START.path, ...path } });
   return state;
+}
+
+function isTable(given: TableDocument | null): given is TableDocument {
+  return (
+    given !== null &&
+    ['standard', 'modified', 'khalil'].includes(given.convention) &&
+    Array.isArray(given.joints) &&
+    given.joints.every((row) => typeof row === 'object' && row !== null)
+  );
 }
 
 function viewText(view: View): string {

@@ -37,12 +37,17 @@ export function jacobianPanel(page: Page): Panel {
       const found = answer as api.JacobianAnswer;
       if (!view || columns !== found.columns.join()) {
         columns = found.columns.join();
-        view = matrixView('J', found.rows.map(rowName), found.columns);
+        view = matrixView('J', found.rows.map(rowName), headings(found.columns), found.columns);
         replace(place, view.element);
       }
       view.show(found.jacobian, state.digits);
     },
   };
+}
+
+/** Names of joints, or q1 … where they are long. */
+function headings(names: readonly string[]): readonly string[] {
+  return names.every((one) => one.length <= 4) ? names : names.map((_, k) => `q${k + 1}`);
 }
 
 const NAMES: Record<string, string> = { vx: 'vx', vy: 'vy', vz: 'vz', wx: 'ωx', wy: 'ωy', wz: 'ωz' };

@@ -8,8 +8,8 @@ import type { Panel } from './panel';
 
 export function linksPanel(page: Page): Panel {
   const { store } = page;
-  const one = matrixView('A', [], [], [4, 4]);
-  const product = matrixView('0A', [], [], [4, 4]);
+  const one = matrixView('A', [], []);
+  const product = matrixView('0A', [], []);
   const titleOne = h('b');
   const titleProduct = h('b');
   const rows = h('div', { class: 'chips', role: 'group', 'aria-label': t.rowOfTable });

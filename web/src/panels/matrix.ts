@@ -9,14 +9,15 @@ export interface MatrixView {
 
 /**
  * @param label What it is, for screen readers.
- * @param rows Headings of the rows; of the columns likewise. Empty: no headings.
+ * @param rows Headings of the rows, of the columns likewise; none: a 4x4 without.
  */
 export function matrixView(
   label: string,
   rows: readonly string[],
   columns: readonly string[],
-  size: readonly [number, number] = [rows.length, columns.length],
+  titles: readonly string[] = columns,
 ): MatrixView {
+  const size = [rows.length || 4, columns.length || 4] as const;
   const cells = Array.from({ length: size[0] }, () =>
     Array.from({ length: size[1] }, () => h('td')),
   );
@@ -25,7 +26,7 @@ export function matrixView(
     h(
       'thead',
       {},
-      h('tr', {}, rows.length > 0 && h('td'), ...columns.map((one) => h('th', { scope: 'col', title: one }, one))),
+      h('tr', {}, rows.length > 0 && h('td'), ...columns.map((one, k) => h('th', { scope: 'col', title: titles[k] }, one))),
     );
   const body = cells.map((line, i) =>
     h('tr', {}, rows.length > 0 && h('th', { scope: 'row' }, rows[i]), ...line),
@@ -39,7 +40,7 @@ export function matrixView(
         line.forEach((value, k) => {
           const cell = cells[i]?.[k];
           if (!cell) return;
-          const text = fixed(value, digits);
+          const text = Math.abs(value) < 1e-12 ? '0' : fixed(value, digits);
           if (cell.textContent !== text) cell.textContent = text;
           cell.classList.toggle('zero', Number(value.toFixed(digits)) === 0);
           cell.dataset.value = String(value);

@@ -11,7 +11,7 @@ const SEQUENCES = ['ZXZ', 'ZYZ', 'ZYX', 'XYZ', 'YXZ', 'XYX', 'xyz', 'zyx', 'zxz'
 
 export function posePanel(page: Page): Panel {
   const { store } = page;
-  const matrix = matrixView('T', [], [], [4, 4]);
+  const matrix = matrixView('T', [], []);
   const facts = h('dl', { class: 'facts' });
   const euler = h('output', { class: 'mono' });
   const note = h('p', { class: 'note', hidden: true }, t.eulerDegenerate);

@@ -74,12 +74,26 @@ export function singularityPanel(page: Page): Panel {
         words,
         lost.length > 0 && h('p', { class: 'lead' }, t.lostDirections),
         lost.length > 0 && h('ul', { class: 'mono' }, ...lost),
-        found.explanation.length > 0 &&
+        found.null_motions.length > 0 && h('p', { class: 'lead' }, t.nullLead),
+        found.null_motions.length > 0 &&
+          h('ul', { class: 'mono' }, ...found.null_motions.map((one) => h('li', {}, ratios(one)))),
+        // The service explains in English.
+        document.documentElement.lang === 'en' && found.explanation.length > 0 &&
           h('ul', { lang: 'en', class: 'note' }, ...found.explanation.slice(0, 4).map((one) => h('li', {}, one))),
       );
       replace(factors, factorTable(found, state.digits));
     },
   };
+}
+
+/** Which joints move together, in ratio to the first of them. */
+function ratios(motion: readonly number[]): string {
+  const largest = Math.max(...motion.map(Math.abs));
+  const moving = motion.flatMap((x, k) => (Math.abs(x) > 1e-6 * largest ? [k] : []));
+  const first = motion[moving[0] ?? 0] ?? 1;
+  const names = moving.map((k) => `q${k + 1}`).join(' : ');
+  if (moving.length === 1) return names;
+  return `${names} = ${moving.map((k) => brief((motion[k] ?? 0) / first)).join(' : ')}`;
 }
 
 function factorTable(found: api.SingularityAnswer, digits: number): HTMLElement | null {

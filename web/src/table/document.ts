@@ -191,6 +191,17 @@ function withRow(
   return { ...document, joints };
 }
 
+/** The same numbers in another convention: another arm, which is what one may want to see. */
+export function readAs(document: TableDocument, convention: Convention): TableDocument {
+  const khalil = document.convention === 'khalil';
+  if (khalil === (convention === 'khalil')) return { ...document, convention };
+  const joints = document.joints.map((row): TableRow => {
+    const { a, d, r, ...rest } = row;
+    return khalil ? { ...rest, a: d ?? 0, d: r ?? 0 } : { ...rest, d: a ?? 0, r: d ?? 0 };
+  });
+  return { ...document, convention, joints };
+}
+
 /** A table to begin with: one joint. */
 export function newTable(convention: Convention, angle: AngleUnit): TableDocument {
   const empty: TableDocument = { convention, units: { angle, length: 'm' }, joints: [] };

@@ -4,7 +4,7 @@ import { button, h, replace, select } from '../dom';
 import { opened, t } from '../i18n';
 import type { Page } from '../page';
 import {
-  COLUMNS, SYMBOLS, type Column, addRow, moveRow, newTable, ownColumn, removeRow, setCell, setLimit,
+  COLUMNS, SYMBOLS, type Column, addRow, moveRow, newTable, ownColumn, readAs, removeRow, setCell, setLimit,
   setType, typeOf,
 } from './document';
 import { formula } from './formula';
@@ -34,6 +34,11 @@ export function tableView(page: Page): TableView {
     (value) => void convert(page, value as api.Convention),
   );
   const units = h('span', { class: 'note' });
+  const other = select(t.readAs, [['', t.readAs], ...CONVENTIONS.map((one) => [one, t.conventions[one]] as const)], '', (value) => {
+    other.value = '';
+    if (value) change('read as', (one) => readAs(one, value as api.Convention));
+  });
+  other.title = t.readAsHelp;
   const grid = h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-label': t.tableRows });
   const help = h('p', { class: 'note help', id: 'column-help' });
   const problems = h('ul', { class: 'problems', 'aria-label': t.problems });
@@ -211,9 +216,9 @@ export function tableView(page: Page): TableView {
   const element = h('section', { class: 'card', 'aria-labelledby': 'table-title' },
     h('div', { class: 'line spread' },
       h('h2', { id: 'table-title' }, t.table),
-      h('label', { class: 'line' }, `${t.convention} `, convention),
-      units,
-      h('span', { class: 'line' },
+      h('label', {}, `${t.convention} `, convention)),
+    h('div', { class: 'line spread small' }, units,
+      h('span', { class: 'line' }, other,
         button(t.newTable, () => {
           const start = current();
           edit(newTable(start?.convention ?? 'standard', store.state.angle), 'new');
