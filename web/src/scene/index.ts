@@ -45,6 +45,12 @@ export interface Probe {
   poses(): Record<string, number[][]>;
   /** Client pixels of the ball that is dragged; null where there is none. */
   handle(): { x: number; y: number } | null;
+  /** Pose of the target, of the tool where there is none. */
+  target(): number[][] | null;
+  /** Client pixels of a frame's origin. */
+  pixel(frame: string): { x: number; y: number } | null;
+  /** Number of mesh files that are shown. */
+  meshes(): number;
 }
 
 /**
@@ -111,6 +117,15 @@ class View implements Scene {
     const probe: Probe = {
       poses: () => Object.fromEntries((this.model?.frames ?? []).map((name) => [name, rowsOf(this.model?.poseOf(name) ?? new Matrix4())])),
       handle: () => (this.handle.visible ? onScreen(this.handle.position, this.camera, this.renderer.domElement) : null),
+      target: () => {
+        const at = this.target ?? this.tipPose();
+        return at && rowsOf(at);
+      },
+      pixel: (frame) => {
+        const at = this.model?.poseOf(frame);
+        return at ? onScreen(new Vector3().setFromMatrixPosition(at), this.camera, this.renderer.domElement) : null;
+      },
+      meshes: () => this.model?.meshes ?? 0,
     };
     Object.assign(host, { probe });
   }

@@ -17,6 +17,8 @@ export class RobotModel {
   readonly object = new Group();
   readonly urdf: URDFRobot;
   readonly robot: SceneRobot;
+  /** Number of mesh files that are shown. */
+  meshes = 0;
   private gone = false;
 
   /** `changed` is called as meshes come in. */
@@ -145,6 +147,7 @@ export class RobotModel {
     if (this.gone) return;
     this.dropBones();
     for (const { mesh, done } of loaded) done(mesh);
+    this.meshes = loaded.length;
     changed();
   }
 }
