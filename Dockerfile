@@ -23,6 +23,13 @@ RUN /opt/denavit/bin/python -B docker/strip.py robots/library
 RUN --mount=type=cache,target=/var/cache/pip \
     python docker/locked.py build > build.txt \
     && python -m pip install --require-hashes --no-deps --only-binary :all: -r build.txt
+
+# The page, in a layer that changes with its own sources only; the wheel takes it as it is.
+COPY hatch_build.py ./
+COPY web web
+RUN --mount=type=cache,target=/root/.npm \
+    mkdir app && python hatch_build.py
+
 COPY LICENSE README.md ./
 COPY dh_to_urdf dh_to_urdf
 COPY robots robots

@@ -7,11 +7,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: help install run test lint lock bench bench-peers torture image-test clean
+.PHONY: help install page run test lint lock bench bench-peers torture image-test clean
 
 help:
 	@echo "make run         set up .venv and serve on http://localhost:8000"
 	@echo "make test        set up .venv and run the tests"
+	@echo "make page        build the page anew if web/ has changed"
 	@echo "make lint        ruff, strict types, import contract"
 	@echo "make bench       paired benchmarks"
 	@echo "make bench-peers inverse kinematics beside other libraries, in .venv-peers"
@@ -30,10 +31,14 @@ $(STAMP): requirements.lock pyproject.toml
 	$(BIN)/python -m kinematics.warm
 	@touch $@
 
-run: $(STAMP)
+# Quick where web/ has not changed.
+page: $(STAMP)
+	@$(BIN)/python hatch_build.py
+
+run: page
 	$(BIN)/denavit serve
 
-test: $(STAMP)
+test: page
 	$(BIN)/python -m pytest
 
 lint: $(STAMP)

@@ -11,7 +11,7 @@ from typing import Any
 from anyio.to_thread import run_sync
 from fastapi import FastAPI
 
-from app import admission, docs, problems
+from app import admission, docs, page, problems
 from app.access.wiring import describe, protect
 from app.connections import STATE, ConnectionGuard, ConnectionLimits
 from app.dependencies import Services
@@ -78,6 +78,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.include_router(diff.build_router(chosen.max_document_bytes))
     if counted is not None:
         metrics.add_route(app, counted)
+    app.state.page = page.load_page()
+    page.install(app, app.state.page)
     docs.install(app)
     problems.install(app)
     app.add_middleware(RequestLine)

@@ -30,6 +30,7 @@ from robots.robot import FloatArray
 JSON = "application/json"
 NPY = "application/x-npy"
 TEXT = "text/plain"
+HTML = "text/html"
 NDJSON = "application/x-ndjson"
 YAML = "application/yaml"
 CSV = "text/csv"
@@ -48,6 +49,7 @@ LONG = 1_000
 FORMATS = {
     "json": JSON,
     "text": TEXT,
+    "html": HTML,
     "npy": NPY,
     "ndjson": NDJSON,
     "yaml": YAML,

@@ -78,6 +78,7 @@ with_podman() {
   build() {
     make_base
     make_pip_conf
+    make_npmrc
     # --format docker: the OCI format has no HEALTHCHECK.
     BUILDAH_ISOLATION=chroot TMPDIR=$CACHE buildah "${STORAGE[@]}" bud --format docker \
       --pull-never "${mounts[@]}" --tag "$IMAGE" .
@@ -182,6 +183,15 @@ PY
   mounts+=(--volume "$work/pip.conf:/etc/pip.conf:ro")
 }
 
+# The same for npm: its registry, and the machine's certificates.
+make_npmrc() {
+  {
+    if command -v npm >/dev/null; then echo "registry=$(npm config get registry)"; fi
+    echo cafile=/etc/ssl/certs/ca-certificates.crt
+  } >"$work/npmrc"
+  mounts+=(--volume "$work/npmrc:/root/.npmrc:ro")
+}
+
 # --- The tests ----------------------------------------------------------------------------------
 
 get() { curl --silent --show-error --fail --max-time 20 "$url$1"; }
@@ -251,6 +261,12 @@ assert distance(fk(found["q"]), T) < 1e-5, found
 PY
 }
 
+test_page() {
+  local html
+  html=$(curl --silent --show-error --fail --header 'Accept: text/html' "$url/") || return 1
+  answers "/$(grep -o 'assets/index-[^"]*\.js' <<<"$html")"
+}
+
 test_library() {
   local ids id
   ids=$(inside denavit robots | awk '{print $1}')
@@ -266,7 +282,7 @@ import importlib.util
 import shutil
 from pathlib import Path
 
-tools = "nginx curl wget pip pip3 pip3.11 cc gcc g++ clang ld as strip make cmake ninja git uv".split()
+tools = "node npm nginx curl wget pip pip3 pip3.11 cc gcc g++ clang ld as strip make cmake ninja git uv".split()
 assert not [name for name in tools if shutil.which(name)]
 modules = "pip setuptools wheel hatchling yourdfpy trimesh pytest hypothesis mypy ruff".split()
 assert not [name for name in modules if importlib.util.find_spec(name)]
@@ -382,6 +398,7 @@ run_tests() {
   check "kernels come from the image" test_kernels
   check "every robot of the library is there and loads" test_library
   check "docs have their assets" answers /docs-assets/swagger-ui-bundle.js
+  check "the page is there for browsers" test_page
   check "no pip, compiler, header, mesh or developer's package inside" test_contents
   check "user 10001, no capability, no new privileges" test_confinement
   check "list of materials, permissive licences" test_lists

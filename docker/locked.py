@@ -1,6 +1,7 @@
 """Prints the lines of requirements.lock that one table of pyproject.toml needs.
 
-``locked.py run`` means the service itself with closed forms, ``locked.py build`` the build backend.
+``locked.py run`` means the service itself with closed forms, ``locked.py build`` the build backend
+and Node for the page.
 The lock also holds what only developers need, and pip accepts no hashed constraints for what a
 requirement depends on; so pip resolves the table against the lock's versions, without installing
 anything, and the lock's entries of what it found are printed for ``pip install --require-hashes
@@ -44,7 +45,8 @@ def main() -> None:
     wanted = {
         "run": project["project"]["dependencies"]
         + project["project"]["optional-dependencies"]["symbolic"],
-        "build": project["build-system"]["requires"],
+        "build": project["build-system"]["requires"]
+        + project["project"]["optional-dependencies"]["page"],
     }[sys.argv[1]]
     entries = re.split(r"\n(?=\S)", Path("requirements.lock").read_text(encoding="utf-8").strip())
     names = needed(wanted, [entry.partition("\n")[0].rstrip("\\ ") for entry in entries])

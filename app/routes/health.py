@@ -7,9 +7,10 @@ from anyio.to_thread import run_sync
 from fastapi import APIRouter, Request, Response
 
 from app.dependencies import Services
+from app.page import Page
 from app.problems import ALL_TYPES, ProblemType, RequestProblem
 from app.readiness import Check, Readiness, WritableDirectory
-from app.wire import JSON, TEXT, respond, wanted_type
+from app.wire import HTML, JSON, TEXT, respond, wanted_type
 from kinematics.compiled import COMPILED
 from robots.shipped import shipped_ids
 
@@ -60,9 +61,14 @@ async def ready(request: Request) -> Response:
     return respond(msgspec.to_builtins(report), status=200 if report.status == "ready" else 503)
 
 
-@router.get("/", include_in_schema=False)
+@router.api_route("/", methods=["GET", "HEAD"], include_in_schema=False)
 async def index(request: Request) -> Response:
-    """What there is, for people who ask with curl."""
+    """The page for browsers; what there is, for people who ask with curl."""
+    page = request.app.state.page
+    assert isinstance(page, Page)
+    wanted = wanted_type(request, JSON, TEXT, *((HTML,) if page.is_built else ()))
+    if wanted == HTML:
+        return page.index(request)
     base = str(request.base_url).rstrip("/")
     payload = {
         "service": "denavit",
@@ -71,7 +77,7 @@ async def index(request: Request) -> Response:
         "robots": f"{base}/v1/robots",
         "try": f"curl '{base}/v1/robots/puma560/fk?q=0,45,-90,0,45,0&angle=deg&format=text'",
     }
-    return respond(payload, wanted_type(request, JSON, TEXT))
+    return respond(payload, wanted, headers={"Vary": "Accept"})
 
 
 @router.get("/problems/{slug}", include_in_schema=False)

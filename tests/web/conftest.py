@@ -1,0 +1,126 @@
+"""A real browser on a real server: Debian's chromium, WebGL by software."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+
+STATIC = Path(__file__).parents[2] / "app" / "static"
+FLAGS = (
+    "--headless=new --no-sandbox --disable-quic --no-first-run --disable-background-networking"
+    " --disable-component-update --disable-sync"
+)
+WEBGL = "--use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader"
+NO_WEBGL = "--disable-gpu --disable-3d-apis"
+
+
+def chromium() -> str:
+    """The browser's path; without one the tests are skipped, but in CI they fail."""
+    found = next(
+        (path for name in ("chromium", "chromium-browser", "google-chrome")
+         if (path := shutil.which(name))), None,
+    )  # fmt: skip
+    if found is None:
+        reason = "the page's tests need chromium on PATH (Debian: apt-get install chromium)"
+        if os.environ.get("CI"):
+            pytest.fail(reason)
+        pytest.skip(reason)
+    if not (STATIC / "index.html").is_file():
+        pytest.fail("the page is not built; run: make page")
+    return found
+
+
+@pytest.fixture(scope="session")
+def browsers() -> Iterator[object]:
+    executable = chromium()
+    started: dict[str, Browser] = {}
+    with sync_playwright() as playwright:
+
+        def launch(flags: str) -> Browser:
+            if flags not in started:
+                started[flags] = playwright.chromium.launch(
+                    executable_path=executable, args=[*FLAGS.split(), *flags.split()]
+                )
+            return started[flags]
+
+        yield launch
+        for browser in started.values():
+            browser.close()
+
+
+class Visit:
+    """A page of the service that is open in a browser."""
+
+    def __init__(self, page: Page, server: str) -> None:
+        self.page = page
+        self.server = server
+
+    def go(self, fragment: str = "") -> Page:
+        """Opens the page with a hash, anew, and waits for the first numbers."""
+        self.page.goto("about:blank")
+        self.page.goto(f"{self.server}/#{fragment}")
+        self.settled()
+        return self.page
+
+    def settled(self) -> None:
+        """Waits until what is on the page belongs to the posture shown."""
+        self.page.wait_for_selector("#section-pose .matrix td[data-value]", state="attached")
+        self.page.wait_for_load_state("networkidle")
+
+    def matrix(self, section: str) -> list[list[float]]:
+        """A matrix of a section, as it was computed."""
+        rows = self.page.locator(f"#section-{section} .matrix >> nth=0").locator("tbody tr")
+        return [
+            [float(value) for value in row.locator("td").evaluate_all(
+                "cells => cells.map(cell => cell.dataset.value)")]
+            for row in rows.all()
+        ]  # fmt: skip
+
+
+@pytest.fixture
+def open_page(browsers, server) -> Iterator[object]:
+    """Opens the page; at the end nothing may have gone to another host or to the error console."""
+    contexts: list[BrowserContext] = []
+    wrong: list[str] = []
+
+    def watch(page: Page, host: str) -> None:
+        def asked(url: str) -> None:
+            parts = urlsplit(url)
+            if parts.scheme not in ("blob", "data", "about") and parts.netloc != host:
+                wrong.append(f"asked another host: {url}")
+
+        page.on("request", lambda request: asked(request.url))
+        page.on("websocket", lambda socket: asked(socket.url))
+        page.on("pageerror", lambda error: wrong.append(f"error: {error}"))
+        page.on("console", said)
+
+    refused: list[bool] = []
+
+    def said(message) -> None:
+        # What the service refuses shows in the console, whether the page copes with it or not.
+        expected = bool(refused) and "status of 4" in message.text
+        if message.type in ("error", "warning") and not expected:
+            wrong.append(f"{message.type}: {message.text}")
+
+    def opened(fragment: str | None = "", *, webgl: bool = True, address: str = server,
+               refusals: bool = False, **options: object) -> Visit:  # fmt: skip
+        if refusals:
+            refused.append(True)
+        settings = {"viewport": {"width": 1440, "height": 900}, "locale": "en-GB", **options}
+        context = browsers(WEBGL if webgl else NO_WEBGL).new_context(**settings)
+        contexts.append(context)
+        page = context.new_page()
+        watch(page, urlsplit(address).netloc)
+        visit = Visit(page, address)
+        if fragment is not None:
+            visit.go(fragment)
+        return visit
+
+    yield opened
+    for context in contexts:
+        context.close()
+    assert not wrong, "\n".join(wrong)

@@ -1,0 +1,21 @@
+/** A modal dialog of the browser's own: Escape closes it, the focus stays in it. */
+import { button, h } from './dom';
+import { t } from './i18n';
+
+export interface Dialog {
+  readonly element: HTMLDialogElement;
+  close(): void;
+}
+
+export function dialog(title: string, ...content: Node[]): Dialog {
+  const close = (): void => {
+    element.close();
+    element.remove();
+  };
+  const element = h('dialog', { 'aria-labelledby': 'dialog-title', onclose: () => element.remove() },
+    h('div', { class: 'line spread' }, h('h2', { id: 'dialog-title' }, title), button('×', close, { 'aria-label': t.close })),
+    ...content);
+  document.body.append(element);
+  element.showModal();
+  return { element, close };
+}

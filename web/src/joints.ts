@@ -1,0 +1,87 @@
+/** One slider and one field a joint, with its limits. */
+import { h, replace } from './dom';
+import { readNumber, typed } from './format';
+import { t } from './i18n';
+import { shown } from './model';
+import type { Page } from './page';
+import type { SceneJoint } from './scene/types';
+
+interface Line {
+  readonly slider: HTMLInputElement;
+  readonly field: HTMLInputElement;
+  readonly element: HTMLElement;
+  readonly lower: number;
+  readonly upper: number;
+}
+
+export function jointsView(page: Page): HTMLElement {
+  const { store } = page;
+  const list = h('div', { class: 'joints' });
+  let lines: Line[] = [];
+  let built = '';
+
+  function put(k: number, value: number): void {
+    store.set({ q: store.state.q.with(k, value) }, `q${k}`);
+  }
+
+  function line(joint: SceneJoint, k: number): Line {
+    const { angle } = store.state;
+    const turns = joint.type !== 'prismatic';
+    const half = turns ? (angle === 'deg' ? 180 : Math.PI) : 1;
+    const limited = joint.lower !== null && joint.upper !== null && joint.type !== 'continuous';
+    const lower = limited ? shown(joint, joint.lower ?? 0, angle) : -half;
+    const upper = limited ? shown(joint, joint.upper ?? 0, angle) : half;
+    const unit = turns ? (angle === 'deg' ? '°' : 'rad') : 'm';
+    const digits = turns && angle === 'deg' ? 1 : 3;
+    const slider = h('input', {
+      type: 'range', min: lower, max: upper, step: 'any', 'aria-label': `${joint.name} (${unit})`,
+      oninput: () => put(k, Number(slider.valueAsNumber.toFixed(digits))),
+    });
+    const field = h('input', {
+      type: 'text', inputmode: 'decimal', autocomplete: 'off', class: 'value', 'aria-label': `${joint.name}, ${t.valueIn(unit)}`,
+      oninput: () => {
+        const value = readNumber(field.value);
+        field.setAttribute('aria-invalid', String(value === null));
+        if (value !== null) put(k, value);
+      },
+      onkeydown: (event) => {
+        const by = { ArrowUp: 1, ArrowDown: -1 }[(event as KeyboardEvent).key];
+        if (!by) return;
+        event.preventDefault();
+        const step = 10 ** -digits * ((event as KeyboardEvent).shiftKey ? 100 : 10);
+        put(k, Number(((store.state.q[k] ?? 0) + by * step).toFixed(digits + 1)));
+        field.value = typed(store.state.q[k] ?? 0);
+      },
+    });
+    const bounds = limited ? `${typed(Number(lower.toFixed(digits)))} … ${typed(Number(upper.toFixed(digits)))}` : t.unlimited;
+    const element = h('div', { class: 'joint' },
+      h('span', { class: 'name', title: joint.name }, h('b', {}, 'q', h('sub', {}, k + 1)), ` ${joint.name}`),
+      slider, field, h('span', { class: 'unit' }, unit),
+      h('span', { class: 'limits' }, bounds));
+    return { slider, field, element, lower, upper };
+  }
+
+  function render(): void {
+    const joints = page.model?.joints ?? [];
+    const { q, angle } = store.state;
+    const shape = JSON.stringify([joints, angle]);
+    if (shape !== built) {
+      built = shape;
+      lines = joints.map(line);
+      replace(list, ...lines.map((one) => one.element));
+    }
+    lines.forEach((one, k) => {
+      const value = q[k] ?? 0;
+      one.slider.value = String(value);
+      if (one.field !== document.activeElement) one.field.value = typed(value);
+      const beyond = value < one.lower - 1e-9 || value > one.upper + 1e-9;
+      one.element.classList.toggle('beyond', beyond && page.model?.joints[k]?.lower !== null);
+      one.field.title = beyond ? t.beyondLimit : '';
+    });
+  }
+
+  store.listen(render);
+  page.onModel.push(render);
+  render();
+  return list;
+}

@@ -1,0 +1,57 @@
+/** The Jacobian of the tool in the chosen frame of reference. */
+import * as api from '../api';
+import { h, replace, select } from '../dom';
+import { t } from '../i18n';
+import type { Page } from '../page';
+import { matrixView, type MatrixView } from './matrix';
+import type { Panel } from './panel';
+
+export function jacobianPanel(page: Page): Panel {
+  const { store } = page;
+  const reference = select(
+    t.referenceFrame,
+    [
+      ['local_world_aligned', t.localWorldAligned],
+      ['local', t.local],
+      ['world', t.world],
+    ],
+    store.state.reference,
+    (value) => store.set({ reference: value as api.ReferenceFrame }, 'reference'),
+  );
+  store.listen((state) => (reference.value = state.reference));
+  const place = h('div');
+  let view: MatrixView | null = null;
+  let columns = '';
+  return {
+    id: 'jacobian',
+    title: t.jacobian,
+    body: h(
+      'div',
+      {},
+      h('div', { class: 'line' }, h('label', {}, `${t.referenceFrame} `, reference)),
+      place,
+      h('p', { class: 'note' }, t.jacobianUnits),
+    ),
+    call: (model, state) => api.jacobian(model.ref, state.q, state.angle, state.reference),
+    show(answer, _model, state) {
+      const found = answer as api.JacobianAnswer;
+      if (!view || columns !== found.columns.join()) {
+        columns = found.columns.join();
+        view = matrixView('J', found.rows.map(rowName), headings(found.columns), found.columns);
+        replace(place, view.element);
+      }
+      view.show(found.jacobian, state.digits);
+    },
+  };
+}
+
+/** Names of joints, or q1 … where they are long. */
+function headings(names: readonly string[]): readonly string[] {
+  return names.every((one) => one.length <= 4) ? names : names.map((_, k) => `q${k + 1}`);
+}
+
+const NAMES: Record<string, string> = { vx: 'vx', vy: 'vy', vz: 'vz', wx: 'ωx', wy: 'ωy', wz: 'ωz' };
+
+export function rowName(name: string): string {
+  return NAMES[name] ?? name;
+}

@@ -1,0 +1,51 @@
+/** A matrix as a table with headings; its cells are written to, not made anew. */
+import { h } from '../dom';
+import { fixed } from '../format';
+
+export interface MatrixView {
+  readonly element: HTMLElement;
+  show(values: readonly (readonly number[])[], digits: number): void;
+}
+
+/**
+ * @param label What it is, for screen readers.
+ * @param rows Headings of the rows, of the columns likewise; none: a 4x4 without.
+ */
+export function matrixView(
+  label: string,
+  rows: readonly string[],
+  columns: readonly string[],
+  titles: readonly string[] = columns,
+): MatrixView {
+  const size = [rows.length || 4, columns.length || 4] as const;
+  const cells = Array.from({ length: size[0] }, () =>
+    Array.from({ length: size[1] }, () => h('td')),
+  );
+  const head =
+    columns.length > 0 &&
+    h(
+      'thead',
+      {},
+      h('tr', {}, rows.length > 0 && h('td'), ...columns.map((one, k) => h('th', { scope: 'col', title: titles[k] }, one))),
+    );
+  const body = cells.map((line, i) =>
+    h('tr', {}, rows.length > 0 && h('th', { scope: 'row' }, rows[i]), ...line),
+  );
+  const table = h('table', { class: 'matrix' }, h('caption', { class: 'hidden' }, label), head, h('tbody', {}, ...body));
+  const element = h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, table);
+  return {
+    element,
+    show(values, digits) {
+      values.forEach((line, i) =>
+        line.forEach((value, k) => {
+          const cell = cells[i]?.[k];
+          if (!cell) return;
+          const text = Math.abs(value) < 1e-12 ? '0' : fixed(value, digits);
+          if (cell.textContent !== text) cell.textContent = text;
+          cell.classList.toggle('zero', Number(value.toFixed(digits)) === 0);
+          cell.dataset.value = String(value);
+        }),
+      );
+    },
+  };
+}

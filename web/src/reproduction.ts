@@ -1,0 +1,56 @@
+/** A call as a command for a terminal, and as a program. What runs is what the page has sent. */
+import { urlOf, type Call } from './api';
+
+/** JSON in ASCII, so that no terminal's encoding can spoil it. */
+export function ascii(value: unknown): string {
+  return JSON.stringify(value).replace(/[\u007f-\uffff]/g, (one) =>
+    `\\u${one.charCodeAt(0).toString(16).padStart(4, '0')}`);
+}
+
+export function asCurl(call: Call): string {
+  const parts = ['curl -s'];
+  if (call.method !== 'GET' && call.method !== 'POST') parts.push(`-X ${call.method}`);
+  if (call.accept) parts.push(`-H ${shell(`Accept: ${call.accept}`)}`);
+  if (call.body !== undefined) parts.push(`--json ${shell(ascii(call.body))}`);
+  parts.push(shell(urlOf(call)));
+  return parts.join(' ');
+}
+
+/** In single quotes, for sh, bash and zsh. */
+function shell(text: string): string {
+  return `'${text.replaceAll("'", String.raw`'\''`)}'`;
+}
+
+export function asHttpx(call: Call): string {
+  const named = [`    "${urlOf({ ...call, query: {} })}",`];
+  if (Object.keys(call.query).length) named.push(`    params=${python(call.query)},`);
+  if (call.body !== undefined) named.push(`    json=${python(call.body)},`);
+  if (call.accept) named.push(`    headers={"Accept": ${python(call.accept)}},`);
+  return [
+    'import httpx', '',
+    `answer = httpx.${call.method.toLowerCase()}(`, ...named, ')',
+    'answer.raise_for_status()', 'print(answer.json())',
+  ].join('\n');
+}
+
+/** A value as a Python literal. */
+export function python(value: unknown): string {
+  if (value === null || value === undefined) return 'None';
+  if (value === true) return 'True';
+  if (value === false) return 'False';
+  if (typeof value === 'number') return String(value);
+  if (typeof value === 'string') return ascii(value);
+  if (Array.isArray(value)) return `[${value.map(python).join(', ')}]`;
+  const entries = Object.entries(value).filter(([, one]) => one !== undefined);
+  return `{${entries.map(([key, one]) => `${ascii(key)}: ${python(one)}`).join(', ')}}`;
+}
+
+export function asPowerShell(call: Call): string {
+  const quoted = (text: string): string => `'${text.replaceAll("'", "''")}'`;
+  const parts = [`Invoke-RestMethod -Method ${call.method} -Uri ${quoted(urlOf(call))}`];
+  if (call.body !== undefined) {
+    parts.push(`-ContentType 'application/json' -Body ${quoted(ascii(call.body))}`);
+  }
+  if (call.accept) parts.push(`-Headers @{Accept=${quoted(call.accept)}}`);
+  return `${parts.join(' `\n  ')} |\n  ConvertTo-Json -Depth 20`;
+}

@@ -1,0 +1,398 @@
+/** The 3D part: a lazy chunk with three.js and urdf-loader. */
+import {
+  AmbientLight,
+  Box3,
+  Color,
+  DirectionalLight,
+  GridHelper,
+  Group,
+  HemisphereLight,
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  Object3D,
+  PerspectiveCamera,
+  Scene as ThreeScene,
+  Sphere,
+  SphereGeometry,
+  Vector3,
+  WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { Frames } from './frames';
+import { Hand } from './hand';
+import { drawCloud, drawEllipsoids, drawLost, drawObstacles, drawPath } from './overlays';
+import { axes, COLORS, label, type Scale } from './parts';
+import { RobotModel } from './robot';
+import { drawDimensions, drawMotion } from './rows';
+import { clear, matrix4, onScreen, pose, rowsOf } from './space';
+import {
+  NoWebGL,
+  type FramesShown,
+  type Scene,
+  type SceneCallbacks,
+  type SceneGhost,
+  type SceneRobot,
+  type SceneRow,
+} from './types';
+
+const LABEL = 0.021;
+const FIELD = 40;
+
+/** What is left on the host element for tests and the curious. */
+export interface Probe {
+  /** Pose of every frame in base axes, as the scene has it. */
+  poses(): Record<string, number[][]>;
+  /** Client pixels of the ball that is dragged; null where there is none. */
+  handle(): { x: number; y: number } | null;
+  /** Pose of the target, of the tool where there is none. */
+  target(): number[][] | null;
+  /** Client pixels of a frame's origin. */
+  pixel(frame: string): { x: number; y: number } | null;
+  /** Number of mesh files that are shown. */
+  meshes(): number;
+}
+
+/**
+ * Creates the scene in a host element, which it fills.
+ *
+ * @throws NoWebGL where the browser gives no WebGL context.
+ */
+export function createScene(host: HTMLElement, callbacks: SceneCallbacks): Scene {
+  Object3D.DEFAULT_UP.set(0, 0, 1);
+  return new View(host, callbacks);
+}
+
+class View implements Scene {
+  private readonly renderer = newRenderer();
+  private readonly world = new ThreeScene();
+  private readonly camera = new PerspectiveCamera(FIELD, 1, 0.01, 100);
+  private readonly controls: OrbitControls;
+  private readonly hand: Hand;
+  private readonly observer: ResizeObserver;
+  private readonly layers = {
+    grid: new Group(), robot: new Group(), other: new Group(), ghosts: new Group(), dimensions: new Group(),
+    motion: new Group(), ellipsoids: new Group(), lost: new Group(), obstacles: new Group(), path: new Group(),
+    cloud: new Group(), target: new Group(),
+  };
+  private readonly handle = new Mesh(new SphereGeometry(1, 20, 14), new MeshBasicMaterial({ color: COLORS.target, transparent: true, opacity: 0.85, depthTest: false }));
+  private readonly frames = new Frames();
+  private model: RobotModel | null = null;
+  private other: RobotModel | null = null;
+  private ghosts: { key: string; models: RobotModel[] } = { key: '', models: [] };
+  private framesShown: FramesShown = 'all';
+  private rows: readonly SceneRow[] = [];
+  private convention: SceneRobot['convention'] = null;
+  private motion: { row: number | null; step: number } = { row: null, step: 0 };
+  private target: Matrix4 | null = null;
+  private scale: Scale = { axis: 0.1, label: LABEL };
+  private dark = false;
+  private drawn = '';
+  private requested = 0;
+  /** Whether the robot is new: its first posture is brought into view. */
+  private unseen = false;
+
+  constructor(private readonly host: HTMLElement, callbacks: SceneCallbacks) {
+    host.append(this.renderer.domElement);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    const light = new DirectionalLight(0xffffff, 1.6);
+    light.position.set(2, -3, 5);
+    this.world.add(new AmbientLight(0xffffff, 0.7), new HemisphereLight(0xffffff, 0xb0b8c0, 0.9), light);
+    this.world.add(...Object.values(this.layers));
+    this.handle.renderOrder = 9;
+    this.handle.visible = false;
+    this.world.add(this.handle);
+    const view = this;
+    this.hand = new Hand(this.renderer.domElement, this.camera, this.controls, {
+      get model() { return view.model; },
+      handle: this.handle,
+      targetPose: () => this.target ?? this.tipPose(),
+      planeNormal: () => this.planeNormal(),
+      get ghosts() { return view.ghosts.models.map((one) => one.object); },
+    }, callbacks);
+    this.controls.addEventListener('change', this.draw);
+    this.observer = new ResizeObserver(this.resize);
+    this.observer.observe(host);
+    const probe: Probe = {
+      poses: () => Object.fromEntries((this.model?.frames ?? []).map((name) => [name, rowsOf(this.model?.poseOf(name) ?? new Matrix4())])),
+      handle: () => (this.handle.visible ? onScreen(this.handle.position, this.camera, this.renderer.domElement) : null),
+      target: () => {
+        const at = this.target ?? this.tipPose();
+        return at && rowsOf(at);
+      },
+      pixel: (frame) => {
+        const at = this.model?.poseOf(frame);
+        return at ? onScreen(new Vector3().setFromMatrixPosition(at), this.camera, this.renderer.domElement) : null;
+      },
+      meshes: () => this.model?.meshes ?? 0,
+    };
+    Object.assign(host, { probe });
+  }
+
+  setRobot(robot: SceneRobot): void {
+    if (this.model?.robot.key === robot.key && this.model.robot.id === robot.id) return;
+    const before = this.model;
+    this.model = new RobotModel(robot, () => this.robotChanged());
+    before?.dispose();
+    this.layers.robot.add(this.model.object);
+    this.target = null;
+    this.rows = [];
+    this.ghosts.models.forEach((one) => one.dispose());
+    this.ghosts = { key: '', models: [] };
+    const extent = this.extent();
+    this.scale = { axis: 0.1 * extent, label: LABEL };
+    this.drawn = '';
+    this.drawGrid();
+    this.robotChanged();
+    this.unseen = true;
+  }
+
+  setQ(q: readonly number[]): void {
+    this.model?.setQ(q);
+    this.refresh();
+    if (this.unseen) this.fit();
+    this.unseen = false;
+  }
+
+  setFramesShown(shown: FramesShown): void {
+    this.framesShown = shown;
+    this.refresh();
+  }
+
+  setDimensions(convention: SceneRobot['convention'], rows: readonly SceneRow[]): void {
+    this.convention = convention;
+    this.rows = rows;
+    this.refresh();
+  }
+
+  setMotionStep(row: number | null, step: number): void {
+    this.motion = { row, step };
+    this.refresh();
+  }
+
+  setEllipsoids(ellipsoids: Parameters<Scene['setEllipsoids']>[0]): void {
+    drawEllipsoids(this.layers.ellipsoids, ellipsoids, this.scale);
+    this.draw();
+  }
+
+  setGhosts(ghosts: readonly SceneGhost[]): void {
+    const key = JSON.stringify([this.model?.robot.key, ghosts]);
+    if (key === this.ghosts.key || !this.model) return;
+    const { robot } = this.model;
+    this.ghosts.models.forEach((one) => one.dispose());
+    clear(this.layers.ghosts);
+    const models = ghosts.map((ghost) => {
+      const model = new RobotModel({ ...robot, id: null }, this.draw);
+      model.setQ(ghost.q);
+      model.tint(ghost.chosen ? 0x2b7fd0 : COLORS.ghost, ghost.chosen ? 0.12 : 0.28);
+      this.layers.ghosts.add(model.object);
+      const tip = model.poseOf(robot.tipFrame);
+      if (tip && !ghost.chosen) {
+        const elbow = middleOf(model);
+        this.layers.ghosts.add(label(ghost.label, elbow, this.dark ? 0xa0a9b5 : 0x566070, this.scale, this.dark));
+      }
+      return model;
+    });
+    this.ghosts = { key, models };
+    this.draw();
+  }
+
+  setOther(robot: SceneRobot | null, q: readonly number[]): void {
+    if (!robot) {
+      this.other?.dispose();
+      this.other = null;
+    } else {
+      if (this.other?.robot.key !== robot.key) {
+        this.other?.dispose();
+        const other = new RobotModel(robot, () => { other.tint(0xd0762b, 0.35); this.draw(); });
+        this.other = other;
+        this.layers.other.add(other.object);
+      }
+      this.other.setQ(q);
+      this.other.tint(0xd0762b, 0.35);
+    }
+    this.draw();
+  }
+
+  setObstacles(obstacles: Parameters<Scene['setObstacles']>[0], _linkRadius: number): void {
+    drawObstacles(this.layers.obstacles, obstacles, this.extent());
+    this.draw();
+  }
+
+  setPath(path: Parameters<Scene['setPath']>[0]): void {
+    drawPath(this.layers.path, path, this.scale, this.dark);
+    this.draw();
+  }
+
+  setTarget(target: Parameters<Scene['setTarget']>[0]): void {
+    this.target = target && matrix4(target);
+    this.refresh();
+  }
+
+  setLostDirections(directions: Parameters<Scene['setLostDirections']>[0]): void {
+    drawLost(this.layers.lost, directions, this.scale);
+    this.draw();
+  }
+
+  setCloud(points: Float32Array | null): void {
+    drawCloud(this.layers.cloud, points, this.scale);
+    this.draw();
+  }
+
+  fit(): void {
+    if (!this.model) return;
+    const ball = this.model.box().expandByPoint(new Vector3()).getBoundingSphere(new Sphere());
+    const radius = Math.max(ball.radius + this.scale.axis, 1e-3);
+    const narrow = Math.min(1, this.camera.aspect || 1);
+    const distance = radius / Math.sin((FIELD * Math.PI) / 360) / narrow;
+    const normal = this.planeNormal();
+    const from = normal ?? new Vector3(0.75, -0.85, 0.5).normalize();
+    // Straight from above there is no "up" for the camera's turning: a little from the side.
+    if (normal && Math.abs(normal.z) > 0.99) from.set(0, -0.12, Math.sign(normal.z) || 1).normalize();
+    this.controls.target.copy(ball.center);
+    this.camera.position.copy(ball.center).addScaledVector(from, 0.9 * distance);
+    this.camera.near = distance / 100;
+    this.camera.far = distance * 30;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.draw();
+  }
+
+  setTheme(dark: boolean): void {
+    if (dark === this.dark && this.layers.grid.children.length) return;
+    this.dark = dark;
+    this.drawn = '';
+    this.drawGrid();
+    this.refresh();
+  }
+
+  dispose(): void {
+    this.hand.dispose();
+    this.observer.disconnect();
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.renderer.domElement.remove();
+  }
+
+  private robotChanged(): void {
+    this.drawn = '';
+    this.refresh();
+  }
+
+  /** Draws what depends on the posture. */
+  private refresh(): void {
+    const { model, scale, dark } = this;
+    if (!model) return;
+    const wanted = `${model.robot.key} ${this.framesShown} ${dark}`;
+    if (wanted !== this.drawn) {
+      this.frames.show(model, this.framesShown, scale, dark);
+      this.drawn = wanted;
+    }
+    const start = (name: string): Matrix4 | null => model.poseOf(name);
+    const { row, step } = this.motion;
+    const one = row === null ? undefined : this.rows[row];
+    if (this.convention) {
+      drawDimensions(this.layers.dimensions, this.convention, one ? [] : this.rows, start, scale, dark);
+      const from = one && start(one.from);
+      if (one && from) drawMotion(this.layers.motion, this.convention, one, step, from, scale, dark);
+      else clear(this.layers.motion);
+    } else {
+      clear(this.layers.dimensions);
+      clear(this.layers.motion);
+    }
+    this.drawTarget();
+    this.draw();
+  }
+
+  private drawTarget(): void {
+    clear(this.layers.target);
+    const at = this.target ?? this.tipPose();
+    this.handle.visible = at !== null;
+    if (!at) return;
+    this.handle.position.setFromMatrixPosition(at);
+    this.handle.scale.setScalar(0.13 * this.scale.axis);
+    if (this.target) {
+      const triad = axes(1.1 * this.scale.axis, 0.55);
+      pose(triad, this.target);
+      this.layers.target.add(triad);
+    }
+  }
+
+  private tipPose(): Matrix4 | null {
+    return this.model?.poseOf(this.model.robot.tipFrame) ?? null;
+  }
+
+  /** The direction that all turning axes have, where no slide goes along it. */
+  private planeNormal(): Vector3 | null {
+    const { model } = this;
+    if (!model) return null;
+    let normal: Vector3 | null = null;
+    for (const { name, type } of model.robot.joints) {
+      const joint = model.urdf.joints[name];
+      if (!joint) return null;
+      const axis = joint.axis.clone().transformDirection(joint.matrixWorld);
+      if (type === 'prismatic') {
+        if (normal && Math.abs(axis.dot(normal)) > 1e-6) return null;
+      } else if (!normal) normal = axis;
+      else if (Math.abs(Math.abs(axis.dot(normal)) - 1) > 1e-9) return null;
+    }
+    return normal && normal.z < -0.5 ? normal.negate() : normal;
+  }
+
+  /** About how far the robot reaches, m. */
+  private extent(): number {
+    const size = this.model?.box().expandByPoint(new Vector3()).getSize(new Vector3());
+    return Math.max(size?.x ?? 0, size?.y ?? 0, size?.z ?? 0, 1e-3);
+  }
+
+  /** Squares of a round size on the ground. */
+  private drawGrid(): void {
+    clear(this.layers.grid);
+    const extent = this.extent();
+    const cell = 10 ** Math.floor(Math.log10(extent / 2));
+    const count = 2 * Math.ceil((1.4 * extent) / cell);
+    const [major, minor] = this.dark ? [0x59636f, 0x2b323b] : [0xa4adb8, 0xe1e5ea];
+    const grid = new GridHelper(count * cell, count, new Color(major), new Color(minor));
+    grid.rotation.x = Math.PI / 2;
+    grid.position.z = -1e-4 * extent;
+    this.layers.grid.add(grid);
+  }
+
+  private readonly draw = (): void => {
+    if (this.requested) return;
+    this.requested = requestAnimationFrame(() => {
+      this.requested = 0;
+      this.renderer.render(this.world, this.camera);
+    });
+  };
+
+  private readonly resize = (): void => {
+    const { clientWidth: width, clientHeight: height } = this.host;
+    if (!width || !height) return;
+    const before = this.camera.aspect;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.scale = { ...this.scale, label: LABEL * Math.min(1.6, Math.max(1, 620 / height)) };
+    this.camera.updateProjectionMatrix();
+    if (Math.abs(before - this.camera.aspect) > 0.3) this.fit();
+    this.draw();
+  };
+}
+
+/** A point of the posture halfway along its joints, where postures differ most. */
+function middleOf(model: RobotModel): Vector3 {
+  const { joints } = model.robot;
+  const joint = model.urdf.joints[joints[Math.floor(joints.length / 2)]?.name ?? ''];
+  const box = new Box3().setFromObject(model.object);
+  return joint?.getWorldPosition(new Vector3()) ?? box.getCenter(new Vector3());
+}
+
+function newRenderer(): WebGLRenderer {
+  try {
+    return new WebGLRenderer({ antialias: true, alpha: true });
+  } catch (error) {
+    throw new NoWebGL(String(error));
+  }
+}

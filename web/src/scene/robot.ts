@@ -1,0 +1,184 @@
+/** A robot in the scene: links by urdf-loader, meshes where the service has them, else bones. */
+import { Box3, Group, LoadingManager, Matrix4, Mesh, MeshLambertMaterial, Object3D, Vector3 } from 'three';
+import URDFLoader, { type URDFRobot } from 'urdf-loader';
+import { json, listMeshes, ROOT } from '../api';
+import { rod } from './parts';
+import { pose, release } from './space';
+import type { SceneRobot } from './types';
+
+interface MeshLine {
+  readonly filename: string;
+  readonly href: string;
+}
+
+/** One robot, its base frame at the origin of `object`. */
+export class RobotModel {
+  /** Holds the URDF's root so that the base frame is at its origin. */
+  readonly object = new Group();
+  readonly urdf: URDFRobot;
+  readonly robot: SceneRobot;
+  /** Number of mesh files that are shown. */
+  meshes = 0;
+  private gone = false;
+
+  /** `changed` is called as meshes come in. */
+  constructor(robot: SceneRobot, changed: () => void) {
+    this.robot = robot;
+    const loader = new URDFLoader();
+    const wanted: { url: string; done: (mesh: Object3D) => void }[] = [];
+    loader.packages = (name) => `package://${name}`;
+    loader.loadMeshCb = (url, _manager, _material, done) => wanted.push({ url, done });
+    this.urdf = loader.parse(robot.urdf);
+    for (const joint of Object.values(this.urdf.joints)) joint.ignoreLimits = true;
+    this.object.add(this.urdf);
+    this.setQ([]);
+    if (wanted.length) {
+      this.drawBones();
+      if (robot.id) void this.loadMeshes(robot.id, wanted, changed);
+    } else if (!this.hasShapes()) {
+      this.drawBones();
+    }
+  }
+
+  /** One value a joint, rad and m; joints without one stay. */
+  setQ(q: readonly number[]): void {
+    this.robot.joints.forEach((joint, k) => {
+      const value = q[k];
+      if (value !== undefined) this.urdf.setJointValue(joint.name, value);
+    });
+    this.object.updateMatrixWorld(true);
+    const base = this.urdf.links[this.robot.baseFrame];
+    if (!base) return;
+    // The base frame may be carried by joints itself: everything else then moves about it.
+    const seen = new Matrix4().copy(this.urdf.matrixWorld).invert().multiply(base.matrixWorld);
+    pose(this.urdf, seen.invert());
+    this.object.updateMatrixWorld(true);
+  }
+
+  frame(name: string): Object3D | undefined {
+    return this.urdf.links[name];
+  }
+
+  /** Pose of a frame in base axes. */
+  poseOf(name: string): Matrix4 | null {
+    const frame = this.frame(name);
+    if (!frame) return null;
+    return new Matrix4().copy(this.object.matrixWorld).invert().multiply(frame.matrixWorld);
+  }
+
+  get frames(): string[] {
+    return Object.keys(this.urdf.links).filter((name) => !name.startsWith('link_') || !this.robot.convention);
+  }
+
+  /** The box around all links' origins and shapes, in base axes. */
+  box(): Box3 {
+    const box = new Box3();
+    for (const link of Object.values(this.urdf.links)) {
+      box.expandByPoint(new Vector3().setFromMatrixPosition(link.matrixWorld));
+    }
+    return box;
+  }
+
+  /** Makes everything see-through and of one colour. */
+  tint(color: number, opacity: number): void {
+    this.object.traverse((one) => {
+      if (one instanceof Mesh) {
+        one.material = new MeshLambertMaterial({ color, transparent: true, opacity, depthWrite: false });
+      }
+    });
+  }
+
+  dispose(): void {
+    this.gone = true;
+    release(this.object);
+    this.object.removeFromParent();
+  }
+
+  private hasShapes(): boolean {
+    let found = false;
+    this.urdf.traverse((one) => {
+      found ||= one instanceof Mesh;
+    });
+    return found;
+  }
+
+  /** A rod from each link's frame to those of its children. */
+  private drawBones(): void {
+    const size = this.box().getSize(new Vector3()).length();
+    for (const joint of Object.values(this.urdf.joints)) {
+      const parent = joint.parent;
+      if (!parent) continue;
+      const bone = rod(new Vector3(), joint.position, 0.008 * size, 0x7a8794);
+      bone.userData['bone'] = true;
+      parent.add(bone);
+      if (joint.jointType !== 'fixed') {
+        const axis = joint.axis.clone().multiplyScalar(0.03 * size);
+        const drum = rod(axis.clone().negate(), axis, 0.014 * size, 0x2f3b47);
+        drum.userData['bone'] = true;
+        joint.add(drum);
+      }
+    }
+  }
+
+  private dropBones(): void {
+    const found: Object3D[] = [];
+    this.urdf.traverse((one) => {
+      if (one.userData['bone']) found.push(one);
+    });
+    for (const one of found) {
+      one.removeFromParent();
+      release(one);
+    }
+  }
+
+  private async loadMeshes(
+    id: string,
+    wanted: readonly { url: string; done: (mesh: Object3D) => void }[],
+    changed: () => void,
+  ): Promise<void> {
+    const { meshes } = await json<{ meshes: MeshLine[] }>(listMeshes(id));
+    const hrefs = new Map(meshes.map((one) => [named(one.filename), one.href]));
+    const known = wanted.filter((one) => hrefs.has(named(one.url)));
+    if (!known.length || this.gone) return;
+    const loaded = await Promise.all(known.map(async ({ url, done }) => {
+      const mesh = await meshAt(hrefs.get(named(url)) ?? '');
+      return { mesh, done };
+    }));
+    if (this.gone) return;
+    this.dropBones();
+    for (const { mesh, done } of loaded) done(mesh);
+    this.meshes = loaded.length;
+    changed();
+  }
+}
+
+/** A package's path without its leading parts, which loaders write differently. */
+function named(url: string): string {
+  return url.replace(/^package:\/+/, '').replace(/^\/+/, '');
+}
+
+async function meshAt(href: string): Promise<Object3D> {
+  const url = new URL(href, ROOT).href;
+  const suffix = href.toLowerCase().split('.').at(-1);
+  if (suffix === 'stl') {
+    const { STLLoader } = await import('three/examples/jsm/loaders/STLLoader.js');
+    return new Mesh(await new STLLoader().loadAsync(url), new MeshLambertMaterial({ color: 0xb8c0c8 }));
+  }
+  // Textures and material files are not served: nothing but the mesh itself is asked for.
+  const manager = new LoadingManager();
+  manager.setURLModifier((asked) => (asked === url ? asked : BLANK));
+  if (suffix === 'obj') {
+    const { OBJLoader } = await import('three/examples/jsm/loaders/OBJLoader.js');
+    return new OBJLoader(manager).loadAsync(url);
+  }
+  const { ColladaLoader } = await import('three/examples/jsm/loaders/ColladaLoader.js');
+  const text = await (await fetch(url)).text();
+  // URDF counts in the file's own axes; the loader would turn those with z upwards.
+  const found = new ColladaLoader(manager).parse(text.replace('>Z_UP<', '>Y_UP<'), '');
+  const scene = (found as { scene: Object3D }).scene;
+  for (const light of scene.children.filter((one) => 'isLight' in one || 'isCamera' in one)) scene.remove(light);
+  return scene;
+}
+
+const BLANK =
+  'data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mP8/x8AAwMCAO+ip1sAAAAASUVORK5CYII=';

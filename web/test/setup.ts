@@ -1,0 +1,2 @@
+// The modules under test read the page's address only.
+Object.assign(globalThis, { document: { baseURI: 'http://service.test/lab/' } });
