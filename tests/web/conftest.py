@@ -103,7 +103,7 @@ def open_page(browsers, server) -> Iterator[object]:
     def said(message) -> None:
         # What the service refuses shows in the console, whether the page copes with it or not.
         expected = bool(refused) and "status of 4" in message.text
-        if message.type in ("error", "warning") and not expected:
+        if message.type == "error" and not expected:
             wrong.append(f"{message.type}: {message.text}")
 
     def opened(fragment: str | None = "", *, webgl: bool = True, address: str = server,

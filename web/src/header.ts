@@ -23,7 +23,7 @@ export function withRobot(state: State, id: string): Partial<State> {
   return {
     source: { kind: 'stored', id, convention: null },
     q: example ? example.q.map((x, k) => (k === slides ? x : x * factor)) : [],
-    task: example?.task ?? 'pose',
+    task: example?.task ?? (id.startsWith('planar') ? 'xy' : 'pose'),
     row: null,
     target: null,
     kept: [],

@@ -57,6 +57,8 @@ function load(): void {
     const { state } = store;
     try {
       const model = await resolve(state.source, state.angle, signal);
+      // What was asked for meanwhile is on its way; this one's posture is no longer there.
+      if (store.state.source !== state.source) return;
       page.model = model;
       table.showErrors([]);
       document.body.classList.remove('stale');

@@ -60,7 +60,7 @@ export const playback: { path: api.Matrix | null; wanted: api.Matrix } = { path:
 
 function ghosts(page: Page): { q: readonly number[]; label: string }[] {
   const kept = page.store.state.kept.map((q, k) => ({ q, label: `${t.kept} ${k + 1}` }));
-  return [...solutions, ...kept];
+  return [...solutions, ...kept].filter(({ q }) => q.length === page.model?.joints.length);
 }
 
 function drawIn(page: Page, scene: Scene): void {
@@ -216,7 +216,10 @@ function toolbar(page: Page, fit: () => void): HTMLElement {
   async function fillOthers(): Promise<void> {
     const { robots } = await api.json<{ robots: api.RobotLine[] }>(api.listRobots());
     const dof = page.model?.joints.length;
-    other.append(...robots.filter((one) => one.dof === dof).map((one) => h('option', { value: one.id }, one.title)));
+    const chosen = other.value;
+    const fitting = robots.filter((one) => one.dof === dof).map((one) => h('option', { value: one.id }, one.title));
+    replace(other, h('option', { value: '' }, t.compareWith), ...fitting);
+    other.value = chosen;
   }
   const toggle = (name: 'dimensions' | 'lost' | 'cloud', text: string): HTMLButtonElement => {
     const made = button(text, () => put({ [name]: !store.state.view[name] }));
@@ -234,6 +237,8 @@ function toolbar(page: Page, fit: () => void): HTMLElement {
     ellipsoid.value = view.ellipsoid;
     for (const [made, name] of toggles) made.setAttribute('aria-pressed', String(view[name]));
     drop.hidden = !kept.length;
+    if (![...other.options].some((one) => one.value === view.other)) other.append(h('option', { value: view.other }, view.other));
+    other.value = view.other;
   };
   store.listen(render);
   render(store.state);

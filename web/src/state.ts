@@ -26,6 +26,7 @@ export interface PathForm {
   readonly point: readonly number[];
   readonly plane: 'xy' | 'xz' | 'yz';
   readonly turns: number;
+  /** '': that of the page, or of the position where that is the whole pose. */
   readonly task: string;
   readonly methods: readonly string[];
   readonly timeLaw: string;
@@ -61,7 +62,7 @@ export const NO_PATH: PathForm = {
   point: [],
   plane: 'xy',
   turns: 1,
-  task: 'position',
+  task: '',
   methods: ['pseudo_inverse', 'qp'],
   timeLaw: 'cubic',
   tf: 2,

@@ -54,6 +54,7 @@ export const later = {
   beyondLimits: 'beyond limits',
   // path
   pathHelp: 'From the present posture along a line or a circle, among obstacles, by several methods; what they did is measured.',
+  sameTask: 'as above',
   pathKind: 'Path',
   line: 'line',
   circle: 'circle',

@@ -52,6 +52,7 @@ export const later: Later = {
   postures: { left: 'gauche', right: 'droite', up: 'haut', down: 'bas', flip: 'retourné', noflip: 'non retourné', in: 'dedans', out: 'dehors' },
   beyondLimits: 'hors butées',
   pathHelp: 'Depuis la posture présente, le long d’une droite ou d’un cercle, parmi des obstacles, par plusieurs méthodes ; ce qu’elles ont fait est mesuré.',
+  sameTask: 'comme plus haut',
   pathKind: 'Trajectoire',
   line: 'droite',
   circle: 'cercle',

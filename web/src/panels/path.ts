@@ -39,7 +39,7 @@ export function pathPanel(page: Page): HTMLElement {
 
   const kind = select(t.pathKind, [['line', t.line], ['circle', t.circle]], 'line', (value) => put({ kind: value as PathForm['kind'] }));
   const plane = select(t.plane, [['xy', 'xy'], ['xz', 'xz'], ['yz', 'yz']], 'xy', (value) => put({ plane: value as PathForm['plane'] }));
-  const task = select(t.taskSpace, taskOptions(), 'position', (value) => put({ task: value }));
+  const task = select(t.taskSpace, [['', t.sameTask], ...taskOptions()], '', (value) => put({ task: value }));
   const law = select(t.timeLaw, LAWS.map((one) => [one, t.timeLaws[one]]), 'cubic', (value) => put({ timeLaw: value }));
   const point = ['x', 'y', 'z'].map((axis, k) =>
     numberField(axis, () => store.state.path.point[k] ?? 0, (value) => put({ point: pointOf().with(k, value) })));
@@ -70,7 +70,7 @@ export function pathPanel(page: Page): HTMLElement {
     const { path: form, q } = store.state;
     const plane_ = form.plane;
     return {
-      q, task: form.task, time_law: form.timeLaw, tf: form.tf, samples: form.samples,
+      q, task: taskOf(form), time_law: form.timeLaw, tf: form.tf, samples: form.samples,
       obstacles: form.obstacles, link_radius: form.linkRadius, d_safe: form.dSafe,
       ...(form.kind === 'line'
         ? { target: targetOf(form) }
@@ -78,10 +78,15 @@ export function pathPanel(page: Page): HTMLElement {
     };
   }
 
+  function taskOf(form: PathForm): string {
+    const { task: chosen } = store.state;
+    return form.task || (chosen === 'pose' ? 'position' : chosen);
+  }
+
   /** The line's end; the orientation is that of the start where the task asks for one. */
   function targetOf(form: PathForm): api.Target {
     const pose = Object.values(page.answers.fk?.poses ?? {})[0];
-    const turns = form.task === 'pose' || form.task === 'orientation' || form.task.includes('phi') || form.task.includes('direction');
+    const turns = /pose|orientation|phi|direction/.test(taskOf(form));
     return { position: pointOf(), ...(turns && pose ? { quaternion_xyzw: pose.quaternion_xyzw } : {}) };
   }
 

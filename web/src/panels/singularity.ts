@@ -70,15 +70,16 @@ export function singularityPanel(page: Page): Panel {
       const lost = found.lost_directions.map((one) =>
         h('li', {}, found.rows.map((row, k) => `${rowName(row)} ${fixed(one[k] ?? 0, 3)}`).join('  ')),
       );
+      const moving = found.null_motions.map((one) => h('li', {}, ratios(one)));
+      const english = document.documentElement.lang === 'en';
       replace(
         words,
-        lost.length > 0 && h('p', { class: 'lead' }, t.lostDirections),
-        lost.length > 0 && h('ul', { class: 'mono' }, ...lost),
-        found.null_motions.length > 0 && h('p', { class: 'lead' }, t.nullLead),
-        found.null_motions.length > 0 &&
-          h('ul', { class: 'mono' }, ...found.null_motions.map((one) => h('li', {}, ratios(one)))),
-        // The service explains in English.
-        document.documentElement.lang === 'en' && found.explanation.length > 0 &&
+        // The service explains in English; in other languages the numbers speak.
+        !english && lost.length > 0 && h('p', { class: 'lead' }, t.lostDirections),
+        !english && lost.length > 0 && h('ul', { class: 'mono' }, ...lost),
+        !english && moving.length > 0 && h('p', { class: 'lead' }, t.nullLead),
+        !english && moving.length > 0 && h('ul', { class: 'mono' }, ...moving),
+        english && found.explanation.length > 0 &&
           h('ul', { lang: 'en', class: 'note' }, ...found.explanation.slice(0, 4).map((one) => h('li', {}, one))),
       );
       replace(factors, factorTable(found, state.digits));

@@ -4,8 +4,8 @@ import { button, h, replace, select } from '../dom';
 import { opened, t } from '../i18n';
 import type { Page } from '../page';
 import {
-  COLUMNS, SYMBOLS, type Column, addRow, moveRow, newTable, ownColumn, readAs, removeRow, setCell, setLimit,
-  setType, typeOf,
+  COLUMNS, SYMBOLS, type Column, addRow, editable, moveRow, newTable, ownColumn, readAs, removeRow,
+  sendable, setCell, setLimit, setType, typeOf,
 } from './document';
 import { formula } from './formula';
 import { placements } from './placements';
@@ -271,7 +271,6 @@ async function convert(page: Page, to: api.Convention): Promise<void> {
     store.set({ source: { ...source, convention: to } }, 'convention');
     return;
   }
-  const { editable, sendable } = await import('./document');
   try {
     if (source.kind === 'table') {
       const { angle = 'rad' } = source.table.units ?? {};
