@@ -46,8 +46,9 @@ class DHSyntaxError(DHError):
 
 
 def escaped(token: object) -> str:
-    """A key as one token of a JSON pointer (RFC 6901), at most 64 characters."""
-    return str(token)[:64].replace("~", "~0").replace("/", "~1")
+    """A key as one token of a JSON pointer (RFC 6901), at most 64 characters that can be seen."""
+    shown = "".join(c if c.isprintable() else "?" for c in str(token)[:64])
+    return shown.replace("~", "~0").replace("/", "~1")
 
 
 def quoted(value: object, limit: int = 40) -> str:

@@ -83,7 +83,9 @@ def split_values(text: str) -> dict[str, str]:
         if not colon:
             raise DHError.single("/values", f"values holds {quoted(part)}; {VALUES_RULE}")
         if name in pairs:
-            raise DHError.single(f"/values/{escaped(name)}", f"values has {name} twice; keep one")
+            raise DHError.single(
+                f"/values/{escaped(name)}", f"values has {quoted(name)} twice; keep one"
+            )
         pairs[name] = value.strip()
     return pairs
 

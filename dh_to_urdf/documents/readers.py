@@ -20,6 +20,8 @@ from dh_to_urdf.table import DHTable
 MAX_COLUMNS = 32
 MAX_YAML_BYTES = 64_000
 MAX_YAML_DEPTH = 16
+MAX_YAML_EVENTS = 12_000
+"""Keys, values, lists and mappings; a table of 300 full rows has fewer."""
 
 
 def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHTable:
@@ -38,7 +40,7 @@ def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
         raise
     except (ValueError, RecursionError) as error:
         reason = (
-            str(error)
+            f"line {error.lineno}, column {error.colno}: {_decapitalised(error.msg)}"
             if isinstance(error, json.JSONDecodeError)
             else "it is nested too deeply"
             if isinstance(error, RecursionError)
@@ -70,9 +72,9 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
         raise
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        problem = (error.problem or "malformed").splitlines()[0][:120]
-        raise DHSyntaxError.single("", f"the text is not YAML: {problem}{place}") from None
+        place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
+        problem = _printable((error.problem or "malformed").splitlines()[0])[:120]
+        raise DHSyntaxError.single("", f"the text is not YAML: {place}{problem}") from None
     except Exception:  # tags and escapes make the constructor raise whatever int() or chr() do
         raise DHSyntaxError.single("", "the text is not YAML of plain keys and values") from None
     return read_mapping(data, default_name)
@@ -86,7 +88,9 @@ def _refuse_costly_yaml(text: str) -> None:
     if len(text) > MAX_YAML_BYTES:
         raise DHError.single("", f"the YAML text is longer than {MAX_YAML_BYTES} characters")
     depth = 0
-    for event in YAML(typ="safe", pure=True).parse(text):
+    for number, event in enumerate(YAML(typ="safe", pure=True).parse(text)):
+        if number > MAX_YAML_EVENTS:
+            raise DHError.single("", f"the YAML text has over {MAX_YAML_EVENTS} keys and values")
         if isinstance(event, AliasEvent):
             raise DHSyntaxError.single("", "the YAML text has an alias (*name); write it out")
         if isinstance(event, CollectionStartEvent):
@@ -135,7 +139,7 @@ def read_csv(
             lines, delimiter=separator, strict=True, skipinitialspace=True
         )
     except csv.Error as error:
-        raise DHSyntaxError.single("", f"the text is not CSV: {error}") from None
+        raise DHSyntaxError.single("", f"the text is not CSV: {_printable(str(error))}") from None
     columns = [column.strip().lower() for column in header]
     if len(columns) > MAX_COLUMNS:
         raise DHError.single("", f"the CSV header has {len(columns)} columns; see README for them")
@@ -164,6 +168,14 @@ def read_csv(
     if name:
         document["name"] = name
     return read_mapping(document, None if name == "" else DEFAULT_NAME, tuple(columns))
+
+
+def _decapitalised(text: str) -> str:
+    return text[:1].lower() + text[1:]
+
+
+def _printable(text: str) -> str:
+    return "".join(character if character.isprintable() else "?" for character in text)
 
 
 def _no_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

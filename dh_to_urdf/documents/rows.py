@@ -308,8 +308,8 @@ class RowReader:
             elif lower > upper:
                 self.report.add(
                     f"{where}/lower",
-                    f"{label}: limits.lower {raw['lower']} is above upper {raw['upper']}; swap"
-                    " them",
+                    f"{label}: limits.lower {quoted(raw['lower'])} is above upper"
+                    f" {quoted(raw['upper'])}; swap them",
                 )
         return Limits(**values)
 

@@ -182,7 +182,11 @@ class _Program:
     def _robot(self, inside: list[Token]) -> None:
         """The order of the links, the name, and the convention of a robot."""
         listed = arguments(inside)
+        names = {k for k, argument in enumerate(listed) if argument[0].kind == "string"
+                 and argument[0].text.lower() == "name"}  # fmt: skip
         for position, argument in enumerate(listed):
+            if position - 1 in names and position not in names:
+                continue
             first = argument[0]
             word = first.text.lower()
             value = listed[position + 1] if position + 1 < len(listed) else None

@@ -176,3 +176,14 @@ def test_upright_rotations_are_exact():
     from scipy.spatial.transform import Rotation
 
     assert np.abs(Rotation.from_euler("xyz", [roll, pitch, yaw]).as_matrix() - R).max() < 1e-15
+
+
+@pytest.mark.parametrize("name", ["tool", "base", "modified", "name", "mdh"])
+def test_the_name_of_a_robot_in_matlab_is_no_argument(name):
+    from dh_to_urdf import read_pasted
+
+    text = (
+        f"L(1) = Link('revolute', 'd', 0, 'a', 1, 'alpha', 0);\nr = SerialLink(L, 'name', '{name}')"
+    )
+    table = read_pasted(text, "standard")
+    assert (table.name, table.convention) == (name, "standard")
