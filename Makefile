@@ -7,7 +7,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: help install run test lint lock bench bench-peers image-test clean
+.PHONY: help install run test lint lock bench bench-peers torture image-test clean
 
 help:
 	@echo "make run         set up .venv and serve on http://localhost:8000"
@@ -15,6 +15,7 @@ help:
 	@echo "make lint        ruff, strict types, import contract"
 	@echo "make bench       paired benchmarks"
 	@echo "make bench-peers inverse kinematics beside other libraries, in .venv-peers"
+	@echo "make torture     the long campaigns: the store under kill -9 and full disks"
 	@echo "make image-test  build the Docker image and test it (as root, on Debian)"
 	@echo "make lock        resolve the dependencies anew"
 	@echo "make clean       remove .venv"
@@ -50,6 +51,9 @@ bench-peers: bench/requirements-peers.lock
 	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r bench/requirements-peers.lock
 	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	.venv-peers/bin/python -m bench.peers
+
+torture: $(STAMP)
+	$(BIN)/python -m tests.torture.store --kills 300
 
 image-test:
 	./docker/image-test.sh
