@@ -16,7 +16,7 @@ help:
 	@echo "make lint        ruff, strict types, import contract"
 	@echo "make bench       paired benchmarks"
 	@echo "make bench-peers inverse kinematics beside other libraries, in .venv-peers"
-	@echo "make torture     the long campaigns: mutated requests, every schema (an hour)"
+	@echo "make torture     the long campaigns: documents, requests, schemas, the store (hours)"
 	@echo "make image-test  build the Docker image and test it (as root, on Debian)"
 	@echo "make lock        resolve the dependencies anew"
 	@echo "make clean       remove .venv"
@@ -58,8 +58,11 @@ bench-peers: bench/requirements-peers.lock
 	.venv-peers/bin/python -m bench.peers
 
 torture: $(STAMP)
+	$(BIN)/python -m tests.torture.urdf --count 100000
+	$(BIN)/python -m tests.torture.tables --count 50000
 	$(BIN)/python -m tests.torture.requests --count 50000
 	$(BIN)/python -m tests.torture.schema
+	$(BIN)/python -m tests.torture.store --kills 300
 
 image-test:
 	./docker/image-test.sh

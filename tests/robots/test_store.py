@@ -4,7 +4,6 @@ import random
 import subprocess
 import sys
 import threading
-import time
 from contextlib import contextmanager
 
 import pytest
@@ -42,24 +41,6 @@ def say(*words):
     os.write(1, (" ".join(map(str, words)) + "\\n").encode())
 
 directory = Path(sys.argv[1])
-"""
-WRITE_UNTIL_KILLED = """
-for line in sys.stdin:
-    first = int(line)
-    child = os.fork()
-    if child:
-        say("child", child)
-        os.waitpid(child, 0)
-        say("gone")
-        continue
-    store, parent = RobotStore(directory), os.getppid()
-    for count in range(first, first + 100_000):
-        if os.getppid() != parent:
-            break
-        name = f"r{count % 3}"
-        store.put(name, robot(count))
-        say("stored", name, count)
-    os._exit(0)
 """
 CREATE = """
 made = [robot(k) for k in range(2)]
@@ -117,11 +98,6 @@ def store(tmp_path):
 
 def file_of(directory, robot_id):
     return directory / "robots" / f"{robot_id}.json"
-
-
-def is_sound(path):
-    checksum, _, body = path.read_bytes().partition(b"\n")
-    return hashlib.sha256(body).hexdigest().encode() == checksum
 
 
 def test_a_robot_comes_back_as_it_went_in(store, make_robot, assert_same_robot):
@@ -401,29 +377,6 @@ def test_threads_of_one_store_never_lose_a_robot(tmp_path, store, make_robot):
         thread.join()
     assert failures == []
     assert len(RobotStore(tmp_path).ids()) == len(shipped_ids()) + 9
-
-
-def test_writers_killed_at_any_moment_leave_whole_robots_and_no_lock(tmp_path, make_robot):
-    """After each kill: every robot loads, none is older than the last one confirmed."""
-    rng, count, confirmed = random.Random(0), 0, {}
-    with other_process(WRITE_UNTIL_KILLED, tmp_path) as process:
-        for _ in range(35):
-            process.stdin.write(f"{count}\n")
-            word, child = process.stdout.readline().split()
-            assert word == "child"
-            time.sleep(rng.uniform(0.01, 0.08))
-            os.kill(int(child), 9)
-            while (words := process.stdout.readline().split()) != ["gone"]:
-                confirmed[words[1]] = int(words[2])
-            store = RobotStore(tmp_path)
-            store.put("mine", make_robot())
-            assert set(confirmed) <= set(store.ids())
-            for robot_id in set(store.ids()) - set(shipped_ids()):
-                assert is_sound(file_of(tmp_path, robot_id))
-                found = round(store.get(robot_id).robot.table.tool[2, 3])
-                assert found >= confirmed.get(robot_id, 0)
-                count = max(count, found + 1)
-    assert len(confirmed) == 3
 
 
 def race(code, directory):
