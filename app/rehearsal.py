@@ -9,6 +9,7 @@ import msgspec
 from anyio.to_thread import run_sync
 from fastapi import FastAPI
 
+from app.access.control import CALLER, ITSELF
 from app.dependencies import Services
 from app.operations import OPERATIONS
 from app.wire import JSON
@@ -47,6 +48,7 @@ async def _request(app: FastAPI, path: str, body: bytes) -> None:
         "client": ("127.0.0.1", 0),
         "server": ("localhost", 80),
         "state": {},
+        CALLER: ITSELF,
     }
 
     received = False
