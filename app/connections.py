@@ -1,17 +1,21 @@
 """Connections of uvicorn, guarded: slow clients are cut off, floods wait their turn.
 
-``uvicorn --http app.connections:GuardedProtocol``; ``denavit serve`` does it. The application
-hands the guard over in its lifespan state, so one guard serves all connections of a process.
+For ``http=`` of ``uvicorn.run``; ``denavit serve`` says so. The application hands the guard over
+in its lifespan state, so one guard serves all connections of a process.
 """
 
 from __future__ import annotations
 
 import asyncio
 import resource
+import sys
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
+from fcntl import ioctl
+from termios import TIOCOUTQ
 from time import monotonic
 from typing import Any
 
@@ -50,7 +54,7 @@ class ConnectionLimits:
         connections: At a time; beyond, the one that has idled or dawdled longest is closed.
         head_seconds: For the head of a request to arrive.
         body_seconds: The same for a body, beside its size by ``BYTES_A_SECOND``.
-        write_seconds: For the client to read what was sent, beside its size.
+        write_seconds: In which the client reads something, at least ``BYTES_A_SECOND``.
     """
 
     connections: int = 1000
@@ -169,7 +173,7 @@ class GuardedProtocol(HttpToolsProtocol):
         self.since = monotonic()
         self._allowed = guard.limits.head_seconds
         self._unread_since: float | None = None
-        self._unread = 0
+        self._unread = -1
         self._raw = self._payload = self._head = self._count = 0
         self._refusal = (400, "malformed-request", "this is no HTTP request that is read here")
 
@@ -247,8 +251,7 @@ class GuardedProtocol(HttpToolsProtocol):
     def pause_writing(self) -> None:
         """More is written than the client reads."""
         super().pause_writing()
-        self._unread_since = monotonic()
-        self._unread = self.transport.get_write_buffer_size()
+        self._unread_since, self._unread = monotonic(), -1
 
     def resume_writing(self) -> None:
         """The client has read on."""
@@ -257,13 +260,17 @@ class GuardedProtocol(HttpToolsProtocol):
 
     def look(self, now: float) -> None:
         """Cuts the connection off where its time is up; asked every second or so."""
-        limits, buffered = self.guard.limits, self.transport.get_write_buffer_size()
-        if self._unread_since is None and buffered and self.transport.is_closing():
-            self._unread_since, self._unread = now, buffered
+        limits = self.guard.limits
+        if self.transport.is_closing() and self.transport.get_write_buffer_size():
+            self._unread_since = self._unread_since or now
         if self._unread_since is not None:
-            allowed = limits.write_seconds + self._unread / BYTES_A_SECOND
-            if now - self._unread_since > allowed:
-                self.cut_off()
+            unread, passed = self._outstanding(), now - self._unread_since
+            if self._unread < 0:
+                self._unread = unread
+            elif passed > limits.write_seconds:
+                if self._unread - unread < BYTES_A_SECOND * passed:
+                    self.cut_off()
+                self._unread_since, self._unread = now, unread
             return
         waited = now - self.since
         if self.phase is Phase.HEAD and waited > self._allowed:
@@ -277,6 +284,14 @@ class GuardedProtocol(HttpToolsProtocol):
             self.cut_off()
         elif self.phase is Phase.IDLE and waited > limits.head_seconds + self.timeout_keep_alive:
             self.transport.close()
+
+    def _outstanding(self) -> int:
+        """Bytes that are written and that the client has not taken."""
+        queued = bytearray(4)
+        with suppress(OSError):
+            ioctl(self.transport.get_extra_info("socket").fileno(), TIOCOUTQ, queued)
+        kernel = int.from_bytes(queued, sys.byteorder)
+        return kernel + self.transport.get_write_buffer_size()
 
     def cut_off(self) -> None:
         """Ends the connection, whatever is on its way."""

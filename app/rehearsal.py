@@ -9,6 +9,7 @@ import msgspec
 from anyio.to_thread import run_sync
 from fastapi import FastAPI
 
+from app.access.control import CALLER, ITSELF
 from app.dependencies import Services
 from app.operations import OPERATIONS
 from app.telemetry.observed import REHEARSAL
@@ -49,6 +50,7 @@ async def _request(app: FastAPI, path: str, body: bytes) -> None:
         "server": ("localhost", 80),
         "state": {},
         REHEARSAL: True,
+        CALLER: ITSELF,
     }
 
     received = False

@@ -18,6 +18,8 @@ UNCOUNTED = ("/health/live", "/health/ready")
 """Asked by load balancers, which must not be turned away."""
 CHANGING = ("PUT", "DELETE", "PATCH")
 UPLOADS = "/v1/robots"
+CALLER, ITSELF = "denavit.caller", object()
+"""Entry of the scope of a request that the service makes to itself; no client can set it."""
 BEARER = 'Bearer realm="denavit"'
 
 
@@ -37,7 +39,7 @@ class AccessControl:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handles one ASGI connection."""
-        if scope["type"] != "http":
+        if scope["type"] != "http" or scope.get(CALLER) is ITSELF:
             await self.app(scope, receive, send)
             return
         path = scope["path"].removeprefix(scope.get("root_path", "").rstrip("/"))
