@@ -30,7 +30,7 @@ $(STAMP): requirements.lock pyproject.toml
 	@touch $@
 
 run: $(STAMP)
-	$(BIN)/denavit serve
+	DENAVIT_LOG_FORMAT=$${DENAVIT_LOG_FORMAT:-text} $(BIN)/denavit serve
 
 test: $(STAMP)
 	$(BIN)/python -m pytest
