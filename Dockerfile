@@ -62,12 +62,12 @@ ENV PATH=/opt/denavit/bin:$PATH \
     NUMBA_CPU_NAME=generic
 COPY --from=build /opt/denavit /opt/denavit
 COPY --from=build /app/opt/denavit /opt/denavit
-# Leaves in the image what a first start compiles: bytecode, and kernels in NUMBA_CACHE_DIR.
-# Then writes down what the image carries; the build fails on a licence that is not permissive.
-COPY docker/warm_up.py docker/sbom.py /tmp/
-RUN python /tmp/warm_up.py \
-    && python /tmp/sbom.py /opt/denavit/share \
-    && rm /tmp/warm_up.py /tmp/sbom.py
+# Writes down what the image carries: fails on a licence that is not permissive. Then leaves in the
+# image what a first start compiles: bytecode, and kernels in NUMBA_CACHE_DIR.
+COPY docker/sbom.py docker/warm_up.py /tmp/
+RUN python /tmp/sbom.py /opt/denavit/share/denavit \
+    && python /tmp/warm_up.py \
+    && rm /tmp/sbom.py /tmp/warm_up.py
 
 USER 10001:10001
 VOLUME /data

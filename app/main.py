@@ -68,7 +68,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         telemetry=telemetry_config(),
     )
     app.state.readiness = Readiness()
-    counted = Metrics(shared_directory()) if chosen.metrics else None
+    app.state.metrics = counted = Metrics(shared_directory()) if chosen.metrics else None
     compute.add_routes(app, chosen.max_compute_bytes)
     app.include_router(health.router)
     app.include_router(robots.build_router(chosen.max_document_bytes))

@@ -311,7 +311,7 @@ PY
 # The lists name what is installed, and nothing that is not permissive.
 test_lists() {
   inside denavit licences --check >"$work/licences" &&
-    inside cat /opt/denavit/share/sbom.cdx.json >"$work/sbom.json" &&
+    inside cat /opt/denavit/share/denavit/sbom.cdx.json >"$work/sbom.json" &&
     python3 - "$work" <<'PY'
 import json
 import sys

@@ -23,6 +23,8 @@ from urllib.error import URLError
 from urllib.request import ProxyHandler, Request, build_opener
 
 PACKAGES = ("app", "kinematics", "robots", "dh_to_urdf")
+EXTRAS = ("opentelemetry.sdk",)
+"""Modules of extras, in packages of which the service needs another part."""
 CLIENT = build_opener(ProxyHandler({}))
 
 
@@ -57,7 +59,7 @@ def import_named(path: Path) -> None:
         else:
             continue
         for name in names:
-            if importlib.util.find_spec(name.partition(".")[0]):
+            if not name.startswith(EXTRAS) and importlib.util.find_spec(name.partition(".")[0]):
                 module = importlib.import_module(name)
                 if isinstance(node, ast.ImportFrom):
                     for alias in node.names:

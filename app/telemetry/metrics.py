@@ -54,7 +54,6 @@ class Metrics:
     Attributes:
         in_progress: Requests that have come and are not answered.
         compute_waiting: Computations that wait for a thread; for whoever admits them to set.
-        ik_solutions: Answers of inverse kinematics by ``status``.
     """
 
     def __init__(self, directory: Path | None = None) -> None:
