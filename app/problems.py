@@ -160,7 +160,7 @@ def problem_response(
 
 
 def _wants_text(request: Request) -> bool:
-    if request.scope["query_string"]:
+    if request.scope.get("query_string"):
         named = request.query_params.get("format")
         if named is not None:
             return named == "text"
