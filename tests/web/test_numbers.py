@@ -75,8 +75,6 @@ def test_numbers_follow_a_typed_value_in_degrees_and_in_radians(open_page, clien
     visit.page.get_by_label("Unit of angles").select_option("rad")
     visit.settled()
     field = visit.page.locator(".joint .value").nth(0)
-    assert float(field.input_value()) == pytest.approx(np.pi / 2, abs=1e-5)
-    field.focus()
     assert float(field.input_value()) == pytest.approx(np.pi / 2, abs=1e-11)
     assert (
         "Singular: rank 1 instead of 2" in visit.page.locator("#section-singularity").inner_text()

@@ -44,8 +44,6 @@ export function jointsView(page: Page): HTMLElement {
         field.setAttribute('aria-invalid', String(value === null));
         if (value !== null) put(k, value);
       },
-      onfocus: () => (field.value = typed(store.state.q[k] ?? 0)),
-      onblur: render,
       onkeydown: (event) => {
         const by = { ArrowUp: 1, ArrowDown: -1 }[(event as KeyboardEvent).key];
         if (!by) return;
@@ -75,7 +73,7 @@ export function jointsView(page: Page): HTMLElement {
     lines.forEach((one, k) => {
       const value = q[k] ?? 0;
       one.slider.value = String(value);
-      if (one.field !== document.activeElement) one.field.value = typed(Number(value.toFixed(5)));
+      if (one.field !== document.activeElement) one.field.value = typed(value);
       const beyond = value < one.lower - 1e-9 || value > one.upper + 1e-9;
       one.element.classList.toggle('beyond', beyond && page.model?.joints[k]?.lower !== null);
       one.field.title = beyond ? t.beyondLimit : '';
