@@ -36,7 +36,7 @@ page: $(STAMP)
 	@$(BIN)/python hatch_build.py
 
 run: page
-	$(BIN)/denavit serve
+	DENAVIT_LOG_FORMAT=$${DENAVIT_LOG_FORMAT:-text} $(BIN)/denavit serve
 
 test: page
 	$(BIN)/python -m pytest
