@@ -25,7 +25,7 @@ from robots.storage.quarantine import Quarantine
 from robots.storage.stored_file import ROBOT_ID, SUFFIX, Signature, signature_of
 from robots.storage.turn import Turn
 
-PATIENCE: Final = 10.0
+PATIENCE: Final = 4.0
 """Seconds that a writer waits for its turn; a turn takes milliseconds."""
 _BUSY: Final = "another process has been writing robots for too long"
 _LOCK_FLAGS = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
