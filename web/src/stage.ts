@@ -68,7 +68,6 @@ function drawIn(page: Page, scene: Scene): void {
   let model: Model | null = null;
   const clouds = new Latest();
   const others = new Latest();
-  let fitted = '';
   let clouded = '';
   let other = '';
 
@@ -78,10 +77,6 @@ function drawIn(page: Page, scene: Scene): void {
     scene.setRobot(sceneRobot(model));
     draw(store.state);
     numbers();
-    // A robot that is being typed stays where it is; another one is moved into view, as it stands.
-    const name = 'id' in model.ref ? model.ref.id : model.kind;
-    if (name !== fitted) scene.fit();
-    fitted = name;
   }
 
   function draw(state: State): void {
