@@ -11,6 +11,7 @@ import click
 from pydantic import ValidationError
 
 from app.access.keys import InvalidKeys, Scope, new_key
+from app.access.rates import InvalidRate
 from app.query import number
 from app.settings import Settings
 from app.text import render_text
@@ -51,6 +52,12 @@ def serve(
         settings = Settings()
     except ValidationError as error:
         raise click.ClickException(_told(error)) from None
+    from app.access.wiring import check_access
+
+    try:
+        check_access(settings)
+    except (InvalidKeys, InvalidRate) as error:
+        raise click.ClickException(str(error)) from None
     from app.serving.service import serve as serve_until_stopped
 
     sys.exit(serve_until_stopped(settings))

@@ -7,9 +7,6 @@ import sys
 
 import click
 
-from app.access.keys import InvalidKeys
-from app.access.rates import InvalidRate
-from app.access.wiring import check_access
 from app.connections import raise_file_limit
 from app.readiness import written_to
 from app.serving.address import CannotListen, bound_sockets, port_of
@@ -32,12 +29,11 @@ def serve(settings: Settings) -> int:
     raise_file_limit()
     try:
         require_exporters()
-        check_access(settings)
         sockets = bound_sockets(settings.host, settings.port)
         # Once, before the workers start: they share the directory and the compiled code.
         RobotStore(settings.data_dir)
         written_to(settings.data_dir)
-    except (CannotListen, InvalidKeys, InvalidRate, TracingUnavailable) as error:
+    except (CannotListen, TracingUnavailable) as error:
         LOG.critical("cannot start: %s", error)
         return 1
     except OSError as error:
