@@ -13,6 +13,7 @@ from app.query import check_query
 from app.wire import media_type, unsupported
 from dh_to_urdf import (
     DHError,
+    Problem,
     read_csv,
     read_json,
     read_mapping,
@@ -21,7 +22,8 @@ from dh_to_urdf import (
     read_yaml,
     split_values,
 )
-from robots.errors import InvalidURDF
+from dh_to_urdf.errors import escaped
+from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 
 JSON_TYPES = ("application/json",)
@@ -128,20 +130,22 @@ def robot_from_inline(document: Mapping[str, Any]) -> Robot:
         DHError: Not a usable table; pointers start at ``/robot``.
         RobotError: Not a usable URDF.
     """
-    if "urdf" not in document:
-        try:
-            return robot_from_table(read_mapping(document))
-        except DHError as error:
-            raise DHError(
-                [type(p)(f"/robot{p.pointer}", p.message) for p in error.problems]
-            ) from None
-    for key, value in document.items():
-        if key not in ("urdf", "base", "tip", "name") or not isinstance(value, str):
-            raise DHError.single(f"/robot/{key}", "give urdf, base and tip as texts")
+    if "urdf" in document:
+        for key, value in document.items():
+            if key not in ("urdf", "base", "tip", "name") or not isinstance(value, str):
+                raise DHError.single(f"/robot/{escaped(key)}", "give urdf, base and tip as texts")
     try:
+        if "urdf" not in document:
+            return robot_from_table(read_mapping(document))
         return robot_from_urdf(document["urdf"], base=document.get("base"), tip=document.get("tip"))
-    except InvalidURDF as error:
-        raise InvalidURDF(str(error), "/robot/urdf") from None
+    except DHError as error:
+        problems = [Problem(f"/robot{p.pointer}", p.message) for p in error.problems]
+        raise DHError(problems) from None
+    except UnknownFrame as error:
+        raise UnknownFrame(error.name, error.valid, f"/robot{error.pointer}") from None
+    except (InvalidURDF, RobotTooLarge) as error:
+        field = "/urdf" if "urdf" in document else error.pointer
+        raise type(error)(str(error), f"/robot{field}") from None
 
 
 def id_from_name(name: str) -> str:

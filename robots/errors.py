@@ -32,6 +32,10 @@ class InvalidURDF(RobotError):
 class RobotTooLarge(RobotError):
     """A robot beyond the size that the service computes with."""
 
+    def __init__(self, message: str, pointer: str = "") -> None:
+        super().__init__(message)
+        self.pointer = pointer
+
 
 class UnknownFrame(RobotError):
     """A frame name that the robot does not have."""

@@ -19,7 +19,7 @@ from app.wire import JSON, TEXT, read_body, require_type, respond, wanted_type
 from dh_to_urdf import DHError, Problem
 from dh_to_urdf.extraction.comparison import Comparison, Difference, compare
 from robots.chains import chain_of_robot
-from robots.errors import InvalidURDF
+from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
 from robots.robot import Robot
 
 RobotField = Annotated[
@@ -160,8 +160,10 @@ async def _other(services: ServicesDep, asked: DiffRequest) -> Robot:
             Problem(_of_other(problem.pointer), problem.message) for problem in error.problems
         ]
         raise type(error)(problems) from None
-    except InvalidURDF as error:
-        raise InvalidURDF(str(error), _of_other(error.pointer)) from None
+    except UnknownFrame as error:
+        raise UnknownFrame(error.name, error.valid, _of_other(error.pointer)) from None
+    except (InvalidURDF, RobotTooLarge) as error:
+        raise type(error)(str(error), _of_other(error.pointer)) from None
     except RequestProblem as error:
         (problem,) = error.problems
         detail = re.sub("^robot ", "other ", problem.message)

@@ -222,7 +222,10 @@ def _par_rows(content: bytes) -> list[dict[str, Any]]:
     if "tool" in text or re.search(r"\(\*[^)]*\(\*", text):
         raise NotPlain
     code = re.sub(r"\(\*.*?\*\)", " ", text, flags=re.DOTALL)
-    lists = {key: cells.split(",") for key, cells in re.findall(r"(\w+)\s*=\s*\{([^{}]*)\}", code)}
+    found = re.findall(r"(\w+)\s*=\s*\{([^{}]*)\}", code)
+    lists = {
+        key if key in ("GAMMA", "Z") else key.lower(): cells.split(",") for key, cells in found
+    }
     if [float(cell) for cell in lists.get("Z", ["0"])] != [*_IDENTITY] or "sigma" not in lists:
         raise NotPlain
     rows = []

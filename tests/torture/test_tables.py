@@ -5,7 +5,7 @@ import time
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given, note, settings
 from hypothesis import strategies as st
 
 from dh_to_urdf import DHError
@@ -31,7 +31,9 @@ def test_right_tables_are_read(chance):
 @settings(max_examples=100, deadline=None)
 @given(st.randoms())
 def test_tables_with_something_wrong_are_refused_or_computed_right(chance):
-    judge(mutate(chance, random_text(chance)), random.Random(0))
+    document = mutate(chance, random_text(chance))
+    note(repr(document))
+    judge(document, random.Random(0))
 
 
 def test_every_format_is_in_the_cases():

@@ -3,7 +3,7 @@
 import random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given, note, settings
 from hypothesis import strategies as st
 
 from tests.torture.urdf import document, real_urdfs
@@ -27,7 +27,9 @@ def test_right_urdfs_are_read(chance):
 @settings(max_examples=100, deadline=None)
 @given(st.randoms())
 def test_urdfs_with_something_wrong_are_refused_or_computed_right(chance):
-    judge(mutate(chance, random_urdf(chance, 3).encode()), random.Random(0))
+    document = mutate(chance, random_urdf(chance, 3).encode())
+    note(repr(document))
+    judge(document, random.Random(0))
 
 
 def test_every_real_urdf_is_accepted():
