@@ -236,6 +236,34 @@ def workers_of(process: int) -> list[int]:
     ]
 
 
+@contextmanager
+def only(answering: int, workers: list[int]) -> Iterator[None]:
+    """Lets no other worker than one answer."""
+    others = [worker for worker in workers if worker != answering]
+    for worker in others:
+        os.kill(worker, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        for worker in others:
+            os.kill(worker, signal.SIGCONT)
+
+
+def wait_for_both(process: int, caller: Caller) -> None:
+    """Waits until each of two workers answers, with the other one stopped."""
+    deadline = time.monotonic() + 300
+    while True:
+        assert time.monotonic() < deadline, "the workers do not answer"
+        workers = workers_of(process)
+        with suppress(OSError):
+            for worker in workers:
+                with only(worker, workers):
+                    caller.call("GET", "/health/live")
+            if len(workers) == 2:
+                return
+        time.sleep(0.05)
+
+
 def killed_workers(service: Service, kills: int, seed: int = 0, clients: int = 4) -> Report:
     """Workers of a service, killed while clients count robots up by their ETags; at last all."""
     rng, stop, process = Random(seed), threading.Event(), service.process
@@ -266,16 +294,15 @@ def killed_workers(service: Service, kills: int, seed: int = 0, clients: int = 4
         threads = [threading.Thread(target=count) for _ in range(clients)]
         for thread in threads:
             thread.start()
-        for _ in range(kills):
-            time.sleep(rng.uniform(0.5, 2.0))
-            with suppress(ProcessLookupError):
-                os.kill(rng.choice(workers_of(process.pid)), signal.SIGKILL)
-                report.count("kills")
-            deadline = time.monotonic() + 60
-            while len(workers_of(process.pid)) < 2 and time.monotonic() < deadline:
-                time.sleep(0.05)
-        time.sleep(1.0)
-        stop.set()
+        try:
+            while report.counts.get("kills", 0) < kills:
+                time.sleep(rng.uniform(0.1, 2.0))
+                for worker in rng.sample(workers_of(process.pid), rng.choice((1, 1, 2))):
+                    os.kill(worker, signal.SIGKILL)
+                    report.count("kills")
+                wait_for_both(process.pid, caller)
+        finally:
+            stop.set()
         for thread in threads:
             thread.join()
         found = count_of(caller, SHARED)
@@ -387,28 +414,12 @@ def copied(directory: Path, copies: int, seed: int = 0) -> Report:
     return report
 
 
-@contextmanager
-def only(answering: int, workers: list[int]) -> Iterator[None]:
-    """Lets no other worker than one answer."""
-    others = [worker for worker in workers if worker != answering]
-    for worker in others:
-        os.kill(worker, signal.SIGSTOP)
-    try:
-        yield
-    finally:
-        for worker in others:
-            os.kill(worker, signal.SIGCONT)
-
-
 def two_workers(service: Service, rounds: int) -> Report:
     """What one worker has confirmed, the other one knows at once."""
     process = service.process
     with timed("two workers") as report:
         caller = Caller(service.address)
-        deadline = time.monotonic() + 60
-        # Both must have been up once: a worker answers as soon as the first one is ready.
-        while len(workers_of(process.pid)) < 2 or not _both_answer(process.pid, caller):
-            assert time.monotonic() < deadline, "the second worker did not start"
+        wait_for_both(process.pid, caller)
         workers = workers_of(process.pid)
         for k in range(rounds):
             writer, reader = workers[k % 2], workers[(k + 1) % 2]
@@ -435,18 +446,6 @@ def two_workers(service: Service, rounds: int) -> Report:
                     report.expect(status == 412, f"PUT of a new robot got {status}")
             report.count("rounds")
     return report
-
-
-def _both_answer(process: int, caller: Caller) -> bool:
-    workers = workers_of(process)
-    for worker in workers:
-        with only(worker, workers):
-            try:
-                if Caller.call(caller, "GET", "/health/live")[0] != 200:
-                    return False
-            except OSError:
-                return False
-    return True
 
 
 def main() -> int:
