@@ -18,7 +18,7 @@ _COPYLEFT = re.compile(
     re.IGNORECASE,
 )
 """Licences that the default install must not have; an exception for linking lifts them."""
-_SAID_IN_TEXT = {"cmeel-qhull": "Qhull"}
+_SAID_IN_TEXT = {"cmeel-qhull": "Qhull", "resvg_py": "MIT"}
 """Licences that a package gives only as a text, as SPDX identifiers."""
 _ALTERNATIVE = re.compile(r"\s+OR\s+")
 _LONGEST = 120

@@ -15,7 +15,7 @@ PROBE_SECONDS = 1.0
 _BLOCK = b"\0" * 4096
 
 
-class Check(msgspec.Struct, kw_only=True, frozen=True):
+class Check(msgspec.Struct, kw_only=True, frozen=True, omit_defaults=True):
     """One thing that must be right.
 
     ``failed`` makes the service unready, ``warning`` does not. ``names`` are the robots at fault.

@@ -74,7 +74,7 @@ def test_a_pasted_table_is_a_robot_and_comes_back_in_every_form(client, made):
         ("", SYMORO, PAR, 422, ("joint 3: d is 'D3'", "give values D3:0.5")),
         ("?values=D3", SYMORO, PAR, 422, ("write values as D3:0.45",)),
         ("?values=D3:1,RL4:1,X:2", SYMORO, PAR, 422, ("X", "no constant")),
-        ("?values=D3:1,D3:2", SYMORO, PAR, 422, ("D3 twice",)),
+        ("?values=D3:1,D3:2", SYMORO, PAR, 422, ("'D3' twice",)),
         ("?loops=yes", SYMORO, PAR, 422, ("loops is 'yes'", "cut")),
         ("?convention=khalil", SYMORO, PAR, 422, ("'convention' is unknown",)),
         ("", SYMORO, SR400, 422, ("1 closed loop", "loops=cut")),

@@ -201,7 +201,9 @@ def test_bodies_that_are_no_json(client, body):
 def test_a_joint_called_universe_is_refused(client):
     """Pinocchio calls its root joint so; the joint's numbers came from nowhere."""
     table = {"convention": "standard", "joints": [GOOD["joints"][0] | {"name": "universe"}]}
-    check(client.post("/v1/fk", json={"robot": table, "q": [1]}), 422, "/robot", "universe", "another")
+    check(
+        client.post("/v1/fk", json={"robot": table, "q": [1]}), 422, "/robot", "universe", "another"
+    )
 
 
 def test_lengths_take_no_angles_in_a_query(client):
