@@ -274,6 +274,11 @@ export class Refusal extends Error {
 /** There was no answer at all. */
 export class Unreachable extends Error {}
 
+/** Whether asking again later may help: no answer, or a service that is busy or starting. */
+export function willPass(error: unknown): boolean {
+  return error instanceof Unreachable || (error instanceof Refusal && [429, 502, 503, 504].includes(error.status));
+}
+
 /** One HTTP request in plain words. */
 export interface Call {
   readonly method: 'GET' | 'POST' | 'PUT' | 'DELETE';

@@ -175,6 +175,13 @@ function inRadians(table: api.TableDocument): api.TableDocument {
   };
 }
 
+/** What an arm can be asked for: with fewer than six joints it cannot have every pose. */
+export function taskOf({ joints, rows }: Model): string {
+  if (joints.length >= 6) return 'pose';
+  const flat = rows?.joints.every((row) => Number(row.alpha ?? 0) === 0 && typeOf(row) !== 'prismatic');
+  return flat && joints.length > 1 ? 'xy' : 'position';
+}
+
 export function sceneRobot(model: Model): SceneRobot {
   return {
     key: model.key,

@@ -1,7 +1,6 @@
 /** The 3D part: a lazy chunk with three.js and urdf-loader. */
 import {
   AmbientLight,
-  Box3,
   Color,
   DirectionalLight,
   GridHelper,
@@ -12,20 +11,22 @@ import {
   MeshBasicMaterial,
   Object3D,
   PerspectiveCamera,
+  Points,
   Scene as ThreeScene,
-  Sphere,
   SphereGeometry,
   Vector3,
   WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { standpoint } from './fit';
 import { Frames } from './frames';
 import { Hand } from './hand';
+import { layOut } from './labels';
 import { drawCloud, drawEllipsoids, drawLost, drawObstacles, drawPath } from './overlays';
 import { axes, COLORS, label, type Scale } from './parts';
 import { RobotModel } from './robot';
 import { drawDimensions, drawMotion } from './rows';
-import { clear, matrix4, onScreen, pose, rowsOf } from './space';
+import { boxOf, clear, matrix4, onScreen, pose, rowsOf } from './space';
 import {
   NoWebGL,
   type FramesShown,
@@ -36,7 +37,6 @@ import {
   type SceneRow,
 } from './types';
 
-const LABEL = 0.021;
 const FIELD = 40;
 
 /** What is left on the host element for tests and the curious. */
@@ -85,10 +85,13 @@ class View implements Scene {
   private convention: SceneRobot['convention'] = null;
   private motion: { row: number | null; step: number } = { row: null, step: 0 };
   private target: Matrix4 | null = null;
-  private scale: Scale = { axis: 0.1, label: LABEL };
+  private scale: Scale = { axis: 0.1 };
   private dark = false;
   private drawn = '';
+  private obstacles = '';
   private requested = 0;
+  /** Whether the reader has chosen another standpoint than that of `fit`. */
+  private turned = false;
   /** Whether the robot is new: its first posture is brought into view. */
   private unseen = false;
 
@@ -112,6 +115,7 @@ class View implements Scene {
       get ghosts() { return view.ghosts.models.map((one) => one.object); },
     }, callbacks);
     this.controls.addEventListener('change', this.draw);
+    this.controls.addEventListener('start', () => (this.turned = true));
     this.observer = new ResizeObserver(this.resize);
     this.observer.observe(host);
     const probe: Probe = {
@@ -140,8 +144,7 @@ class View implements Scene {
     this.rows = [];
     this.ghosts.models.forEach((one) => one.dispose());
     this.ghosts = { key: '', models: [] };
-    const extent = this.extent();
-    this.scale = { axis: 0.1 * extent, label: LABEL };
+    this.scale = { axis: this.model.axisLength() };
     this.drawn = '';
     this.drawGrid();
     this.robotChanged();
@@ -190,11 +193,13 @@ class View implements Scene {
       const tip = model.poseOf(robot.tipFrame);
       if (tip && !ghost.chosen) {
         const elbow = middleOf(model);
-        this.layers.ghosts.add(label(ghost.label, elbow, this.dark ? 0xa0a9b5 : 0x566070, this.scale, this.dark));
+        this.layers.ghosts.add(label(ghost.label, elbow, 0x566070, this.dark));
       }
       return model;
     });
+    const more = models.length > this.ghosts.models.length;
     this.ghosts = { key, models };
+    if (more && !this.turned) this.fit();
     this.draw();
   }
 
@@ -215,7 +220,10 @@ class View implements Scene {
     this.draw();
   }
 
-  setObstacles(obstacles: Parameters<Scene['setObstacles']>[0], _linkRadius: number): void {
+  setObstacles(obstacles: Parameters<Scene['setObstacles']>[0]): void {
+    const key = JSON.stringify([this.model?.robot.key, obstacles]);
+    if (key === this.obstacles) return;
+    this.obstacles = key;
     drawObstacles(this.layers.obstacles, obstacles, this.extent());
     this.draw();
   }
@@ -231,27 +239,27 @@ class View implements Scene {
   }
 
   setLostDirections(directions: Parameters<Scene['setLostDirections']>[0]): void {
-    drawLost(this.layers.lost, directions, this.scale);
+    drawLost(this.layers.lost, directions, this.scale, this.dark);
     this.draw();
   }
 
   setCloud(points: Float32Array | null): void {
     drawCloud(this.layers.cloud, points, this.scale);
+    if (points && !this.turned) this.fit();
     this.draw();
   }
 
   fit(): void {
     if (!this.model) return;
-    const ball = this.model.box().expandByPoint(new Vector3()).getBoundingSphere(new Sphere());
-    const radius = Math.max(ball.radius + this.scale.axis, 1e-3);
-    const narrow = Math.min(1, this.camera.aspect || 1);
-    const distance = radius / Math.sin((FIELD * Math.PI) / 360) / narrow;
+    this.turned = false;
     const normal = this.planeNormal();
     const from = normal ?? new Vector3(0.75, -0.85, 0.5).normalize();
-    // Straight from above there is no "up" for the camera's turning: a little from the side.
-    if (normal && Math.abs(normal.z) > 0.99) from.set(0, -0.12, Math.sign(normal.z) || 1).normalize();
-    this.controls.target.copy(ball.center);
-    this.camera.position.copy(ball.center).addScaledVector(from, 0.9 * distance);
+    // Straight from above there is no "up" for the camera's turning: a very little from the side.
+    if (normal && Math.abs(normal.z) > 0.99) from.set(0, -0.01, Math.sign(normal.z) || 1).normalize();
+    const { clientWidth: width, clientHeight: height } = this.host;
+    const { position, target, distance } = standpoint(this.seen(), from, this.camera, width || 1, height || 1);
+    this.controls.target.copy(target);
+    this.camera.position.copy(position);
     this.camera.near = distance / 100;
     this.camera.far = distance * 30;
     this.camera.updateProjectionMatrix();
@@ -284,14 +292,16 @@ class View implements Scene {
   private refresh(): void {
     const { model, scale, dark } = this;
     if (!model) return;
-    const wanted = `${model.robot.key} ${this.framesShown} ${dark}`;
-    if (wanted !== this.drawn) {
-      this.frames.show(model, this.framesShown, scale, dark);
-      this.drawn = wanted;
-    }
     const start = (name: string): Matrix4 | null => model.poseOf(name);
     const { row, step } = this.motion;
     const one = row === null ? undefined : this.rows[row];
+    // A row that is shown in its motions has the view to itself: its two frames and no others.
+    const frames = one && this.framesShown !== 'none' ? [one.from, one.to] : this.framesShown;
+    const wanted = `${model.robot.key} ${String(frames)} ${dark}`;
+    if (wanted !== this.drawn) {
+      this.frames.show(model, frames, scale, dark);
+      this.drawn = wanted;
+    }
     if (this.convention) {
       drawDimensions(this.layers.dimensions, this.convention, one ? [] : this.rows, start, scale, dark);
       const from = one && start(one.from);
@@ -340,6 +350,29 @@ class View implements Scene {
     return normal && normal.z < -0.5 ? normal.negate() : normal;
   }
 
+  /** Points that are to be in view: the robot with its axes, and what is shown around it. */
+  private seen(): Vector3[] {
+    const { model, layers, scale } = this;
+    const points = [new Vector3()];
+    const shown = [layers.ghosts, layers.other, layers.ellipsoids, layers.lost, layers.path, layers.target];
+    for (const { min, max } of [...(model ? [model.object] : []), ...shown].map(boxOf).filter((one) => !one.isEmpty())) {
+      for (const x of [min.x, max.x]) for (const y of [min.y, max.y]) for (const z of [min.z, max.z]) points.push(new Vector3(x, y, z));
+    }
+    layers.cloud.traverse((one) => {
+      if (one instanceof Points) points.push(...sampled(one));
+    });
+    for (const name of model?.frames ?? []) {
+      const at = model?.poseOf(name);
+      if (!at) continue;
+      const origin = new Vector3().setFromMatrixPosition(at);
+      for (const k of [0, 1, 2]) {
+        points.push(origin.clone().addScaledVector(new Vector3().setFromMatrixColumn(at, k), 1.2 * scale.axis));
+        points.push(origin.clone().addScaledVector(new Vector3().setFromMatrixColumn(at, k), -0.4 * scale.axis));
+      }
+    }
+    return points;
+  }
+
   /** About how far the robot reaches, m. */
   private extent(): number {
     const size = this.model?.box().expandByPoint(new Vector3()).getSize(new Vector3());
@@ -363,6 +396,9 @@ class View implements Scene {
     if (this.requested) return;
     this.requested = requestAnimationFrame(() => {
       this.requested = 0;
+      this.world.updateMatrixWorld();
+      this.camera.updateMatrixWorld();
+      layOut(this.world, this.camera, this.host.clientWidth, this.host.clientHeight, this.handle);
       this.renderer.render(this.world, this.camera);
     });
   };
@@ -370,23 +406,27 @@ class View implements Scene {
   private readonly resize = (): void => {
     const { clientWidth: width, clientHeight: height } = this.host;
     if (!width || !height) return;
-    const before = this.camera.aspect;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
-    this.scale = { ...this.scale, label: LABEL * Math.min(1.6, Math.max(1, 620 / height)) };
     this.camera.updateProjectionMatrix();
-    if (Math.abs(before - this.camera.aspect) > 0.3) this.fit();
+    if (!this.turned) this.fit();
     this.draw();
   };
+}
+
+/** Some points of a cloud, enough to see how far it goes. */
+function sampled(cloud: Points): Vector3[] {
+  const places = cloud.geometry.getAttribute('position');
+  const step = Math.max(1, Math.floor(places.count / 2000));
+  return Array.from({ length: Math.floor(places.count / step) }, (_, k) => new Vector3().fromBufferAttribute(places, k * step));
 }
 
 /** A point of the posture halfway along its joints, where postures differ most. */
 function middleOf(model: RobotModel): Vector3 {
   const { joints } = model.robot;
   const joint = model.urdf.joints[joints[Math.floor(joints.length / 2)]?.name ?? ''];
-  const box = new Box3().setFromObject(model.object);
-  return joint?.getWorldPosition(new Vector3()) ?? box.getCenter(new Vector3());
+  return joint?.getWorldPosition(new Vector3()) ?? boxOf(model.object).getCenter(new Vector3());
 }
 
 function newRenderer(): WebGLRenderer {

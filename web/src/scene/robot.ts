@@ -34,7 +34,8 @@ export class RobotModel {
     this.setQ([]);
     if (wanted.length) {
       this.drawBones();
-      if (robot.id) void this.loadMeshes(robot.id, wanted, changed);
+      // Without them the bones stay.
+      if (robot.id) void this.loadMeshes(robot.id, wanted, changed).catch((error: unknown) => console.warn(error));
     } else if (!this.hasShapes()) {
       this.drawBones();
     }
@@ -77,6 +78,15 @@ export class RobotModel {
       box.expandByPoint(new Vector3().setFromMatrixPosition(link.matrixWorld));
     }
     return box;
+  }
+
+  /** Length of the axes of its frames: clear of the next frame where links are short, m. */
+  axisLength(): number {
+    const size = this.box().expandByPoint(new Vector3()).getSize(new Vector3());
+    const extent = Math.max(size.x, size.y, size.z, 1e-3);
+    const lengths = Object.values(this.urdf.joints).map((joint) => joint.position.length()).filter((one) => one > 0.02 * extent);
+    const middle = lengths.sort((a, b) => a - b)[Math.floor(lengths.length / 2)] ?? extent;
+    return Math.min(0.1 * extent, Math.max(0.5 * middle, 0.04 * extent));
   }
 
   /** Makes everything see-through and of one colour. */
