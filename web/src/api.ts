@@ -430,8 +430,8 @@ export const workspace = (robot: RobotRef, samples: number): Call =>
   computation('workspace', robot, { samples }, 'rad', 'application/x-npy');
 
 /** The arm as a picture, for browsers without WebGL. */
-export const picture = (robot: RobotRef, q: Q, angle: AngleUnit): Call =>
-  computation('picture.svg', robot, { q }, angle, 'image/svg+xml');
+export const picture = (robot: RobotRef, q: Q, angle: AngleUnit, width: number, height: number): Call =>
+  computation('picture.svg', robot, { q, width, height }, angle, 'image/svg+xml');
 
 export const listRobots = (): Call => ({
   method: 'GET',

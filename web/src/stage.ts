@@ -107,7 +107,7 @@ function drawIn(page: Page, scene: Scene): void {
     if (key === clouded) return;
     clouded = key;
     if (!key) scene.setCloud(null);
-    else clouds.run((signal) => told(async () => scene.setCloud(await cloudOf(now, signal))));
+    else clouds.run((signal) => told(async () => scene.setCloud(await cloudOf(now, signal)), () => (clouded = '')));
   }
 
   function compare(state: State): void {
@@ -123,13 +123,15 @@ function drawIn(page: Page, scene: Scene): void {
       if (other !== id) return;
       second = found;
       compare(store.state);
-    }));
+    }, () => (other = '')));
   }
 
-  async function told(work: () => Promise<void>): Promise<void> {
+  /** @param undone What is to be asked for again. */
+  async function told(work: () => Promise<void>, undone: () => void): Promise<void> {
     try {
       await work();
     } catch (error) {
+      undone();
       if (error instanceof api.Refusal) page.tell(error.detail, true);
       else if (error instanceof api.Unreachable) page.tell(t.unreachable, true);
       else throw error;
@@ -178,6 +180,11 @@ function readNpy(buffer: ArrayBuffer): Float64Array {
   return new Float64Array(buffer.slice(start));
 }
 
+/** A size that the service draws. */
+function pixels(length: number): number {
+  return Math.round(Math.min(2000, Math.max(200, length)));
+}
+
 function pictureView(page: Page, host: HTMLElement): void {
   const { store } = page;
   const image = h('img', { class: 'picture', alt: t.scene });
@@ -193,7 +200,7 @@ function pictureView(page: Page, host: HTMLElement): void {
       const { q, angle } = store.state;
       if (!model || q.length !== model.joints.length) return;
       try {
-        const response = await api.send(api.picture(model.ref, q, angle), signal);
+        const response = await api.send(api.picture(model.ref, q, angle, pixels(host.clientWidth), pixels(host.clientHeight)), signal);
         const url = URL.createObjectURL(await response.blob());
         const before = image.src;
         image.src = url;
@@ -219,10 +226,11 @@ function toolbar(page: Page, fit: () => void): HTMLElement {
     (value) => put({ ellipsoid: value as View['ellipsoid'] }));
   let filled: number | undefined;
   const other = select(t.compareWith, [['', t.compareWith]], '', (value) => put({ other: value }));
-  other.addEventListener('focus', () => void fillOthers().catch((error: unknown) => {
+  const fill = (): void => void fillOthers().catch((error: unknown) => {
     if (!(error instanceof api.Refusal || error instanceof api.Unreachable)) throw error;
     page.tell(error instanceof api.Refusal ? error.detail : t.unreachable, true);
-  }));
+  });
+  other.addEventListener('focus', fill);
   async function fillOthers(): Promise<void> {
     const dof = page.model?.joints.length;
     if (filled === dof) return;
@@ -249,7 +257,10 @@ function toolbar(page: Page, fit: () => void): HTMLElement {
     ellipsoid.value = view.ellipsoid;
     for (const [made, name] of toggles) made.setAttribute('aria-pressed', String(view[name]));
     drop.hidden = !kept.length;
-    if (![...other.options].some((one) => one.value === view.other)) other.append(h('option', { value: view.other }, view.other));
+    if (![...other.options].some((one) => one.value === view.other)) {
+      other.append(h('option', { value: view.other }, view.other));
+      fill();
+    }
     other.value = view.other;
   };
   store.listen(render);

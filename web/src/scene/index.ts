@@ -26,7 +26,7 @@ import { drawCloud, drawEllipsoids, drawLost, drawObstacles, drawPath } from './
 import { axes, COLORS, label, type Scale } from './parts';
 import { RobotModel } from './robot';
 import { drawDimensions, drawMotion } from './rows';
-import { boxOf, clear, matrix4, onScreen, pose, rowsOf } from './space';
+import { clear, cornersOf, matrix4, onScreen, pose, rowsOf } from './space';
 import {
   NoWebGL,
   type FramesShown,
@@ -89,6 +89,7 @@ class View implements Scene {
   private dark = false;
   private drawn = '';
   private obstacles = '';
+  private path: Parameters<Scene['setPath']>[0] = null;
   private requested = 0;
   /** Whether the reader has chosen another standpoint than that of `fit`. */
   private turned = false;
@@ -144,7 +145,11 @@ class View implements Scene {
     this.rows = [];
     this.ghosts.models.forEach((one) => one.dispose());
     this.ghosts = { key: '', models: [] };
-    this.scale = { axis: this.model.axisLength() };
+    const axis = this.model.axisLength();
+    // While a table is being typed the reader's standpoint stays; for another robot it does not.
+    const isOther = robot.id !== null && robot.id !== before?.robot.id;
+    if (isOther || axis > 2 * this.scale.axis || axis < this.scale.axis / 2) this.turned = false;
+    this.scale = { axis };
     this.drawn = '';
     this.drawGrid();
     this.robotChanged();
@@ -153,8 +158,16 @@ class View implements Scene {
 
   setQ(q: readonly number[]): void {
     this.model?.setQ(q);
+    const axis = this.model?.axisLength() ?? 0;
+    // Slides make an arm longer than it was at first.
+    const grown = axis > 2 * this.scale.axis;
+    if (this.unseen || grown) {
+      this.scale = { axis };
+      this.drawn = '';
+      this.drawGrid();
+    }
     this.refresh();
-    if (this.unseen) this.fit();
+    if ((this.unseen || grown || this.isTipOutside()) && !this.turned) this.fit();
     this.unseen = false;
   }
 
@@ -224,12 +237,15 @@ class View implements Scene {
     const key = JSON.stringify([this.model?.robot.key, obstacles]);
     if (key === this.obstacles) return;
     this.obstacles = key;
-    drawObstacles(this.layers.obstacles, obstacles, this.extent());
+    drawObstacles(this.layers.obstacles, obstacles, this.model?.extent() ?? 1);
     this.draw();
   }
 
   setPath(path: Parameters<Scene['setPath']>[0]): void {
+    if (path?.reached === this.path?.reached && path?.wanted === this.path?.wanted) return;
+    this.path = path;
     drawPath(this.layers.path, path, this.scale, this.dark);
+    if (path && !this.turned) this.fit();
     this.draw();
   }
 
@@ -272,6 +288,7 @@ class View implements Scene {
     this.dark = dark;
     this.drawn = '';
     this.drawGrid();
+    drawPath(this.layers.path, this.path, this.scale, dark);
     this.refresh();
   }
 
@@ -333,6 +350,14 @@ class View implements Scene {
     return this.model?.poseOf(this.model.robot.tipFrame) ?? null;
   }
 
+  /** Whether the tool has left the view; never while a hand holds it. */
+  private isTipOutside(): boolean {
+    const tip = this.tipPose();
+    if (!tip || !this.controls.enabled) return false;
+    const { x, y } = new Vector3().setFromMatrixPosition(tip).project(this.camera);
+    return Math.max(Math.abs(x), Math.abs(y)) > 1;
+  }
+
   /** The direction that all turning axes have, where no slide goes along it. */
   private planeNormal(): Vector3 | null {
     const { model } = this;
@@ -355,9 +380,7 @@ class View implements Scene {
     const { model, layers, scale } = this;
     const points = [new Vector3()];
     const shown = [layers.ghosts, layers.other, layers.ellipsoids, layers.lost, layers.path, layers.target];
-    for (const { min, max } of [...(model ? [model.object] : []), ...shown].map(boxOf).filter((one) => !one.isEmpty())) {
-      for (const x of [min.x, max.x]) for (const y of [min.y, max.y]) for (const z of [min.z, max.z]) points.push(new Vector3(x, y, z));
-    }
+    points.push(...[...(model ? [model.object] : []), ...shown].flatMap(cornersOf));
     layers.cloud.traverse((one) => {
       if (one instanceof Points) points.push(...sampled(one));
     });
@@ -373,16 +396,10 @@ class View implements Scene {
     return points;
   }
 
-  /** About how far the robot reaches, m. */
-  private extent(): number {
-    const size = this.model?.box().expandByPoint(new Vector3()).getSize(new Vector3());
-    return Math.max(size?.x ?? 0, size?.y ?? 0, size?.z ?? 0, 1e-3);
-  }
-
   /** Squares of a round size on the ground. */
   private drawGrid(): void {
     clear(this.layers.grid);
-    const extent = this.extent();
+    const extent = this.model?.extent() ?? 1;
     const cell = 10 ** Math.floor(Math.log10(extent / 2));
     const count = 2 * Math.ceil((1.4 * extent) / cell);
     const [major, minor] = this.dark ? [0x59636f, 0x2b323b] : [0xa4adb8, 0xe1e5ea];
@@ -426,7 +443,7 @@ function sampled(cloud: Points): Vector3[] {
 function middleOf(model: RobotModel): Vector3 {
   const { joints } = model.robot;
   const joint = model.urdf.joints[joints[Math.floor(joints.length / 2)]?.name ?? ''];
-  return joint?.getWorldPosition(new Vector3()) ?? boxOf(model.object).getCenter(new Vector3());
+  return joint?.getWorldPosition(new Vector3()) ?? new Vector3();
 }
 
 function newRenderer(): WebGLRenderer {

@@ -51,18 +51,19 @@ export function layOut(root: Object3D, camera: PerspectiveCamera, width: number,
     const size = { x: wide * factor, y: LABEL_HEIGHT * factor };
     one.scale.set(size.x * unit, size.y * unit, 1);
     seen.setFromMatrixPosition(one.matrixWorld).project(camera);
-    if (Math.abs(seen.z) > 1) return;
     const half = { x: (size.x - HALO.x) / 2, y: (size.y - HALO.y) / 2 };
     const at = { x: ((seen.x + 1) / 2) * width, y: ((seen.y + 1) / 2) * height };
-    const near = at.x > -half.x && at.x < width + half.x && at.y > -half.y && at.y < height + half.y;
+    const near = Math.abs(seen.z) <= 1 && at.x > -half.x && at.x < width + half.x && at.y > -half.y && at.y < height + half.y;
     const place = near ? free(at, half, width, height, taken) : null;
     const [dx, dy] = place ? [place.x - at.x, place.y - at.y] : [0, 0];
     one.center.set(0.5 - dx / size.x, 0.5 - dy / size.y);
     if (place) taken.push(place);
+    // Where there is no room left, one word less is better than two upon each other.
+    else one.scale.set(0, 0, 1);
   });
 }
 
-function free(at: { x: number; y: number }, half: { x: number; y: number }, width: number, height: number, taken: readonly Box[]): Box {
+function free(at: { x: number; y: number }, half: { x: number; y: number }, width: number, height: number, taken: readonly Box[]): Box | null {
   const inside = (value: number, margin: number, length: number): number =>
     length > 2 * margin ? Math.min(Math.max(value, margin), length - margin) : value;
   const start = { x: inside(at.x, half.x, width), y: inside(at.y, half.y, height) };
@@ -74,5 +75,5 @@ function free(at: { x: number; y: number }, half: { x: number; y: number }, widt
       Math.abs(one.x - x) >= one.halfWidth + half.x || Math.abs(one.y - y) >= one.halfHeight + half.y);
     if (clear) return box(x, y);
   }
-  return box(start.x, start.y);
+  return null;
 }

@@ -168,17 +168,18 @@ export function tableView(page: Page): TableView {
 
   function fill(document: api.TableDocument): void {
     document.joints.forEach((row, k) => {
-      const write = (pointer: string, value: unknown): void => {
+      const write = (pointer: string, value: unknown, digits = 12): void => {
         const field = cells.get(`/joints/${k}/${pointer}`);
         if (!field || field === window.document.activeElement && field.value !== '' && isTyping(field)) return;
-        const text = value === undefined || value === null ? '' : cellText(value as api.Cell);
+        const text = value === undefined || value === null ? '' : cellText(value as api.Cell, digits);
         if (field.value !== text) field.value = text;
         // What is longer than its cell can be read all the same.
-        if (!(field instanceof HTMLSelectElement)) field.title = text.length > 7 ? text : '';
+        const whole = String(value ?? '');
+        if (!(field instanceof HTMLSelectElement)) field.title = whole.length > 7 ? whole : '';
       };
       for (const column of ['theta', 'd', 'a', 'alpha', 'r', 'b', 'gamma', 'ant'] as const) write(column, row[column]);
-      write('limits/lower', row.limits?.lower);
-      write('limits/upper', row.limits?.upper);
+      write('limits/lower', row.limits?.lower, 4);
+      write('limits/upper', row.limits?.upper, 4);
       const own = ownColumn(row, document.convention);
       for (const column of COLUMNS[document.convention]) {
         cells.get(`/joints/${k}/${column}`)?.classList.toggle('variable', column === own);
@@ -281,9 +282,9 @@ export function tableView(page: Page): TableView {
   };
 }
 
-/** Numbers with what matters of twelve digits: 166.00306198325342 is 166.003061983. */
-function cellText(value: api.Cell): string {
-  return typeof value === 'number' ? String(Number(value.toPrecision(12))) : value;
+/** Numbers with what matters of so many digits: 166.00306198325342 is 166.003061983. */
+function cellText(value: api.Cell, digits: number): string {
+  return typeof value === 'number' ? String(Number(value.toPrecision(digits))) : value;
 }
 
 /** Craig's a and α bear the number of the row before. */
