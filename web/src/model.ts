@@ -109,6 +109,8 @@ async function fromURDF(
   signal: AbortSignal,
 ): Promise<Model> {
   const ref = { urdf };
+  // The service reads it first: what is no XML would make the browser's parser complain.
+  await api.send(api.workspace(ref, 1), signal);
   const joints = jointsOfURDF(urdf);
   const answer = await api.json<api.FKAnswer>(
     api.computation('fk', ref, { q: joints.map(() => 0) }),

@@ -21,12 +21,13 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { standpoint } from './fit';
 import { Frames } from './frames';
 import { Hand } from './hand';
-import { layOut } from './labels';
+import { layOut, type Placed } from './labels';
 import { drawCloud, drawEllipsoids, drawLost, drawObstacles, drawPath } from './overlays';
 import { axes, COLORS, label, type Scale } from './parts';
+import { probeOf } from './probe';
 import { RobotModel } from './robot';
 import { drawDimensions, drawMotion } from './rows';
-import { clear, cornersOf, matrix4, onScreen, pose, rowsOf } from './space';
+import { clear, cornersOf, matrix4, pose } from './space';
 import {
   NoWebGL,
   type FramesShown,
@@ -38,20 +39,6 @@ import {
 } from './types';
 
 const FIELD = 40;
-
-/** What is left on the host element for tests and the curious. */
-export interface Probe {
-  /** Pose of every frame in base axes, as the scene has it. */
-  poses(): Record<string, number[][]>;
-  /** Client pixels of the ball that is dragged; null where there is none. */
-  handle(): { x: number; y: number } | null;
-  /** Pose of the target, of the tool where there is none. */
-  target(): number[][] | null;
-  /** Client pixels of a frame's origin. */
-  pixel(frame: string): { x: number; y: number } | null;
-  /** Number of mesh files that are shown. */
-  meshes(): number;
-}
 
 /**
  * Creates the scene in a host element, which it fills.
@@ -88,6 +75,7 @@ class View implements Scene {
   private scale: Scale = { axis: 0.1 };
   private dark = false;
   private drawn = '';
+  private labels: readonly Placed[] = [];
   private obstacles = '';
   private path: Parameters<Scene['setPath']>[0] = null;
   private requested = 0;
@@ -119,19 +107,13 @@ class View implements Scene {
     this.controls.addEventListener('start', () => (this.turned = true));
     this.observer = new ResizeObserver(this.resize);
     this.observer.observe(host);
-    const probe: Probe = {
-      poses: () => Object.fromEntries((this.model?.frames ?? []).map((name) => [name, rowsOf(this.model?.poseOf(name) ?? new Matrix4())])),
-      handle: () => (this.handle.visible ? onScreen(this.handle.position, this.camera, this.renderer.domElement) : null),
-      target: () => {
-        const at = this.target ?? this.tipPose();
-        return at && rowsOf(at);
-      },
-      pixel: (frame) => {
-        const at = this.model?.poseOf(frame);
-        return at ? onScreen(new Vector3().setFromMatrixPosition(at), this.camera, this.renderer.domElement) : null;
-      },
-      meshes: () => this.model?.meshes ?? 0,
-    };
+    const probe = probeOf({
+      canvas: this.renderer.domElement, camera: this.camera, layers: this.layers, handle: this.handle,
+      model: () => this.model,
+      ghosts: () => this.ghosts.models,
+      target: () => this.target ?? this.tipPose(),
+      labels: () => this.labels,
+    });
     Object.assign(host, { probe });
   }
 
@@ -415,7 +397,7 @@ class View implements Scene {
       this.requested = 0;
       this.world.updateMatrixWorld();
       this.camera.updateMatrixWorld();
-      layOut(this.world, this.camera, this.host.clientWidth, this.host.clientHeight, this.handle);
+      this.labels = layOut(this.world, this.camera, this.host.clientWidth, this.host.clientHeight, this.handle);
       this.renderer.render(this.world, this.camera);
     });
   };

@@ -12,6 +12,11 @@ const BALL = 7;
 /** What of a label's picture is empty: its halo. */
 const HALO = { x: 6, y: 7 };
 
+/** Where a label stands, CSS pixels from the lower left corner of the view. */
+export interface Placed extends Box {
+  readonly text: string;
+}
+
 interface Box {
   readonly x: number;
   readonly y: number;
@@ -35,8 +40,10 @@ const OFFSETS: readonly (readonly [number, number])[] = Array.from({ length: RIN
  * @param root What the labels are in; its world matrices are up to date.
  * @param width Of the view, CSS pixels, like its height.
  * @param ball What is grabbed: no label hides it.
+ * @returns The labels that have a place.
  */
-export function layOut(root: Object3D, camera: PerspectiveCamera, width: number, height: number, ball: Object3D): void {
+export function layOut(root: Object3D, camera: PerspectiveCamera, width: number, height: number, ball: Object3D): Placed[] {
+  const placed: Placed[] = [];
   const taken: Box[] = [];
   const factor = Math.min(1, Math.max(SMALLEST, height / ENOUGH));
   const unit = (2 * Math.tan((camera.fov * Math.PI) / 360)) / height;
@@ -57,10 +64,14 @@ export function layOut(root: Object3D, camera: PerspectiveCamera, width: number,
     const place = near ? free(at, half, width, height, taken) : null;
     const [dx, dy] = place ? [place.x - at.x, place.y - at.y] : [0, 0];
     one.center.set(0.5 - dx / size.x, 0.5 - dy / size.y);
-    if (place) taken.push(place);
+    if (place) {
+      taken.push(place);
+      placed.push({ ...place, text: one.name });
+    }
     // Where there is no room left, one word less is better than two upon each other.
     else one.scale.set(0, 0, 1);
   });
+  return placed;
 }
 
 function free(at: { x: number; y: number }, half: { x: number; y: number }, width: number, height: number, taken: readonly Box[]): Box | null {

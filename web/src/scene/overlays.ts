@@ -74,7 +74,9 @@ export function drawLost(group: Group, directions: readonly LostDirection[], sca
     if (v.length() > 1e-6) {
       const end = reach(v);
       for (const sign of [1, -1]) {
-        group.add(onTop(rod(from, from.clone().addScaledVector(end, sign), 0.04 * scale.axis, LINEAR, 0.3 * scale.axis)));
+        const arrow = onTop(rod(from, from.clone().addScaledVector(end, sign), 0.04 * scale.axis, LINEAR, 0.3 * scale.axis));
+        arrow.name = 'linear';
+        group.add(arrow);
       }
       group.add(label('v', from.clone().addScaledVector(end, 1.1), LINEAR, dark));
     }

@@ -119,6 +119,7 @@ export function drawMotion(
     at = next;
   });
   const moving = axes(1.25 * scale.axis);
+  moving.name = 'moving';
   pose(moving, at);
   group.add(moving);
 }

@@ -1,6 +1,7 @@
 /** Base and tool of a table: a point with roll-pitch-yaw, or a matrix where it has one. */
 import type { Cell, Placement, TableDocument } from '../api';
 import { button, h, replace } from '../dom';
+import { readNumber } from '../format';
 import { t } from '../i18n';
 
 const ENDS = ['base', 'tool'] as const;
@@ -45,7 +46,9 @@ export function placements(edit: (document: TableDocument, kind: string) => void
 
   return {
     element,
-    field: (pointer) => fields.get(pointer.slice(1)),
+    // The service names the end at fault, `/tool`: its first field that is no number.
+    field: (pointer) => fields.get(pointer.slice(1))
+      ?? [...fields].find(([key, one]) => key.startsWith(`${pointer.slice(1)}/`) && readNumber(one.value) === null)?.[1],
     render(next) {
       document = next;
       const shape = JSON.stringify(ENDS.map((end) => [Boolean(next[end]?.matrix), next[end]?.matrix, next[end]?.quaternion_xyzw]));
