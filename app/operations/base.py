@@ -74,6 +74,15 @@ RankToleranceField = Annotated[
         extra_json_schema={"minimum": 0, "exclusiveMaximum": 1},
     ),
 ]
+NOT_GIVEN = b"null"
+"""The text of a configuration that a request leaves out."""
+
+
+def not_given() -> msgspec.Raw:
+    """The value of an optional configuration that a request leaves out."""
+    return msgspec.Raw(NOT_GIVEN)
+
+
 Numbers: TypeAlias = list[Any]
 """In answers: nested lists of numbers, with a leading axis n for batches."""
 

@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from app.operations.base import (
+    NOT_GIVEN,
     UNITS_SCHEMA,
     Answer,
     Context,
@@ -16,9 +17,9 @@ from app.operations.base import (
     OptionalConfiguration,
     SingleConfiguration,
     TaskField,
+    not_given,
     read_single,
 )
-from app.operations.inverse import NOT_GIVEN, not_given
 from app.operations.schema import items, within
 from kinematics.configuration import joint_names
 from kinematics.errors import InvalidOption
