@@ -261,6 +261,18 @@ def read_single(
     return q
 
 
+def read_frame(name: str | None, robot: Robot) -> str:
+    """The frame of a request; by default the tip.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+    """
+    if name is None:
+        return robot.tip_frame
+    robot.frame_id(name)
+    return name
+
+
 def read_reference_frame(name: str | None) -> ReferenceFrame:
     """The reference frame of a request.
 

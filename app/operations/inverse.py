@@ -21,6 +21,7 @@ from app.operations.base import (
     OptionalConfiguration,
     TaskField,
     not_given,
+    read_frame,
     read_single,
 )
 from app.operations.schema import (
@@ -131,8 +132,7 @@ class _Problem:
 
 def _read(robot: Robot, request: IKRequest, context: Context) -> _Problem:
     task = task_from(request.task)
-    frame = robot.tip_frame if request.frame is None else request.frame
-    robot.frame_id(frame)
+    frame = read_frame(request.frame, robot)
     options, quick_options = _options(
         request.tolerance.position,
         request.tolerance.orientation,

@@ -16,6 +16,7 @@ from app.operations.base import (
     OptionalConfiguration,
     TaskField,
     not_given,
+    read_frame,
     read_single,
 )
 from app.operations.inverse import ToleranceField
@@ -70,8 +71,7 @@ class IKSolutionsResponse(msgspec.Struct, kw_only=True):
 
 def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
     task = task_from(request.task)
-    frame = robot.tip_frame if request.frame is None else request.frame
-    robot.frame_id(frame)
+    frame = read_frame(request.frame, robot)
     tolerance = Tolerance(request.tolerance.position, request.tolerance.orientation)
     options = IKOptions(tolerance=tolerance, random_seed=request.random_seed)
     seed = None

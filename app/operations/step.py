@@ -18,6 +18,7 @@ from app.operations.base import (
     SingleConfiguration,
     TaskField,
     not_given,
+    read_frame,
     read_single,
 )
 from app.operations.schema import items, within
@@ -93,8 +94,7 @@ class StepResponse(msgspec.Struct, kw_only=True):
 
 def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
     task = task_from(request.task)
-    frame = robot.tip_frame if request.frame is None else request.frame
-    robot.frame_id(frame)
+    frame = read_frame(request.frame, robot)
     q = read_single(request.q, robot, context)
     given = bytes(request.z) != NOT_GIVEN
     if len(request.secondary) > MAX_SECONDARY:
