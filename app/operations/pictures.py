@@ -9,7 +9,7 @@ import numpy as np
 
 from app.operations.base import Answer, Configuration, Context, Operation, read_configuration
 from app.operations.schema import one_of, within
-from app.pictures.arm_figure import arm_figure, caption_of
+from app.pictures.arm_figure import arm_figure, caption_of, letters_of
 from app.pictures.camera import VIEWS
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.wire import PNG, SVG
@@ -107,7 +107,8 @@ def _caption(robot: Robot, q: FloatArray, context: Context, width: float) -> lis
     names = [joint.name[:24] for joint in robot.joints]
     few = robot.dof <= MOST_VALUES
     joints = caption_of(names, values, width, MOST_LINES) if few else [f"{robot.dof} joints"]
-    return [*joints, f"{robot.tip_frame[:40]} at ({place}) m"]
+    where = f" at ({place}) m"
+    return [*joints, robot.tip_frame[: min(40, letters_of(width) - len(where))] + where]
 
 
 def _quickly(robot: Robot, request: PictureRequest, context: Context) -> Answer | None:

@@ -177,6 +177,11 @@ def _free(at: FloatArray, half: float, room: Box, taken: list[Box]) -> FloatArra
     return None
 
 
+def letters_of(width: float) -> int:
+    """How many letters of a caption fit into a picture of a width, pixels."""
+    return int((width - 2 * INSET) / (GLYPH * CAPTION))
+
+
 def caption_of(names: Sequence[str], values: Sequence[str], width: float, most: int) -> list[str]:
     """``name = value`` pairs in lines that fit into a picture.
 
@@ -186,7 +191,7 @@ def caption_of(names: Sequence[str], values: Sequence[str], width: float, most: 
         width: Of the picture, pixels.
         most: Lines at most; what is left out shows as an ellipsis.
     """
-    letters = int((width - 2 * INSET) / (GLYPH * CAPTION))
+    letters = letters_of(width)
     lines: list[str] = []
     for name, value in zip(names, values, strict=True):
         pair = f"{name} = {value}"
