@@ -42,7 +42,8 @@ def wrong_with(case: Case, got: Received, folder: str) -> list[str]:
 def _told(text: str) -> str:
     try:
         problem = json.loads(text)
-        return " ".join([problem["detail"], *(one["message"] for one in problem["errors"])])
+        errors = [f"{one['pointer']} {one['message']}" for one in problem["errors"]]
+        return " ".join([problem["detail"], *errors])
     except (ValueError, KeyError, TypeError):
         return text
 

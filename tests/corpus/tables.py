@@ -141,7 +141,7 @@ TEXTS: dict[str, tuple[str, str, bytes | str, tuple[str, ...]]] = {
     "yaml two documents": (YAML, "", "a: 1\n---\nb: 2\n", ()),
     "yaml tabs": (YAML, "", "joints:\n\t- a: 1\n", ()),
     "yaml key twice": (YAML, "", "convention: dh\nconvention: mdh\njoints: []\n", ("convention",)),
-    "yaml .nan": (YAML, "", f"convention: dh\njoints: [{{type: R, alpha: .nan, a: 0, d: 0}}]\n",
+    "yaml .nan": (YAML, "", "convention: dh\njoints: [{type: R, alpha: .nan, a: 0, d: 0}]\n",
                   ("joint 1", "alpha")),
     "yaml .inf": (YAML, "", "convention: dh\njoints: [{type: R, alpha: -.inf, a: 0, d: 0}]\n",
                   ("joint 1", "alpha")),

@@ -310,7 +310,7 @@ ODD_BUT_RIGHT: dict[str, tuple[bytes, tuple[str, ...]]] = {
         OUTSIDE, '<drake:collision_filter_group name="g"><drake:member link="hand"/>'
         "</drake:collision_filter_group></robot>").encode(), ("collision_filter_group",)),
     "gazebo": (ARM.replace(OUTSIDE, '<gazebo reference="hand"><material>Gazebo/Red</material><mu1>'
-               '0.2</mu1><sensor type="ray"><ray><range><min>0</min></range></ray></sensor></gazebo>'
+               '0.2</mu1><sensor type="ray"><ray><min>0</min></ray></sensor></gazebo>'
                '<gazebo><plugin name="p" filename="libp.so"><robotNamespace>/a</robotNamespace>'
                "</plugin></gazebo></robot>").encode(), ("<gazebo>",)),
     "transmission": (ARM.replace(OUTSIDE, '<transmission name="t"><type>transmission_interface/'

@@ -85,9 +85,7 @@ def check_robot(robot: Robot, document: bytes, rng: random.Random) -> None:
     found = fk(robot, q, robot.frames)
     for reading in (original, canonical):
         origins = (element for element in _read(reading) if element.tag == "origin")
-        scale = 1.0 + sum(
-            abs(float(word)) for o in origins for word in o.get("xyz", "0").split()
-        )
+        scale = 1.0 + sum(abs(float(word)) for o in origins for word in o.get("xyz", "0").split())
         expected = frames(reading, by_name)
         assert set(expected) == set(found), "other links"
         base = np.linalg.inv(expected[robot.base_frame])
