@@ -142,8 +142,12 @@ def test_all_of_it_is_reached_by_keyboard(open_page):
         reached.add(page.evaluate(
             "() => document.activeElement.getAttribute('aria-label') ?? "
             "document.activeElement.textContent"))  # fmt: skip
-    for name in ("PUMA 560", "Row 1, a", "j1 (°)", "Fit", "Language", "3D view of the robot: arrow keys turn it, + and − zoom. What it shows is"
-                 " in the numbers beside it.", "Row 2, type of joint"):
+    view = (
+        "3D view of the robot: arrow keys turn it, + and − zoom."
+        " What it shows is in the numbers beside it."
+    )
+    names = ("PUMA 560", "Row 1, a", "j1 (°)", "Fit", "Language", "Row 2, type of joint")
+    for name in (*names, view):
         assert name in reached, sorted(reached)
     page.get_by_label("Row 1, a", exact=True).focus()
     page.keyboard.press("ArrowDown")
