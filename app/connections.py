@@ -7,7 +7,9 @@ in its lifespan state, so one guard serves all connections of a process.
 from __future__ import annotations
 
 import asyncio
+import logging
 import resource
+import secrets
 import sys
 from collections import deque
 from collections.abc import Callable
@@ -27,6 +29,7 @@ from uvicorn.protocols.http.httptools_impl import (
     RequestResponseCycle,
 )
 
+LOG = logging.getLogger("denavit")
 STATE = "connections"
 """Name of the guard in the lifespan state."""
 BYTES_A_SECOND = 10_000
@@ -339,6 +342,9 @@ class GuardedProtocol(HttpToolsProtocol):
         if self.transport.is_closing():
             return
         status, slug, detail = self._refusal
+        request_id = secrets.token_hex(8)
+        fields = {"request_id": request_id, "status": status, "problem": slug}
+        LOG.info("request not read", extra={"fields": fields})
         body = orjson.dumps(
             {
                 "type": f"{self.root_path}/problems/{slug}",
@@ -346,7 +352,7 @@ class GuardedProtocol(HttpToolsProtocol):
                 "status": status,
                 "detail": detail,
                 "errors": [{"pointer": "", "message": detail}],
-                "request_id": "",
+                "request_id": request_id,
             }
         )
         head = [
@@ -354,6 +360,7 @@ class GuardedProtocol(HttpToolsProtocol):
             b"content-type: application/problem+json\r\n",
             b"content-length: %d\r\n" % len(body),
             b"x-content-type-options: nosniff\r\ncache-control: no-store\r\n",
+            b"x-request-id: %b\r\n" % request_id.encode(),
             b"connection: close\r\n\r\n",
         ]
         self.transport.write(b"".join([*head, body]))

@@ -251,6 +251,7 @@ def build_router(max_body: int) -> APIRouter:
     async def put_robot(
         request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
     ) -> Response:
+        services.store.check_id(robot_id)
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
         replace = request.headers.get("if-none-match", "").strip() != "*"
 

@@ -116,6 +116,15 @@ def test_name_must_be_the_id_of_the_path(client):
     assert client.delete("/v1/robots/other").status_code == 204
 
 
+@pytest.mark.parametrize("robot_id", ["a b", "é", "%2e%2e", ".hidden", "a" * 65, "a%0ab"])
+def test_an_id_that_names_no_robot_is_refused_as_such(client, robot_id):
+    unnamed = {key: value for key, value in TABLE.items() if key != "name"}
+    answer = client.put(f"/v1/robots/{robot_id}", json=unnamed)
+    assert answer.status_code == 422
+    assert answer.json()["type"] == "/problems/invalid-robot-id"
+    assert "letters, digits and . _ -" in answer.json()["detail"]
+
+
 def test_urdf_upload_orders_q_by_the_file(client):
     answer = client.put(
         "/v1/robots/two?tip=arm", content=URDF, headers={"Content-Type": "application/xml"}

@@ -30,7 +30,10 @@ def problem_of(raw: bytes) -> dict:
     head, _, body = raw.partition(b"\r\n\r\n")
     assert b"application/problem+json" in head
     assert f"content-length: {len(body)}".encode() in head
-    return json.loads(body)
+    problem = json.loads(body)
+    assert problem["request_id"]
+    assert f"x-request-id: {problem['request_id']}".encode() in head
+    return problem
 
 
 def test_a_head_that_does_not_come_is_cut_off(serve):
