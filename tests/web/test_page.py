@@ -209,16 +209,13 @@ def test_without_webgl_there_is_a_picture(open_page):
     assert set(pictures) == {"image/svg+xml"}
     # What only the 3D view can show is not offered.
     assert not visit.page.locator(".toolbar").count()
-    assert (
-        visit.page.evaluate(
-            """() => {
+    assert visit.page.evaluate(
+        """() => {
             const host = document.querySelector('.host'), image = host.querySelector('img');
             return Math.abs(image.naturalWidth / image.naturalHeight
                 - host.clientWidth / host.clientHeight);
         }"""
-        )
-        < 0.02
-    )
+    ) < 0.02
 
 
 def test_curl_gets_the_index_and_browsers_the_page(client):

@@ -176,9 +176,7 @@ def test_each_motion_takes_the_frame_where_the_row_says(robot, open_page, client
         if motion:
             name, column = motion.split()
             expected = expected @ elementary(name[0], name[1], value[column])
-            page.get_by_role("group", name="Link matrix").get_by_role("button").nth(
-                step - 1
-            ).click()
+            page.get_by_role("group", name="Link matrix").get_by_role("button").nth(step - 1).click()
         moving = np.array(page.evaluate("() => document.querySelector('.host').probe.motion()"))
         assert np.abs(moving - expected).max() < 1e-9, (motion, moving)
     assert np.abs(moving - poses[f"frame_{row}"]).max() < 1e-9
