@@ -51,6 +51,13 @@ def follow(
     return None
 
 
+def follow_from(problem: Problem, options: PathOptions, Q: FloatArray, first: int) -> None:
+    """Fills the samples from ``first`` on, after those that are given."""
+    model = Linearised(problem, options)
+    for i in range(first, len(Q)):
+        Q[i] = advance(model, Q[i - 1], problem.path.targets[i], step)
+
+
 def advance(
     model: Linearised, previous: FloatArray, target: FloatArray, solve: Solve
 ) -> FloatArray:
