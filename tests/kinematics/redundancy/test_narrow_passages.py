@@ -1,5 +1,7 @@
 """Few samples close to obstacles: the way between two samples, and programs that nearly fail."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from kinematics.redundancy.follow import followed
 from kinematics.redundancy.measure import clearances_at
 from kinematics.redundancy.methods import METHODS
 from kinematics.redundancy.methods.whole_path import kept_until
-from kinematics.redundancy.obstacles import Box, CircleObstacle, Sphere
+from kinematics.redundancy.obstacles import Box, Sphere
 from kinematics.redundancy.problem import PathOptions
 from robots.shipped import shipped_robot
 
@@ -25,7 +27,7 @@ def done(problem, method):
     assert result.verdict.success, result.verdict.message
     Q = problem.arm.reduced(result.q)
     parts = np.linspace(0, 1, 50)[:, None]
-    for a, b in zip(Q, Q[1:], strict=False):
+    for a, b in pairwise(Q):
         clearance, _ = clearances_at(problem, a + parts * (b - a))
         assert clearance.min() >= problem.d_safe
 
