@@ -7,7 +7,9 @@ in its lifespan state, so one guard serves all connections of a process.
 from __future__ import annotations
 
 import asyncio
+import logging
 import resource
+import secrets
 import sys
 from collections import deque
 from collections.abc import Callable
@@ -27,6 +29,7 @@ from uvicorn.protocols.http.httptools_impl import (
     RequestResponseCycle,
 )
 
+LOG = logging.getLogger("denavit")
 STATE = "connections"
 """Name of the guard in the lifespan state."""
 BYTES_A_SECOND = 10_000
@@ -176,6 +179,8 @@ class GuardedProtocol(HttpToolsProtocol):
         self._unread = -1
         self._raw = self._payload = self._head = self._count = 0
         self._refusal = (400, "malformed-request", "this is no HTTP request that is read here")
+        self._running: RequestResponseCycle | None = None
+        self._parting = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """The connection is there; its first request is awaited."""
@@ -185,11 +190,15 @@ class GuardedProtocol(HttpToolsProtocol):
     def connection_lost(self, exc: Exception | None) -> None:
         """The connection is gone."""
         self.guard.leave(self)
+        if self._running is not None and not self._running.response_complete:
+            # Of several requests, uvicorn tells the newest only.
+            self._running.disconnected = True
+            self._running.message_event.set()
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
         """Reads on, as far as sizes allow."""
-        if self.phase is Phase.LINGER or self.parser is None:
+        if self.phase is Phase.LINGER or self._parting or self.parser is None:
             return
         if self.phase is Phase.IDLE:
             self._enter(Phase.HEAD, self.guard.limits.head_seconds)
@@ -225,9 +234,9 @@ class GuardedProtocol(HttpToolsProtocol):
         """The head is there; the body is awaited."""
         if len(self.pipeline) >= MAX_PIPELINED:
             raise ValueError("too many requests are pipelined")
+        super().on_headers_complete()
         self._enter(Phase.BODY, self.guard.limits.body_seconds)
         self._raw = self._payload = 0
-        super().on_headers_complete()
 
     def on_body(self, body: bytes) -> None:
         """A part of the body."""
@@ -244,8 +253,11 @@ class GuardedProtocol(HttpToolsProtocol):
 
     def on_response_complete(self) -> None:
         """The answer is written."""
+        last = not self.pipeline
         super().on_response_complete()
-        if self.phase is Phase.ANSWER and not self.pipeline:
+        if last and self._parting:
+            self._part()
+        elif last and self.phase is Phase.ANSWER:
             self._enter(Phase.IDLE, 0.0)
 
     def pause_writing(self) -> None:
@@ -298,21 +310,41 @@ class GuardedProtocol(HttpToolsProtocol):
         self.transport.abort()
 
     def send_400_response(self, msg: str) -> None:  # noqa: ARG002  uvicorn's text
-        """Says why the request is not read, and ends the connection once that was read."""
+        """Says why the request is not read, and ends the connection once that was read.
+
+        Requests that came whole before it get their answers first.
+        """
         if self.transport.is_closing():
             return
-        if self.cycle is not None and not self.cycle.response_complete:
-            if self.cycle.response_started or self.pipeline or self.phase is Phase.HEAD:
-                # Another answer is due on this connection: no place for this one.
+        due = self._running is not None and not self._running.response_complete
+        if self.phase is Phase.BODY:
+            if self.pipeline:
+                self.pipeline.popleft()  # the newest, of which the rest is not read
+            elif self.cycle.response_complete:
+                # The answer is given already, before the body was read.
+                self._linger()
+                return
+            elif self.cycle.response_started:
                 self.cut_off()
                 return
-            self.cycle.disconnected = True
-            self.cycle.message_event.set()
-        elif self.phase is Phase.BODY:
-            # The answer is given already, before the body was read.
-            self._linger()
+            else:
+                self.cycle.disconnected = True
+                self.cycle.message_event.set()
+                due = False
+        if due:
+            self._parting = True
+            self._enter(Phase.ANSWER, 0.0)
+        else:
+            self._part()
+
+    def _part(self) -> None:
+        """Sends the refusal, and no more after it."""
+        if self.transport.is_closing():
             return
         status, slug, detail = self._refusal
+        request_id = secrets.token_hex(8)
+        fields = {"request_id": request_id, "status": status, "problem": slug}
+        LOG.info("request not read", extra={"fields": fields})
         body = orjson.dumps(
             {
                 "type": f"{self.root_path}/problems/{slug}",
@@ -320,7 +352,7 @@ class GuardedProtocol(HttpToolsProtocol):
                 "status": status,
                 "detail": detail,
                 "errors": [{"pointer": "", "message": detail}],
-                "request_id": "",
+                "request_id": request_id,
             }
         )
         head = [
@@ -328,6 +360,7 @@ class GuardedProtocol(HttpToolsProtocol):
             b"content-type: application/problem+json\r\n",
             b"content-length: %d\r\n" % len(body),
             b"x-content-type-options: nosniff\r\ncache-control: no-store\r\n",
+            b"x-request-id: %b\r\n" % request_id.encode(),
             b"connection: close\r\n\r\n",
         ]
         self.transport.write(b"".join([*head, body]))
@@ -342,6 +375,7 @@ class GuardedProtocol(HttpToolsProtocol):
             self.transport.close()
 
     def _start_asgi_task(self, cycle: RequestResponseCycle, app: ASGI3Application) -> None:
+        self._running = cycle
         if cycle.scope["path"] in FIRST:
             super()._start_asgi_task(cycle, app)
             return

@@ -78,14 +78,12 @@ def _bones_of_table(table: DHTable, frames: dict[str, FloatArray]) -> tuple[Floa
 
 def _bones_of_links(robot: Robot, frames: dict[str, FloatArray]) -> tuple[FloatArray, ...]:
     model = robot.model
-    bones = []
-    for name in robot.frames:
-        frame = model.frames[robot.frame_id(name)]
-        joint_frame = model.frames[frame.parentFrame]
-        parent = model.frames[joint_frame.parentFrame].name
-        if parent in frames and parent != name:
-            bones.append(_straight(frames[parent], frames[name]))
-    return tuple(bones)
+    parents = {name: int(model.frames[robot.frame_id(name)].parentFrame) for name in robot.frames}
+    return tuple(
+        _straight(frames[model.frames[parent].name], frames[name])
+        for name, parent in parents.items()
+        if parent
+    )
 
 
 def _straight(before: FloatArray, after: FloatArray) -> FloatArray:

@@ -24,7 +24,8 @@ _ALONG_AXIS = {
 def build_model(description: URDFDescription) -> Any:
     """The model: one joint with one value a moving joint, one body frame a link.
 
-    Fixed joints make no joints of the model. A continuous joint takes its angle, not (cos, sin).
+    The parent of a link's frame is that of its parent link; the root's is the universe. Fixed
+    joints make no joints of the model. A continuous joint takes its angle, not (cos, sin).
     Limits that the description does not have are infinite. The model is for kinematics: masses and
     inertias stand in the canonical URDF only.
     """
@@ -39,11 +40,13 @@ def build_model(description: URDFDescription) -> Any:
         else:
             number = model.addJoint(parent, _motion(joint), placement, joint.name, *_limits(joint))
             carriers[joint.child] = number, pin.SE3.Identity()
-    for link in description.links:
+    parents = {joint.child: joint.parent for joint in description.parents_first()}
+    numbers: dict[str, int] = {}
+    for link in (description.root, *parents):
         number, placement = carriers[link]
-        model.addFrame(
-            pin.Frame(link, number, 0, placement, pin.FrameType.BODY, pin.Inertia.Zero()), False
-        )
+        above = numbers[parents[link]] if link in parents else 0
+        frame = pin.Frame(link, number, above, placement, pin.FrameType.BODY, pin.Inertia.Zero())
+        numbers[link] = model.addFrame(frame, False)
     return model
 
 

@@ -192,6 +192,19 @@ class RobotStore:
         self._unusable.pop(robot_id, None)
         return stored
 
+    @staticmethod
+    def check_id(robot_id: str) -> None:
+        """Whether a robot may be stored under an id.
+
+        Raises:
+            InvalidRobotId: The id has other characters than letters, digits and ``. _ -``.
+            ReadOnlyRobot: The id belongs to the shipped library.
+        """
+        if ROBOT_ID.fullmatch(robot_id) is None:
+            raise InvalidRobotId(robot_id)
+        if is_shipped(robot_id):
+            raise ReadOnlyRobot(robot_id)
+
     def put(
         self,
         robot_id: str,
@@ -219,10 +232,7 @@ class RobotStore:
             QuotaReached: It would exceed a quota.
             StorageError: The disk does not take it; what was stored before is intact.
         """
-        if ROBOT_ID.fullmatch(robot_id) is None:
-            raise InvalidRobotId(robot_id)
-        if is_shipped(robot_id):
-            raise ReadOnlyRobot(robot_id)
+        self.check_id(robot_id)
         content = encode(robot)
         self._warm(robot_id, if_match)
         with self._directory.turn() as turn:

@@ -9,7 +9,9 @@ import time
 from pathlib import Path
 
 import httpx
-import pytest
+
+from app.settings import Settings
+from tests.conftest import unused_port
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
@@ -25,6 +27,7 @@ def blocks():
 def shell(command, server, folder):
     """Runs a block as a reader would, against the test's server, in an empty folder."""
     text = command.replace("localhost:8000", server.removeprefix("http://"))
+    text = text.replace("8010", str(unused_port()))
     environment = {**os.environ, "DENAVIT_DATA_DIR": str(folder / "data")}
     done = subprocess.run(
         ["bash", "-euo", "pipefail", "-c", text],
@@ -96,8 +99,25 @@ def test_every_other_block_is_run_elsewhere():
     assert makes == ["make run\n"]
 
 
-@pytest.mark.parametrize("name", re.findall(r"`(DENAVIT_\w+)`", README))
-def test_settings_of_the_readme_exist(name):
-    from app.settings import Settings
+SETTING = re.compile(r"^\| `DENAVIT_(\w+)` \| (.*?) ?\| (.+) \|$", re.MULTILINE)
+IN_WORDS = {"data_dir": "`~/.local/share/denavit`", "compute_threads": "number of cores"}
 
-    assert name.removeprefix("DENAVIT_").lower() in Settings.model_fields
+
+def shown(name):
+    """The default of a setting as the table shows it."""
+    if name in IN_WORDS:
+        return IN_WORDS[name]
+    default = Settings.model_fields[name].get_default(call_default_factory=True)
+    if hasattr(default, "get_secret_value"):
+        default = default.get_secret_value()
+    if isinstance(default, bool):
+        return f"`{default}`".lower()
+    if isinstance(default, float):
+        return f"`{default:g}`"
+    return "" if default in ("", None) else f"`{default}`"
+
+
+def test_the_table_of_settings_is_that_of_the_service():
+    table = {name.lower(): default for name, default, _ in SETTING.findall(README)}
+    assert table == {name: shown(name) for name in Settings.model_fields}
+    assert len(SETTING.findall(README)) == len(table), "a setting stands twice"

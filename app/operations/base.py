@@ -74,6 +74,15 @@ RankToleranceField = Annotated[
         extra_json_schema={"minimum": 0, "exclusiveMaximum": 1},
     ),
 ]
+NOT_GIVEN = b"null"
+"""The text of a configuration that a request leaves out."""
+
+
+def not_given() -> msgspec.Raw:
+    """The value of an optional configuration that a request leaves out."""
+    return msgspec.Raw(NOT_GIVEN)
+
+
 Numbers: TypeAlias = list[Any]
 """In answers: nested lists of numbers, with a leading axis n for batches."""
 
@@ -250,6 +259,18 @@ def read_single(
         name = pointer.rsplit("/", 1)[-1]
         raise RequestProblem(INVALID_REQUEST, f"{name} is a batch; give one list", pointer)
     return q
+
+
+def read_frame(name: str | None, robot: Robot) -> str:
+    """The frame of a request; by default the tip.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+    """
+    if name is None:
+        return robot.tip_frame
+    robot.frame_id(name)
+    return name
 
 
 def read_reference_frame(name: str | None) -> ReferenceFrame:

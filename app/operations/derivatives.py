@@ -17,6 +17,7 @@ from app.operations.base import (
     TaskField,
     check_size,
     read_configuration,
+    read_frame,
     read_reference_frame,
 )
 from kinematics.configuration import joint_names
@@ -103,7 +104,7 @@ def _jacobian_derivative(
     robot: Robot, request: JacobianDerivativeRequest, context: Context
 ) -> Answer:
     reference_frame = read_reference_frame(request.reference_frame)
-    frame = robot.tip_frame if request.frame is None else request.frame
+    frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
     qd = read_configuration(request.qd, robot, context, "/qd")
     check_size(qd if qd.ndim == 2 else q, 6 * robot.dof)
@@ -122,7 +123,7 @@ def _jacobian_derivative(
 
 def _hessian(robot: Robot, request: HessianRequest, context: Context) -> Answer:
     reference_frame = read_reference_frame(request.reference_frame)
-    frame = robot.tip_frame if request.frame is None else request.frame
+    frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
     check_size(q, 6 * robot.dof**2)
     H = hessian(robot, q, frame, reference_frame)
@@ -141,7 +142,7 @@ def _manipulability_gradient(
     robot: Robot, request: ManipulabilityGradientRequest, context: Context
 ) -> Answer:
     task = task_from(request.task)
-    frame = robot.tip_frame if request.frame is None else request.frame
+    frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
     check_size(q, 6 * robot.dof**2)
     found = manipulability_gradient(robot, q, task, frame, tolerance=request.tolerance)

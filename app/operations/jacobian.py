@@ -17,6 +17,7 @@ from app.operations.base import (
     ReferenceFrameField,
     check_size,
     read_configuration,
+    read_frame,
     read_reference_frame,
 )
 from app.operations.schema import EULER
@@ -56,7 +57,7 @@ class JacobianResponse(msgspec.Struct, kw_only=True):
 
 
 def _run(robot: Robot, request: JacobianRequest, context: Context) -> Answer:
-    frame = robot.tip_frame if request.frame is None else request.frame
+    frame = read_frame(request.frame, robot)
     reference_frame = read_reference_frame(request.reference_frame)
     if request.euler is not None:
         parse_sequence(request.euler)

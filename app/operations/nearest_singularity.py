@@ -17,6 +17,7 @@ from app.operations.base import (
     SingleConfiguration,
     TaskField,
     check_size,
+    read_frame,
     read_single,
 )
 from kinematics.configuration import joint_names
@@ -72,8 +73,7 @@ class NearestSingularityResponse(msgspec.Struct, kw_only=True):
 
 def _run(robot: Robot, request: NearestSingularityRequest, context: Context) -> Answer:
     task, units = task_from(request.task), context.units
-    frame = robot.tip_frame if request.frame is None else request.frame
-    robot.frame_id(frame)
+    frame = read_frame(request.frame, robot)
     q = read_single(request.q, robot, context)
     check_size(q, robot.dof)
     found = nearest_singularity(robot, q, task, frame, tolerance=request.tolerance)

@@ -14,6 +14,7 @@ from app.operations.path_fields import PathScenario, read_options, read_problem
 from app.operations.path_links import LinkPart, told_of_links
 from app.operations.retime import RetimedMotion, motion_samples, read_retime, told_of_timing
 from app.operations.schema import METHOD
+from app.operations.targets import TARGET_QUERY
 from app.pictures.path_figure import path_figure
 from kinematics.configuration import joint_names
 from kinematics.redundancy.follow import PathResult, follow, followed
@@ -207,13 +208,7 @@ PATH = Operation(
     example_robot="planar_8r",
     query=(
         "q",
-        "position",
-        "rpy",
-        "quaternion_xyzw",
-        "euler",
-        "phi",
-        "direction",
-        "matrix",
+        *TARGET_QUERY,
         "frame",
         "task",
         "method",

@@ -8,17 +8,19 @@ import msgspec
 import numpy as np
 
 from app.operations.base import (
+    NOT_GIVEN,
     Context,
     OptionalConfiguration,
     SingleConfiguration,
     TaskField,
+    not_given,
     read_single,
 )
-from app.operations.inverse import NOT_GIVEN, EulerField, Target, not_given, read_target
 from app.operations.path_links import GEOMETRIES, read_geometry, read_radius
 from app.operations.per_joint import PerJoint
 from app.operations.retime import RetimeField
 from app.operations.schema import coordinates, items, one_of, within
+from app.operations.targets import EulerField, Target, read_target
 from app.problems import INVALID_REQUEST, RequestProblem
 from dh_to_urdf.errors import quoted
 from kinematics.errors import InvalidOption

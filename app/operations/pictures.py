@@ -9,7 +9,7 @@ import numpy as np
 
 from app.operations.base import Answer, Configuration, Context, Operation, read_configuration
 from app.operations.schema import one_of, within
-from app.pictures.arm_figure import arm_figure, caption_of
+from app.pictures.arm_figure import arm_figure, caption_of, letters_of
 from app.pictures.camera import VIEWS
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.wire import PNG, SVG
@@ -19,6 +19,7 @@ from robots.robot import FloatArray, Robot
 
 MOST_ARMS, MOST_FRAMES = 32, 100
 SIZES = (200, 2000)
+MOST_VALUES, MOST_LINES = 24, 3
 LIGHT_DOF = 10
 
 
@@ -71,7 +72,7 @@ def _draw(robot: Robot, request: PictureRequest, context: Context) -> Answer:
         [skeleton_of(robot, row) for row in q],
         frames,
         title=robot.name[:60],
-        caption=_caption(robot, q[-1], context),
+        caption=_caption(robot, q[-1], context, float(request.width)),
         view=request.view,
         labels=request.labels,
         size=(float(request.width), float(request.height)),
@@ -94,7 +95,7 @@ def _frames(robot: Robot, asked: list[str] | str | None) -> list[str]:
     return names[:MOST_FRAMES]
 
 
-def _caption(robot: Robot, q: FloatArray, context: Context) -> list[str]:
+def _caption(robot: Robot, q: FloatArray, context: Context, width: float) -> list[str]:
     shown = context.units.joints_out(robot, q)
     degrees = context.units.degrees
     values = [
@@ -104,8 +105,10 @@ def _caption(robot: Robot, q: FloatArray, context: Context) -> list[str]:
     tip = fk(robot, q)[robot.tip_frame][:3, 3]
     place = ", ".join(f"{value + 0.0:.4f}" for value in tip.tolist())
     names = [joint.name[:24] for joint in robot.joints]
-    joints = caption_of(names, values)[:3] if robot.dof <= 24 else [f"{robot.dof} joints"]
-    return [*joints, f"{robot.tip_frame[:40]} at ({place}) m"]
+    few = robot.dof <= MOST_VALUES
+    joints = caption_of(names, values, width, MOST_LINES) if few else [f"{robot.dof} joints"]
+    where = f" at ({place}) m"
+    return [*joints, robot.tip_frame[: min(40, letters_of(width) - len(where))] + where]
 
 
 def _quickly(robot: Robot, request: PictureRequest, context: Context) -> Answer | None:

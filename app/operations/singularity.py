@@ -20,6 +20,7 @@ from app.operations.base import (
     TaskField,
     check_size,
     read_configuration,
+    read_frame,
 )
 from app.operations.schema import within
 from kinematics.chain import chain_of
@@ -159,7 +160,7 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
         raise InvalidOption(
             f"tolerance is {request.tolerance:g}; give 0 up to below 1", "/tolerance"
         )
-    frame = robot.tip_frame if request.frame is None else request.frame
+    frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
     check_size(q, 6 * robot.dof + robot.dof**2)
     full = jacobian(robot, q, frame)

@@ -8,16 +8,20 @@ import msgspec
 import numpy as np
 
 from app.operations.base import (
+    NOT_GIVEN,
     UNITS_SCHEMA,
     Answer,
     Context,
     Operation,
     OptionalConfiguration,
     TaskField,
+    not_given,
+    read_frame,
     read_single,
 )
-from app.operations.inverse import NOT_GIVEN, Target, ToleranceField, not_given, read_target
+from app.operations.inverse import ToleranceField
 from app.operations.schema import within
+from app.operations.targets import TARGET_QUERY, Target, read_target
 from kinematics.inverse import IKOptions, Tolerance
 from kinematics.inverse.all_solutions import IKSolution, all_solutions
 from kinematics.task import task_from
@@ -67,8 +71,7 @@ class IKSolutionsResponse(msgspec.Struct, kw_only=True):
 
 def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
     task = task_from(request.task)
-    frame = robot.tip_frame if request.frame is None else request.frame
-    robot.frame_id(frame)
+    frame = read_frame(request.frame, robot)
     tolerance = Tolerance(request.tolerance.position, request.tolerance.orientation)
     options = IKOptions(tolerance=tolerance, random_seed=request.random_seed)
     seed = None
@@ -118,13 +121,7 @@ SOLUTIONS = Operation(
     example={"target": {"position": [0.4, 0.2, 0.5], "rpy": [0.1, 0.2, 0.3]}},
     example_robot="puma560",
     query=(
-        "position",
-        "rpy",
-        "quaternion_xyzw",
-        "euler",
-        "phi",
-        "direction",
-        "matrix",
+        *TARGET_QUERY,
         "frame",
         "task",
         "seed",

@@ -18,6 +18,7 @@ from app.operations.base import (
     TaskField,
     check_size,
     read_configuration,
+    read_frame,
     read_reference_frame,
 )
 from app.operations.spatial import WrenchField, read_vector
@@ -87,7 +88,7 @@ class WrenchResponse(msgspec.Struct, kw_only=True):
 
 def _joint_torques(robot: Robot, request: JointTorquesRequest, context: Context) -> Answer:
     reference_frame = read_reference_frame(request.reference_frame)
-    frame = robot.tip_frame if request.frame is None else request.frame
+    frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
     check_size(q, 6 * robot.dof)
     wrench = read_vector(request.wrench, WRENCH_ROWS, context, "/wrench")
@@ -109,7 +110,7 @@ def _joint_torques(robot: Robot, request: JointTorquesRequest, context: Context)
 def _wrench(robot: Robot, request: WrenchRequest, context: Context) -> Answer:
     task = task_from(request.task)
     reference_frame = read_reference_frame(request.reference_frame)
-    frame = robot.tip_frame if request.frame is None else request.frame
+    frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
     # Torques are no angles: ?angle=deg leaves them alone.
     tau = read_configuration(request.tau, robot, Context(Units(), context.settings), "/tau")

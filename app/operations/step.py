@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from app.operations.base import (
+    NOT_GIVEN,
     UNITS_SCHEMA,
     Answer,
     Context,
@@ -16,9 +17,10 @@ from app.operations.base import (
     OptionalConfiguration,
     SingleConfiguration,
     TaskField,
+    not_given,
+    read_frame,
     read_single,
 )
-from app.operations.inverse import NOT_GIVEN, not_given
 from app.operations.schema import items, within
 from kinematics.configuration import joint_names
 from kinematics.errors import InvalidOption
@@ -92,8 +94,7 @@ class StepResponse(msgspec.Struct, kw_only=True):
 
 def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
     task = task_from(request.task)
-    frame = robot.tip_frame if request.frame is None else request.frame
-    robot.frame_id(frame)
+    frame = read_frame(request.frame, robot)
     q = read_single(request.q, robot, context)
     given = bytes(request.z) != NOT_GIVEN
     if len(request.secondary) > MAX_SECONDARY:

@@ -20,6 +20,7 @@ from app.operations.base import (
     TaskField,
     check_size,
     read_configuration,
+    read_frame,
     read_reference_frame,
 )
 from app.operations.schema import within
@@ -95,7 +96,7 @@ class JointVelocitiesResponse(msgspec.Struct, kw_only=True):
 
 def _twist(robot: Robot, request: TwistRequest, context: Context) -> Answer:
     reference_frame = read_reference_frame(request.reference_frame)
-    frame = robot.tip_frame if request.frame is None else request.frame
+    frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
     check_size(q, 6 * robot.dof)
     qd = read_configuration(request.qd, robot, context, "/qd")
@@ -114,7 +115,7 @@ def _twist(robot: Robot, request: TwistRequest, context: Context) -> Answer:
 def _joint_velocities(robot: Robot, request: JointVelocitiesRequest, context: Context) -> Answer:
     task, units = task_from(request.task), context.units
     reference_frame = read_reference_frame(request.reference_frame)
-    frame = robot.tip_frame if request.frame is None else request.frame
+    frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
     twist = read_vector(request.twist, task.row_names, context, "/twist")
     check_size(twist if twist.ndim == 2 else q, 6 * robot.dof + robot.dof**2)

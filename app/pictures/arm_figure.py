@@ -8,16 +8,20 @@ from collections.abc import Sequence
 import numpy as np
 
 from app.pictures.camera import Camera, camera_for, view_of
-from app.pictures.canvas import GRID, Canvas
-from app.pictures.chart import ticks
+from app.pictures.canvas import GLYPH, GRID, Canvas
+from app.pictures.chart import Box, ticks
 from kinematics.skeleton import Skeleton
 from robots.robot import FloatArray
 
 AXIS_COLORS = ("#d62728", "#2ca02c", "#1f5fbf")
 BONE, JOINT = "#7a8794", "#2f3b47"
 _DIGITS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+_HALF = 5.5
+"""Half the height of a label, pixels."""
 _NUMBERED = re.compile(r"frame_(\d+)")
 MARGIN = 34.0
+LABEL, CAPTION = 11.0, 11.0
+INSET = 14.0
 
 
 def arm_figure(
@@ -48,7 +52,7 @@ def arm_figure(
     chosen = view_of(shown.axes, shown.turns) if view == "auto" else view
     points = np.concatenate([one.points for one in skeletons])
     extent = float((points.max(axis=0) - points.min(axis=0)).max())
-    arrow = 0.11 * max(extent, 1e-3)
+    arrow = 0.11 * max(extent, 1e-6)
     tips = [shown.frames[name][:3, 3] + arrow * shown.frames[name][:3, k]
             for name in frames for k in range(3)]  # fmt: skip
     everything = np.concatenate((points, np.array(tips).reshape(-1, 3), np.zeros((1, 3))))
@@ -59,10 +63,11 @@ def arm_figure(
     _ground(canvas, camera, chosen, everything)
     for number, one in enumerate(skeletons):
         _arm(canvas, camera, one, 0.3 if number < len(skeletons) - 1 else 1.0)
-    _frames(canvas, camera, shown, frames, arrow, labels)
-    canvas.text((14, 22), title, 15, bold=True)
+    room = (2.0, 30.0, size[0] - 2.0, size[1] - foot)
+    _frames(canvas, camera, shown, frames, arrow, room if labels else None)
+    canvas.text((INSET, 22), title, 15, bold=True)
     for line, text in enumerate(caption):
-        canvas.text((14, size[1] - foot + 14 + 16 * line), text, 11)
+        canvas.text((INSET, size[1] - foot + 14 + 16 * line), text, CAPTION)
     return canvas.render()
 
 
@@ -108,9 +113,10 @@ def _frames(
     skeleton: Skeleton,
     names: Sequence[str],
     arrow: float,
-    labels: bool,
+    room: Box | None,
 ) -> None:
-    taken: list[FloatArray] = []
+    """Axes, and their names where there is room for them."""
+    taken: list[Box] = []
     for name in names:
         T = skeleton.frames[name]
         start = camera.place(T[:3, 3])
@@ -123,10 +129,13 @@ def _frames(
                 canvas.line([start, end], AXIS_COLORS[k], 1.6)
                 canvas.line(_head(start, end), AXIS_COLORS[k], 1.0, closed=True,
                             fill=AXIS_COLORS[k])  # fmt: skip
-            if labels and letter in "xz":
-                beside = end + (end - start) / max(length, 6.0) * 9.0 if length > 2 else end + 8.0
-                at = _free(beside, taken)
-                canvas.text((at[0], at[1] + 4), _label(letter, name), 11, anchor="middle",
+            if room is None or letter not in "xz":
+                continue
+            beside = end + (end - start) / max(length, 6.0) * 9.0 if length > 2 else end + 8.0
+            text = _label(letter, name)
+            at = _free(beside, GLYPH * LABEL * len(text) / 2, room, taken)
+            if at is not None:
+                canvas.text((at[0], at[1] + 4), text, LABEL, anchor="middle",
                             color=AXIS_COLORS[k], halo=True)  # fmt: skip
 
 
@@ -143,18 +152,53 @@ def _label(letter: str, frame: str) -> str:
     return f"{letter} {frame[:24]}" if letter == "x" or frame == "tool" else letter
 
 
-def _free(at: FloatArray, taken: list[FloatArray]) -> FloatArray:
-    """The place, or the nearest one around it where no label stands yet."""
-    for ring in range(12):
+def _free(at: FloatArray, half: float, room: Box, taken: list[Box]) -> FloatArray | None:
+    """The place, or the nearest one around it where no label stands yet; None for no room.
+
+    Args:
+        at: Middle of the label, pixels.
+        half: Half its width.
+        room: Left, top, right and bottom of where labels may stand.
+        taken: x, y, half width and half height of those that stand; the new one is added.
+    """
+    left, top, right, bottom = room
+    low, high = np.array([left + half, top + _HALF]), np.array([right - half, bottom - _HALF])
+    start = np.clip(at, low, np.maximum(low, high))
+    for ring in range(14):
         for turn in np.arange(8) * (np.pi / 4):
-            spot = at + 7.0 * ring * np.array([np.cos(turn), np.sin(turn)])
-            if all(abs(o[0] - spot[0]) > 18 or abs(o[1] - spot[1]) > 11 for o in taken):
-                taken.append(spot)
+            spot = start + 7.0 * ring * np.array([np.cos(turn), np.sin(turn)])
+            inside = bool((spot >= low).all() and (spot <= high).all())
+            if inside and all(
+                abs(x - spot[0]) >= wide + half or abs(y - spot[1]) >= tall + _HALF
+                for x, y, wide, tall in taken
+            ):
+                taken.append((float(spot[0]), float(spot[1]), half, _HALF))
                 return np.asarray(spot)
-    return at
+    return None
 
 
-def caption_of(names: Sequence[str], values: Sequence[str], per_line: int = 8) -> list[str]:
-    """``name = value`` pairs in lines."""
-    pairs = [f"{name} = {value}" for name, value in zip(names, values, strict=True)]
-    return ["   ".join(pairs[k : k + per_line]) for k in range(0, len(pairs), per_line)]
+def letters_of(width: float) -> int:
+    """How many letters of a caption fit into a picture of a width, pixels."""
+    return int((width - 2 * INSET) / (GLYPH * CAPTION))
+
+
+def caption_of(names: Sequence[str], values: Sequence[str], width: float, most: int) -> list[str]:
+    """``name = value`` pairs in lines that fit into a picture.
+
+    Args:
+        names: Of the joints.
+        values: Their values.
+        width: Of the picture, pixels.
+        most: Lines at most; what is left out shows as an ellipsis.
+    """
+    letters = letters_of(width)
+    lines: list[str] = []
+    for name, value in zip(names, values, strict=True):
+        pair = f"{name} = {value}"
+        if lines and len(lines[-1]) + 3 + len(pair) <= letters:
+            lines[-1] += f"   {pair}"
+        else:
+            lines.append(pair)
+    if len(lines) > most:
+        return [*lines[: most - 1], f"{lines[most - 1][: letters - 2]} …"]
+    return lines

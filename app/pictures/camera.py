@@ -54,7 +54,7 @@ def view_of(axes: FloatArray, turns: NDArray[np.bool_]) -> str:
 
 
 def camera_for(
-    view: str, points: FloatArray, box: tuple[float, float, float, float], least: float = 1e-3
+    view: str, points: FloatArray, box: tuple[float, float, float, float], least: float = 1e-7
 ) -> Camera:
     """A camera that shows all points.
 

@@ -15,6 +15,8 @@ FONT = "Helvetica, Arial, sans-serif"
 INK, GRID = "#222222", "#dddddd"
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
 """The palette of Okabe and Ito, told apart by colour-blind eyes as well."""
+GLYPH = 0.62
+"""Width of a letter, on average, as a part of the size of the text."""
 
 
 class Canvas:

@@ -10,7 +10,7 @@ import msgspec
 from fastapi import APIRouter, Path, Request, Response
 
 from app.dependencies import RobotDep, ServicesDep
-from app.openapi import REF
+from app.openapi import PROBLEMS, REF
 from app.query import check_query
 from app.wire import JSON, TEXT, respond, wanted_type
 from robots.meshes import Mesh, digest_of, mesh_of, meshes_of
@@ -19,7 +19,7 @@ AGE = "public, max-age=86400"
 KEPT_FILES = 64
 """Compressed files in memory; those of one arm are about 2 MB."""
 
-router = APIRouter(prefix="/v1/robots/{robot_id}/meshes", tags=["robots"])
+router = APIRouter(prefix="/v1/robots/{robot_id}/meshes", tags=["robots"], responses=PROBLEMS)
 
 
 class MeshLine(msgspec.Struct, kw_only=True):

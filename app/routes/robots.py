@@ -155,7 +155,9 @@ def _if_match(request: Request) -> tuple[str, ...]:
     given = request.headers.get("if-match")
     if given is None:
         return ()
-    return tuple(item.strip().strip('"') for item in given.split(","))
+    tags = (item.strip() for item in given.split(","))
+    # A star in quotes is a tag that no robot has; stripped, it would stand for any.
+    return tuple(tag if tag in ("*", '"*"') else tag.strip('"') for tag in tags)
 
 
 def build_router(max_body: int) -> APIRouter:
@@ -249,6 +251,7 @@ def build_router(max_body: int) -> APIRouter:
     async def put_robot(
         request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
     ) -> Response:
+        services.store.check_id(robot_id)
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
         replace = request.headers.get("if-none-match", "").strip() != "*"
 

@@ -15,6 +15,8 @@ from app.telemetry.lines import JSONLine, LineHandler, TextLine
 LOG = logging.getLogger("denavit")
 _OWN = ("denavit", "app", "kinematics", "robots", "dh_to_urdf")
 """Loggers that follow the chosen level; those of libraries start at warnings."""
+_TWICE = "Invalid HTTP request received."
+"""Uvicorn's word for what ``app.connections`` tells with its status and request id."""
 
 
 def log_form(settings: Settings) -> Literal["json", "text"]:
@@ -42,6 +44,7 @@ def log_to_stderr(settings: Settings) -> None:
     root.setLevel(max(level, logging.WARNING))
     for name in _OWN:
         logging.getLogger(name).setLevel(level)
+    logging.getLogger("uvicorn.error").addFilter(lambda record: record.msg != _TWICE)
     # What logging would look up for each line, and no line shows.
     logging.logThreads = logging.logMultiprocessing = False
     # A log that cannot be written to is no reason to write about it.

@@ -9,11 +9,11 @@ from typing import Protocol
 
 from dh_to_urdf.errors import quoted
 
-_NUMBER = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _TOKEN = re.compile(
     rf"\s*(?:(?P<number>{_NUMBER})|(?P<word>[^\W\d_]\w*)|(?P<symbol>[-+*/(),°]))", re.UNICODE
 )
-_VARIABLE = re.compile(r"(?P<letter>q|theta|th|t|θ|ϑ|d|r)_?(?P<index>\d{0,6})")
+_VARIABLE = re.compile(r"(?P<letter>q|theta|th|t|θ|ϑ|d|r)_?(?P<index>[0-9]{0,6})")
 _ANGLE_UNITS = {"deg": math.pi / 180, "rad": 1.0}
 _LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 _TURNS = {"sin": math.sin, "cos": math.cos, "tan": math.tan}

@@ -23,8 +23,8 @@ MAX_CELL_LENGTH = 64
 MAX_MAGNITUDE = 1e6
 
 _SIGNS = str.maketrans({"−": "-", "–": "-", "×": "*", "·": "*", "⋅": "*", "\u00a0": " "})
-DECIMAL_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d+)(?![\d.,])")
-_THOUSANDS = re.compile(r"(?<![\d.,])[1-9]\d{0,2},\d{3}(?![\d.,])")
+DECIMAL_COMMA = re.compile(r"(?<![\d.,])([0-9]+),([0-9]+)(?![\d.,])")
+_THOUSANDS = re.compile(r"(?<![\d.,])[1-9][0-9]{0,2},[0-9]{3}(?![\d.,])")
 _RADIANS_AFTER_PI = re.compile(r"^([^a-z]*(?:pi|π)[^a-z]*?)\s*rad\s*$", re.IGNORECASE)
 
 

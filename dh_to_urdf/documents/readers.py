@@ -28,12 +28,21 @@ def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
     """Reads a table from JSON.
 
     Args:
-        text: The JSON text.
+        text: The JSON text, UTF-8 if bytes.
         default_name: Name for a table that gives none; None requires one.
 
     Raises:
         DHError: Not JSON, or not a usable table.
     """
+    if isinstance(text, bytes):
+        try:
+            text = text.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            raise DHSyntaxError.single(
+                "", "the text is not JSON: it is not UTF-8; save it so"
+            ) from None
+    if not text.strip():
+        raise DHSyntaxError.single("", "the text is not JSON: it is empty; send a table")
     try:
         data = json.loads(text, object_pairs_hook=_no_duplicates)
     except DHError:

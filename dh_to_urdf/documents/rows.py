@@ -321,7 +321,7 @@ class RowReader:
 
 def _integer(raw: object) -> int | None:
     """An integer from 3, 3.0 or "3"; None for anything else."""
-    if isinstance(raw, str) and re.fullmatch(r"\s*[+-]?\d{1,6}\s*", raw):
+    if isinstance(raw, str) and re.fullmatch(r"\s*[+-]?[0-9]{1,6}\s*", raw):
         return int(raw)
     if isinstance(raw, bool) or not isinstance(raw, (int, float)):
         return None

@@ -29,8 +29,8 @@ from dh_to_urdf.par.text import DYNAMICS, GEOMETRY, ParText, parse_par
 from dh_to_urdf.table import Convention, DHTable, JointType
 
 _REQUIRED = ("sigma", "alpha", "d", "theta", "r")
-_JOINT_NOTE = re.compile(r"Joint\s+(\d{1,4})\s*:\s*(\S.*)", re.DOTALL)
-_TOOL_NOTE = re.compile(r"Frame\s+(\d{1,4})\s*:\s*tool")
+_JOINT_NOTE = re.compile(r"Joint\s+([0-9]{1,4})\s*:\s*(\S.*)", re.DOTALL)
+_TOOL_NOTE = re.compile(r"Frame\s+([0-9]{1,4})\s*:\s*tool")
 _ITEM = re.compile(r"(\w+)\s*=\s*(?:'([^']*)'|([^',=]+))")
 _LIMITS = ("lower", "upper", "velocity", "effort")
 _TRUTH = {"0": False, "1": True, "false": False, "true": True}
@@ -158,7 +158,7 @@ def _count(par: ParText, key: str) -> int | None:
     text = par.scalars.get(key)
     if text is None:
         return None
-    if re.fullmatch(r"\d{1,4}", text) is None:
+    if re.fullmatch(r"[0-9]{1,4}", text) is None:
         raise DHError.single(f"/{key}", f"{key} is {quoted(text)}; give an integer")
     return int(text)
 

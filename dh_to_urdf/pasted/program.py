@@ -41,7 +41,7 @@ from dh_to_urdf.table import Convention
 MAX_LEFT, MAX_RIGHT = 12, 40
 """Tokens of an assignment that are looked at."""
 _ROBOTS = ("SerialLink", "DHRobot", "SerialLink.SerialLink")
-_NUMBERED = re.compile(r"([^\W\d]\w*)[({\[](\d{1,4})[)}\]]")
+_NUMBERED = re.compile(r"([^\W\d]\w*)[({\[]([0-9]{1,4})[)}\]]")
 _MATRIX = re.compile(r"(?:^|[=(\s])\[\s*[-+\d.\[(]|\.array\s*\(|^[ \t]*\[", re.MULTILINE)
 _CALL = re.compile(
     r"\b(?:Link|DHLink|Revolute|Prismatic|RevoluteDH|PrismaticDH|RevoluteMDH|PrismaticMDH"

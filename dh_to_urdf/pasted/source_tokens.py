@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from dh_to_urdf.errors import DHError, DHSyntaxError
 
 MAX_TOKENS, MAX_DEPTH = 40_000, 20
-_NUMBER = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _TOKEN = re.compile(
     rf"(?P<space>[ \t\r\f\v]+)|(?P<newline>\n)|(?P<comment>[%#][^\n]*)|(?P<joined>\.\.\.[^\n]*\n)"
     rf"|(?P<number>{_NUMBER})|(?P<word>[^\W\d]\w*(?:\.[^\W\d]\w*)*)"

@@ -82,7 +82,20 @@ def parse(text: str) -> etree._Element:
                 f"an element <{shown_tag(element)}> has {len(element.attrib)} attributes; at most"
                 f" {MAX_ATTRIBUTES} are read"
             )
+    _drop_default_namespace(root)
     return root
+
+
+def _drop_default_namespace(root: etree._Element) -> None:
+    """Takes elements out of the namespace that ``xmlns="…"`` of the root gives.
+
+    URDF has no namespace, and its readers look at names as they are written.
+    """
+    default = root.nsmap.get(None)
+    if default is not None:
+        for element in root.iter():
+            if element.prefix is None:
+                element.tag = str(element.tag).removeprefix(f"{{{default}}}")
 
 
 def shown_tag(element: etree._Element) -> str:

@@ -10,6 +10,7 @@ from robots.urdf.description import MOVING_TYPES, URDFDescription
 from robots.urdf.joints import read_joint
 from robots.urdf.links import LinkReader, check_shapes
 from robots.urdf.markup import parse
+from robots.urdf.mimics import read_mimics
 from robots.urdf.structure import check_structure
 from robots.urdf.text import decode
 from robots.urdf.tree import check_names, check_tree
@@ -41,12 +42,8 @@ def read_urdf(text: str | bytes) -> URDFDescription:
     check_names("link", links)
     known = frozenset(links)
     joints = tuple(read_joint(element, robot, known) for element in joint_elements)
-    mimics = (
-        f"joint {joint.name!r} mimics another; it is treated as independent"
-        for joint, element in zip(joints, joint_elements, strict=True)
-        if element.find("mimic") is not None
-    )
     check_names("joint", [joint.name for joint in joints])
+    mimics = read_mimics(joints, joint_elements)
     root = check_tree(links, joints)
     if not any(joint.type != "fixed" for joint in joints):
         raise InvalidURDF("the robot has no joint that moves; give it one")

@@ -47,6 +47,11 @@ _OF_NO_ACCOUNT = ("verbose", "origin", "material", "contact_coefficients")
 """Left out without a word."""
 _READ = {tag for children in _CHILDREN.values() for tag in children} | {"robot"}
 _MAX_LEFT_OUT = 20
+_NOT_DONE = {
+    "include": "put the elements of that file in its place",
+    "loop_joint": "a robot is a tree; cut its loops",
+}
+"""Elements without which it would be another robot, and what to do."""
 _XACRO = "http://www.ros.org/wiki/xacro"
 
 
@@ -65,7 +70,7 @@ def check_structure(robot: etree._Element) -> tuple[str, ...]:
     if robot.tag != "robot":
         raise InvalidURDF(
             f"the root element is <{shown_tag(robot)}>; a URDF starts with <robot name=…>"
-            + (" without xmlns=…" if str(robot.tag).endswith("}robot") else "")
+            + (" without a prefix" if str(robot.tag).endswith("}robot") else "")
         )
     left_out: dict[str, None] = {}
     for element, where in _walk(robot, "the robot"):
@@ -145,6 +150,8 @@ def _check_unknown(child: etree._Element, parent: str, where: str) -> None:
     shown = shown_tag(child)
     if namespace.startswith(_XACRO) or namespace.endswith("/xacro"):
         raise InvalidURDF(f"{where} holds <xacro:{shown}>; expand the xacro file first")
+    if name.lower() in _NOT_DONE:
+        raise InvalidURDF(f"{where} holds <{shown}>, which is not read: {_NOT_DONE[name.lower()]}")
     if parent == "geometry":
         raise InvalidURDF(
             f"{where}: geometry <{shown}> is unknown; use box, cylinder, sphere, capsule or mesh"

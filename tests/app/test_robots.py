@@ -87,7 +87,9 @@ def test_conditional_requests(client, arm):
         assert client.get(path, headers={"If-None-Match": tag}).status_code == 304
     changed = TABLE | {"joints": TABLE["joints"][:1]}
     assert client.put(arm, json=changed, headers={"If-None-Match": "*"}).status_code == 412
-    assert client.put(arm, json=changed, headers={"If-Match": '"old"'}).status_code == 412
+    for tag_of_none in ('"old"', '"*"', f"W/{tag}", "W/*"):
+        headers = {"If-Match": tag_of_none}
+        assert client.put(arm, json=changed, headers=headers).status_code == 412
     answer = client.put(arm, json=changed, headers={"If-Match": f'"other", {tag}'})
     assert answer.status_code == 200
     assert answer.headers["etag"] != tag
@@ -112,6 +114,15 @@ def test_name_must_be_the_id_of_the_path(client):
     assert client.put("/v1/robots/other", json=unnamed).status_code == 201
     assert client.post("/v1/robots", json=unnamed).status_code == 422
     assert client.delete("/v1/robots/other").status_code == 204
+
+
+@pytest.mark.parametrize("robot_id", ["a b", "é", "%2e%2e", ".hidden", "a" * 65, "a%0ab"])
+def test_an_id_that_names_no_robot_is_refused_as_such(client, robot_id):
+    unnamed = {key: value for key, value in TABLE.items() if key != "name"}
+    answer = client.put(f"/v1/robots/{robot_id}", json=unnamed)
+    assert answer.status_code == 422
+    assert answer.json()["type"] == "/problems/invalid-robot-id"
+    assert "letters, digits and . _ -" in answer.json()["detail"]
 
 
 def test_urdf_upload_orders_q_by_the_file(client):

@@ -53,7 +53,7 @@ def with_declaration(text, declaration):
         ("<?xml version='1.1'?><robot name='a'/>", 'write <?xml version="1.0"?>'),
         ("<robot><xacro:macro name='a'/></robot>", "expand xacro files first"),
         ("<robot xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arm/></robot>", "expand"),
-        ("<robot xmlns='http://www.ros.org' name='a'/>", "without xmlns"),
+        ("<x:robot xmlns:x='http://www.ros.org' name='a'/>", "without a prefix"),
         ("<robot>" + "<x>" * 300 + "</x>" * 300 + "</robot>", "nested too deeply"),
         ("<" + "r" * 60_000 + "/>", "a name is too long"),
         ("\ud800", "no Unicode text"),
@@ -144,6 +144,17 @@ def test_torn_bytes_are_refused(start, rest):
         ("</robot>", '<group><link name="b"/></group></robot>', ("<group>", "holds a <link>")),
         ("</robot>", '<Link name="b"/></robot>', ("<Link> cannot stand in <robot>",)),
         ("</robot>", '<x:link xmlns:x="y" name="b"/></robot>', ("<link> cannot stand in",)),
+        ("</robot>", '<x:link xmlns="y" xmlns:x="y" name="b"/></robot>', ("<link> cannot",)),
+        ("</robot>", '<include filename="arm.urdf"/></robot>', ("holds <include>, which is not",)),
+        ("</robot>", '<i:include xmlns:i="http://www.w3.org/2001/XInclude" href="/etc/passwd"/>'
+         "</robot>", ("holds <include>, which is not read", "in its place")),
+        ("</robot>", '<loop_joint name="x"><link1 link="boom"/></loop_joint></robot>',
+         ("holds <loop_joint>", "a robot is a tree")),
+        ("<axis", "<mimic/><axis", ("joint 'turn': <mimic> lacks", "give joint=")),
+        ("<axis", '<mimic joint="nil"/><axis', ("joint 'turn' mimics 'nil', which does not",)),
+        ("<axis", '<mimic joint="turn"/><axis', ("joint 'turn' mimics itself;",)),
+        ("<axis", '<mimic joint="reach" multiplier="nan"/><axis', ("joint 'turn'", "'nan'")),
+        ("<axis", '<mimic joint="reach" offset="1e7"/><axis', ("offset of <mimic>", "beyond")),
         ("<axis", "<axes", ("joint 'turn': <axes> is unknown", "did you mean <axis>?")),
         ("<limit", "<limits", ("<limits> is unknown; did you mean <limit>?",)),
         ("<axis", "&lt;axis", ("joint 'turn' holds the text '<axis", "mend the tag")),
@@ -182,6 +193,22 @@ def test_a_slip_is_refused_and_not_dropped(arm_urdf, old, new, words):
     message = refusal(arm_urdf.replace(old, new, 1) if old != "</robot>" else new.join(
         arm_urdf.rsplit(old, 1)))  # fmt: skip
     assert [word for word in words if word not in message] == []
+
+
+def test_joints_that_mimic_each_other_are_refused(arm_urdf):
+    text = arm_urdf.replace("<axis", '<mimic joint="reach"/><axis', 1)
+    head, _, rest = text.partition('name="reach"')
+    text = head + 'name="reach"' + rest.replace("<axis", '<mimic joint="turn"/><axis', 1)
+    assert "joint 'turn' mimics itself by way of 'reach'; remove one <mimic>" in refusal(text)
+
+
+def test_the_default_namespace_of_a_document_is_no_matter(arm_urdf):
+    text = arm_urdf.replace("<robot ", '<robot xmlns="http://www.ros.org" xmlns:a="http://a" ')
+    assert read_urdf(text) == read_urdf(arm_urdf)
+    other = text.replace('<link name="boom"/>', '<link xmlns="http://b" name="boom"/>')
+    assert "<link> cannot stand in <robot>" in refusal(other)
+    xacro = text.replace("</robot>", '<x:arm xmlns:x="http://www.ros.org/wiki/xacro"/></robot>')
+    assert "expand the xacro file first" in refusal(xacro)
 
 
 def test_extensions_are_left_out_and_named_once(arm_urdf):

@@ -233,10 +233,13 @@ def test_limits_are_those_of_the_file(arm_urdf):
 
 
 def test_a_mimicking_joint_is_independent_and_a_warning_says_so(arm_urdf):
-    mimic = '<mimic joint="turn" multiplier="2"/></joint>\n</robot>'
+    mimic = '<mimic joint="turn" multiplier="2" offset="-0.5"/></joint>\n</robot>'
     description = read_urdf(re.sub(r"</joint>\s*</robot>", mimic, arm_urdf))
     assert len(description.moving) == 3
-    assert description.warnings == ("joint 'grip' mimics another; it is treated as independent",)
+    assert description.warnings == (
+        "joint 'grip' mimics another; it is treated as independent: give it 2 times the value of"
+        " 'turn' plus -0.5",
+    )
 
 
 def test_the_canonical_text_is_its_own_canonical_text(arm_urdf):

@@ -82,8 +82,7 @@ def _problem_faults(sent: Sent, got: Received) -> list[str]:
     if kind.startswith("text/plain") and "x-request-id" in got.headers:
         return found + (["unsafe characters"] if _UNSAFE.search(text.replace("\n", "")) else [])
     if kind != "application/problem+json":
-        # The server's own refusal of what is no HTTP at all.
-        return found + ([] if got.body == b"Invalid HTTP request received." else [f"is {kind!r}"])
+        return [*found, f"is {kind!r}"]
     try:
         problem = json.loads(text)
         errors, listed = problem["errors"], problem["errors"]

@@ -79,14 +79,18 @@ def random_text(rng: random.Random) -> Text:
         if table.convention is Convention.STANDARD:
             table = replace(table, convention=Convention.MODIFIED)
         return Text("par", table_to_par(table).encode(), "")
-    return Text("pasted", _handout(form, table).encode(), table.convention.value)
+    content, convention = _handout(form, table)
+    return Text("pasted", content.encode(), convention.value)
 
 
-def _handout(form: str, table: DHTable) -> str:
+def _handout(form: str, table: DHTable) -> tuple[str, Convention]:
     try:
-        return TABLE_TEXTS[form].write(table)
+        content = TABLE_TEXTS[form].write(table)
     except ValueError:
-        return TABLE_TEXTS["markdown"].write(table)
+        return TABLE_TEXTS["markdown"].write(table), table.convention
+    # The Robotics Toolbox has no links of Khalil's; those of Craig's are the same in a chain.
+    as_modified = form == "matlab" and table.convention is Convention.KHALIL
+    return content, Convention.MODIFIED if as_modified else table.convention
 
 
 def _plain(rng: random.Random) -> float:

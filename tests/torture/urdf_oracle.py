@@ -84,9 +84,8 @@ def check_robot(robot: Robot, document: bytes, rng: random.Random) -> None:
     by_name = dict(zip((joint.name for joint in robot.joints), q, strict=True))
     found = fk(robot, q, robot.frames)
     for reading in (original, canonical):
-        scale = 1.0 + sum(
-            abs(float(word)) for o in reading.iter("origin") for word in o.get("xyz", "0").split()
-        )
+        origins = (element for element in _read(reading) if element.tag == "origin")
+        scale = 1.0 + sum(abs(float(word)) for o in origins for word in o.get("xyz", "0").split())
         expected = frames(reading, by_name)
         assert set(expected) == set(found), "other links"
         base = np.linalg.inv(expected[robot.base_frame])

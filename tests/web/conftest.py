@@ -52,6 +52,23 @@ def browsers() -> Iterator[object]:
             browser.close()
 
 
+COUNT = """(() => {
+    const real = window.fetch;
+    let [pending, last] = [0, performance.now()];
+    window.fetch = async (...given) => {
+        pending += 1;
+        try {
+            return await real(...given);
+        } finally {
+            pending -= 1;
+            last = performance.now();
+        }
+    };
+    window.isQuiet = () => pending === 0 && performance.now() - last > 300;
+})()"""
+"""Counts the requests under way; the browser's own "network idle" comes once a page only."""
+
+
 class Visit:
     """A page of the service that is open in a browser."""
 
@@ -69,7 +86,7 @@ class Visit:
     def settled(self) -> None:
         """Waits until what is on the page belongs to the posture shown."""
         self.page.wait_for_selector("#section-pose .matrix td[data-value]", state="attached")
-        self.page.wait_for_load_state("networkidle")
+        self.page.wait_for_function("() => window.isQuiet()")
 
     def matrix(self, section: str) -> list[list[float]]:
         """A matrix of a section, as it was computed."""
@@ -98,22 +115,23 @@ def open_page(browsers, server) -> Iterator[object]:
         page.on("pageerror", lambda error: wrong.append(f"error: {error}"))
         page.on("console", said)
 
-    refused: list[bool] = []
+    expected: list[str] = []
 
     def said(message) -> None:
         # What the service refuses shows in the console, whether the page copes with it or not.
-        expected = bool(refused) and "status of 4" in message.text
-        if message.type == "error" and not expected:
+        if message.type == "error" and not any(text in message.text for text in expected):
             wrong.append(f"{message.type}: {message.text}")
 
     def opened(fragment: str | None = "", *, webgl: bool = True, address: str = server,
-               refusals: bool = False, **options: object) -> Visit:  # fmt: skip
-        if refusals:
-            refused.append(True)
+               refusals: bool = False, outages: bool = False,
+               **options: object) -> Visit:  # fmt: skip
+        expected.extend(["status of 4"] if refusals else [])
+        expected.extend(["status of 503", "net::ERR_"] if outages else [])
         settings = {"viewport": {"width": 1440, "height": 900}, "locale": "en-GB", **options}
         context = browsers(WEBGL if webgl else NO_WEBGL).new_context(**settings)
         contexts.append(context)
         page = context.new_page()
+        page.add_init_script(COUNT)
         watch(page, urlsplit(address).netloc)
         visit = Visit(page, address)
         if fragment is not None:

@@ -40,6 +40,7 @@ LOOKS = {
     "dark": {"color_scheme": "dark"},
     "french": {"locale": "fr-FR"},
     "mobile": {"viewport": {"width": 390, "height": 844}, "has_touch": True},
+    "tablet": {"viewport": {"width": 820, "height": 1180}, "has_touch": True},
 }
 
 
@@ -59,6 +60,14 @@ def test_axe_finds_nothing(look, open_page):
     page = visit.page
     page.wait_for_selector(".code:has-text('curl')")
     page.wait_for_selector("#section-path fieldset")
+    # With all that unfolds and all that is listed on demand.
+    page.locator(".card > details.fold > summary", has_text=re.compile("Base")).click()
+    page.get_by_role("button", name=re.compile("^(Target here|Cible ici)$")).click()
+    page.get_by_role("button", name=re.compile("^(All solutions|Toutes les solutions)$")).click()
+    page.wait_for_selector(".solutions button")
+    page.locator("#section-path").get_by_role("button", name=re.compile("^(Add|Ajouter)$")).click()
+    page.get_by_role("button", name=re.compile("^(Compare the|Comparer les)")).click()
+    page.wait_for_selector("#section-path .compared")
     assert violations(page) == []
     page.get_by_role("button", name=re.compile("Coller|Paste")).click()
     page.get_by_role("dialog").wait_for()
@@ -187,12 +196,26 @@ def test_the_page_is_usable_soon(open_page):
 
 
 def test_without_webgl_there_is_a_picture(open_page):
-    visit = open_page("robot=puma560&q=0,45,-90,0,45,0", webgl=False)
+    pictures: list[str] = []
+    visit = open_page(None, webgl=False)
+    visit.page.on("response", lambda answer: pictures.append(answer.headers["content-type"])
+                  if "/picture.svg" in answer.url else None)  # fmt: skip
+    visit.go("robot=puma560&q=0,45,-90,0,45,0")
     visit.page.wait_for_selector("img.picture")
     visit.page.wait_for_function("() => document.querySelector('img.picture').naturalWidth > 100")
     first = visit.page.locator("img.picture").get_attribute("src")
     visit.page.locator(".joint .value").nth(0).fill("60")
     visit.page.wait_for_function("s => document.querySelector('img.picture').src !== s", arg=first)
+    assert set(pictures) == {"image/svg+xml"}
+    # What only the 3D view can show is not offered.
+    assert not visit.page.locator(".toolbar").count()
+    assert visit.page.evaluate(
+        """() => {
+            const host = document.querySelector('.host'), image = host.querySelector('img');
+            return Math.abs(image.naturalWidth / image.naturalHeight
+                - host.clientWidth / host.clientHeight);
+        }"""
+    ) < 0.02
 
 
 def test_curl_gets_the_index_and_browsers_the_page(client):

@@ -274,6 +274,11 @@ export class Refusal extends Error {
 /** There was no answer at all. */
 export class Unreachable extends Error {}
 
+/** Whether asking again later may help: no answer, or a service that is busy or starting. */
+export function willPass(error: unknown): boolean {
+  return error instanceof Unreachable || (error instanceof Refusal && [429, 502, 503, 504].includes(error.status));
+}
+
 /** One HTTP request in plain words. */
 export interface Call {
   readonly method: 'GET' | 'POST' | 'PUT' | 'DELETE';
@@ -425,8 +430,8 @@ export const workspace = (robot: RobotRef, samples: number): Call =>
   computation('workspace', robot, { samples }, 'rad', 'application/x-npy');
 
 /** The arm as a picture, for browsers without WebGL. */
-export const picture = (robot: RobotRef, q: Q, angle: AngleUnit): Call =>
-  computation('picture.svg', robot, { q }, angle, 'image/svg+xml');
+export const picture = (robot: RobotRef, q: Q, angle: AngleUnit, width: number, height: number): Call =>
+  computation('picture.svg', robot, { q, width, height }, angle, 'image/svg+xml');
 
 export const listRobots = (): Call => ({
   method: 'GET',

@@ -3,7 +3,9 @@ import * as api from './api';
 import { dialog } from './dialog';
 import { button, h } from './dom';
 import { t } from './i18n';
+import { resolve } from './model';
 import type { Page } from './page';
+import { START } from './state';
 import { editable, sendable } from './table/document';
 import { shownTable } from './table/view';
 
@@ -21,7 +23,14 @@ export async function openFile(page: Page, file: File): Promise<void> {
   const [, stem = 'robot', ending = ''] = /^(.*?)\.?([^.]*)$/.exec(file.name) ?? [];
   const { store } = page;
   if (['urdf', 'xml'].includes(ending.toLowerCase()) || /^\s*(<\?xml[^>]*>\s*)?(<!--[\s\S]*?-->\s*)*<robot\b/.test(text)) {
-    store.set({ source: { kind: 'urdf', name: stem, urdf: text }, q: [], row: null, target: null, kept: [] }, 'open');
+    const source = { kind: 'urdf', name: stem, urdf: text } as const;
+    try {
+      // One that cannot be used leaves the page as it is.
+      await resolve(source, store.state.angle, new AbortController().signal);
+      store.set({ source, q: [], task: START.task, row: null, target: null, kept: [], path: START.path }, 'open');
+    } catch (error) {
+      page.tell(words(error), true);
+    }
     return;
   }
   const kind = KINDS[ending.toLowerCase()];
@@ -39,7 +48,7 @@ export async function openFile(page: Page, file: File): Promise<void> {
   try {
     const call: api.Call = { method: 'POST', path: 'v1/convert-dh', query, body: text, type: kind };
     const table = await api.json<api.TableDocument>(call);
-    store.set({ source: { kind: 'table', table: editable(table) }, row: null, target: null, kept: [] }, 'open');
+    store.set({ source: { kind: 'table', table: editable(table) }, q: [], task: START.task, row: null, target: null, kept: [], path: START.path }, 'open');
   } catch (error) {
     page.tell(words(error), true);
   }

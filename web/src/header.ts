@@ -2,6 +2,7 @@
 import * as api from './api';
 import { button, h, replace, select } from './dom';
 import { opened, t, type Language } from './i18n';
+import { isIncomplete } from './link';
 import type { Page } from './page';
 import { START, type State } from './state';
 
@@ -23,7 +24,7 @@ export function withRobot(state: State, id: string): Partial<State> {
   return {
     source: { kind: 'stored', id, convention: null },
     q: example ? example.q.map((x, k) => (k === slides ? x : x * factor)) : [],
-    task: example?.task ?? (id.startsWith('planar') ? 'xy' : 'pose'),
+    task: example?.task ?? START.task,
     row: null,
     target: null,
     kept: [],
@@ -61,8 +62,10 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
   const theme = button('◐', () => switchTheme(page), { 'aria-label': t.theme, title: t.theme });
   const download = button(t.download, () => void opened(import('./files')).then(({ downloadDialog }) => downloadDialog(page)));
   const save = button(t.save, () => void opened(import('./files')).then(({ saveDialog }) => saveDialog(page)));
-  const share = button(t.copyLink, () => void navigator.clipboard.writeText(location.href).then(
-    () => page.tell(t.linkCopied), () => page.tell(location.href)));
+  const share = button(t.copyLink, () => {
+    if (isIncomplete(location.hash)) page.tell(t.tooLong, true);
+    else void navigator.clipboard.writeText(location.href).then(() => page.tell(t.linkCopied), () => page.tell(location.href));
+  });
 
   function render(state: State): void {
     const id = state.source.kind === 'stored' ? state.source.id : '';
@@ -93,10 +96,15 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
   document.addEventListener('keydown', (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
     const key = event.key.toLowerCase();
-    if (key === 'z' && !event.shiftKey) store.undo();
-    else if (key === 'y' || (key === 'z' && event.shiftKey)) store.redo();
-    else return;
+    const field = document.activeElement;
+    // What is typed in a dialog is not of the state yet: there the browser undoes.
+    if (!'zy'.includes(key) || !(field instanceof HTMLElement) || field.closest('dialog')) return;
     event.preventDefault();
+    // A field that is being typed into keeps its text; it shall show what undo makes of it.
+    field.blur();
+    if (key === 'z' && !event.shiftKey) store.undo();
+    else store.redo();
+    field.focus({ preventScroll: true });
   });
   page.onModel.push(() => {
     const id = store.state.source.kind === 'stored' ? store.state.source.id : '';

@@ -32,7 +32,9 @@ export function jointsView(page: Page): HTMLElement {
     const lower = limited ? shown(joint, joint.lower ?? 0, angle) : -half;
     const upper = limited ? shown(joint, joint.upper ?? 0, angle) : half;
     const unit = turns ? (angle === 'deg' ? '°' : 'rad') : 'm';
-    const digits = turns && angle === 'deg' ? 1 : 3;
+    // A hundredth of a short range can still be told from the next.
+    const range = limited && upper > lower ? upper - lower : 1;
+    const digits = Math.max(turns && angle === 'deg' ? 1 : 3, 2 - Math.floor(Math.log10(range)));
     const slider = h('input', {
       type: 'range', min: lower, max: upper, step: 'any', 'aria-label': `${joint.name} (${unit})`,
       oninput: () => put(k, Number(slider.valueAsNumber.toFixed(digits))),

@@ -5,6 +5,13 @@ import { START, type Section, type State, type View } from './state';
 /** Longest compressed document that a link carries; longer ones are to be saved first. */
 const MAX_DOCUMENT = 12_000;
 
+const LEFT_OUT = 'left-out';
+
+/** Whether a hash says that its robot was too long for it. */
+export function isIncomplete(hash: string): boolean {
+  return new URLSearchParams(hash.replace(/^#/, '')).has(LEFT_OUT);
+}
+
 /** The hash of a state, without '#'; what is as at the start is left out. */
 export async function toHash(state: State): Promise<string> {
   const parts: [string, string][] = [];
@@ -18,6 +25,7 @@ export async function toHash(state: State): Promise<string> {
   } else {
     const packed = await pack(source.kind === 'table' ? source.table : source);
     if (packed.length <= MAX_DOCUMENT) parts.push([source.kind, packed]);
+    else parts.push([LEFT_OUT, source.kind]);
   }
   put('q', state.q.join(','), '');
   put('angle', state.angle, START.angle);
@@ -101,7 +109,7 @@ function readView(text: string): View {
   return {
     frames: of('frames', ['none', 'ends', 'all'], START.view.frames),
     dimensions: parts.has('dimensions'),
-    ellipsoid: of('ellipsoid', ['none', 'velocity', 'force'], 'none'),
+    ellipsoid: of('ellipsoid', ['none', 'velocity', 'force', 'both'], 'none'),
     lost: !parts.has('nolost'),
     cloud: parts.has('cloud'),
     other: parts.get('other') ?? '',

@@ -5,12 +5,19 @@ import { headerView, remember, remembered, withRobot } from './header';
 import { opened, preferred, speak, t, type Language } from './i18n';
 import { jointsView } from './joints';
 import { isAbort, Latest } from './latest';
-import { fromHash, toHash } from './link';
-import { atRest, resolve } from './model';
+import { fromHash, isIncomplete, toHash } from './link';
+import { atRest, resolve, taskOf } from './model';
 import type { Page } from './page';
 import { sectionsView } from './sections';
 import { START, Store, type State } from './state';
 import { tableView } from './table/view';
+
+/** The state of the address; a robot too long for it is in the entry of the browser's history. */
+async function present(): Promise<State> {
+  const state = await fromHash(location.hash);
+  const { source } = (history.state ?? {}) as { source?: State['source'] };
+  return source && isIncomplete(location.hash) ? { ...state, source } : state;
+}
 
 const theme = remembered('theme');
 if (theme) document.documentElement.dataset.theme = theme;
@@ -20,7 +27,7 @@ function languageOf(text: string | null): Language {
 }
 
 const language = languageOf(remembered('language'));
-const [first] = await Promise.all([fromHash(location.hash), speak(language)]);
+const [first] = await Promise.all([present(), speak(language)]);
 const store = new Store(first.q.length || first.source !== START.source ? first : { ...first, ...withRobot(first, 'puma560') });
 
 const status = h('p', { class: 'hidden', role: 'status', 'aria-live': 'polite' });
@@ -36,10 +43,11 @@ const page: Page = {
     status.textContent = words;
   },
   tell(words, bad = false) {
-    toast.textContent = words;
-    toast.classList.toggle('bad', bad);
-    toast.hidden = false;
     clearTimeout(toastTimer);
+    toast.hidden = !words;
+    // Words that are there already are not said again.
+    if (toast.textContent !== words) toast.textContent = words;
+    toast.classList.toggle('bad', bad);
     toastTimer = setTimeout(() => (toast.hidden = true), bad ? 8000 : 3000);
   },
   onModel: [],
@@ -50,6 +58,8 @@ const page: Page = {
 const table = tableView(page);
 const stage = h('section', { class: 'stage', id: 'stage', 'aria-label': t.scene });
 const models = new Latest();
+/** After this time a service that did not answer is asked again, ms. */
+const AGAIN = 2000;
 
 /** The robot of the state; while a table cannot be used, the last one that could stays. */
 function load(): void {
@@ -61,18 +71,25 @@ function load(): void {
       if (store.state.source !== state.source) return;
       page.model = model;
       table.showErrors([]);
+      if (document.body.classList.contains('stale')) page.tell('');
       document.body.classList.remove('stale');
       document.title = model.title ? `${model.title} · Denavit` : 'Denavit';
-      const fits = store.state.q.length === model.joints.length;
-      if (!fits) store.set({ q: atRest(model.joints, store.state.angle) });
+      const { q, angle, task } = store.state;
+      if (q.length !== model.joints.length) {
+        store.set({ q: atRest(model.joints, angle), ...(task === START.task ? { task: taskOf(model) } : {}) });
+      }
       for (const tell of page.onModel) tell();
     } catch (error) {
       if (isAbort(error)) throw error;
       document.body.classList.add('stale');
-      if (error instanceof api.Refusal) {
+      if (api.willPass(error)) {
+        page.tell(error instanceof api.Refusal ? error.detail : t.unreachable, true);
+        // Where the user has gone on meanwhile, that is on its way itself.
+        setTimeout(() => { if (store.state.source === state.source && document.body.classList.contains('stale')) load(); }, AGAIN);
+      } else if (error instanceof api.Refusal) {
         table.showErrors(error.errors.length ? error.errors : [{ pointer: '', message: error.detail }]);
         if (state.source.kind !== 'table') page.tell(error.detail, true);
-      } else page.tell(t.unreachable, true);
+      } else throw error;
     }
   });
 }
@@ -91,6 +108,7 @@ page.onNumbers.push(() => {
 
 let linking: ReturnType<typeof setTimeout>;
 let hash = location.hash;
+let entry = entryOf(store.state);
 store.listen((state, before) => {
   const shown = state.source.kind !== 'table' && state.angle !== before.angle;
   if (state.source !== before.source || shown) load();
@@ -98,15 +116,29 @@ store.listen((state, before) => {
   linking = setTimeout(() => void link(state), 250);
 });
 
+/** Another robot is another entry of the browser's history; whatever else changes is not. */
+function entryOf({ source }: State): string {
+  return source.kind === 'stored' ? source.id : source.kind;
+}
+
 async function link(state: State): Promise<void> {
   const next = `#${await toHash(state)}`;
   if (store.state !== state) return;
+  const before = entry;
   hash = next;
-  history.replaceState(null, '', hash);
+  entry = entryOf(state);
+  const kept = isIncomplete(hash) ? { source: state.source } : null;
+  if (entry === before) history.replaceState(kept, '', hash);
+  else history.pushState(kept, '', hash);
 }
 
 addEventListener('hashchange', () => {
-  if (location.hash !== hash) void fromHash(location.hash).then((state) => store.set(state, 'link'));
+  if (location.hash === hash) return;
+  hash = location.hash;
+  void present().then((state) => {
+    entry = entryOf(state);
+    store.set(state, 'link');
+  });
 });
 
 document.body.prepend(
@@ -125,6 +157,7 @@ document.body.prepend(
     h('div', { class: 'column numbers', id: 'numbers', tabindex: -1 }, sectionsView(page))),
   status, toast);
 load();
+if (isIncomplete(location.hash) && !history.state) page.tell(t.tooLong, true);
 // The view comes after the first numbers, which need less than it does.
 let staged = false;
 page.onNumbers.push(() => {

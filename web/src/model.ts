@@ -109,6 +109,8 @@ async function fromURDF(
   signal: AbortSignal,
 ): Promise<Model> {
   const ref = { urdf };
+  // The service reads it first: what is no XML would make the browser's parser complain.
+  await api.send(api.workspace(ref, 1), signal);
   const joints = jointsOfURDF(urdf);
   const answer = await api.json<api.FKAnswer>(
     api.computation('fk', ref, { q: joints.map(() => 0) }),
@@ -173,6 +175,13 @@ function inRadians(table: api.TableDocument): api.TableDocument {
       ...(typeOf(row) === 'prismatic' ? {} : { offset: rad(row.offset) }),
     })),
   };
+}
+
+/** What an arm can be asked for: with fewer than six joints it cannot have every pose. */
+export function taskOf({ joints, rows }: Model): string {
+  if (joints.length >= 6) return 'pose';
+  const flat = rows?.joints.every((row) => Number(row.alpha ?? 0) === 0 && typeOf(row) !== 'prismatic');
+  return flat && joints.length > 1 ? 'xy' : 'position';
 }
 
 export function sceneRobot(model: Model): SceneRobot {

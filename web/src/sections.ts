@@ -18,6 +18,9 @@ const LAZY = {
   reproduce: async () => (await import('./panels/reproduce')).reproducePanel,
 };
 
+/** After this time numbers that did not come are asked for again, ms. */
+const AGAIN = 2000;
+
 /** What asks for other numbers than those on the page. */
 const INPUTS: readonly (keyof State)[] = [
   'q', 'angle', 'euler', 'reference', 'task', 'open', 'view', 'digits', 'row',
@@ -28,6 +31,8 @@ export function sectionsView(page: Page): HTMLElement {
   const panels = [posePanel(page), linksPanel(page), jacobianPanel(page), singularityPanel(page)];
   const lines = new Map<Section, HTMLDetailsElement>();
   const live = new Latest();
+  let again: ReturnType<typeof setTimeout>;
+  let failing = false;
 
   function section(id: Section, title: string, body: HTMLElement, copies: boolean): HTMLElement {
     const copy = copies && button('‹›', () => {
@@ -83,6 +88,7 @@ export function sectionsView(page: Page): HTMLElement {
     live.run(async (signal) => {
       const { state } = store;
       const now = page.model;
+      let failed = false;
       if (!now || state.q.length !== now.joints.length || isOfAnother(now, state)) return;
       const asked = wanted(state).map(async (panel) => {
         const call = panel.call(now, state);
@@ -97,10 +103,15 @@ export function sectionsView(page: Page): HTMLElement {
         } catch (error) {
           if (!(error instanceof api.Refusal || error instanceof api.Unreachable)) throw error;
           details?.classList.add('stale');
+          failed ||= api.willPass(error);
           page.tell(error instanceof api.Refusal ? error.detail : t.unreachable, true);
         }
       });
       await Promise.all(asked);
+      clearTimeout(again);
+      if (failed) again = setTimeout(refresh, AGAIN);
+      else if (failing) page.tell('');
+      failing = failed;
       for (const tell of page.onNumbers) tell();
     });
   }

@@ -12,6 +12,7 @@ export const onSolved: ((answer: api.IKAnswer | api.IKSolutionsAnswer | null, er
 
 /** From the present posture to the target; a short time while it is being dragged. */
 export function follow(page: Page, done: boolean): void {
+  forget();
   ask(page, async (model, state, signal) => {
     const call = api.ik(
       model.ref,
@@ -30,7 +31,7 @@ export function follow(page: Page, done: boolean): void {
   });
 }
 
-/** All solutions, as ghosts to pick from. */
+/** All solutions, as ghosts to pick from; those of another target are gone. */
 export function findAll(page: Page): void {
   ask(page, async (model, state, signal) => {
     const call = api.ikSolutions(
@@ -42,7 +43,7 @@ export function findAll(page: Page): void {
     const answer = await api.json<api.IKSolutionsAnswer>(call, signal);
     solutions.splice(0, solutions.length, ...answer.solutions.map((one, k) => ({
       q: one.q,
-      label: one.posture.join(', ') || String(k + 1),
+      label: String(k + 1),
     })));
     return answer;
   });

@@ -70,6 +70,7 @@ function drawIn(page: Page, scene: Scene): void {
   const others = new Latest();
   let clouded = '';
   let other = '';
+  let second: Model | null = null;
 
   function drawRobot(): void {
     if (!page.model) return;
@@ -89,7 +90,7 @@ function drawIn(page: Page, scene: Scene): void {
     scene.setDimensions(convention, state.view.dimensions || state.row !== null ? rows : []);
     scene.setMotionStep(state.row, state.step);
     scene.setTarget(state.target && matrixOf(state.target, state.angle));
-    scene.setObstacles(state.path.obstacles, state.path.obstacles.length ? state.path.linkRadius : 0);
+    scene.setObstacles(state.path.obstacles);
     scene.setPath(playback.path && { wanted: playback.wanted, reached: playback.path });
     const { joints } = model;
     scene.setGhosts(ghosts(page).map((one) => ({
@@ -106,28 +107,33 @@ function drawIn(page: Page, scene: Scene): void {
     if (key === clouded) return;
     clouded = key;
     if (!key) scene.setCloud(null);
-    else clouds.run((signal) => told(async () => scene.setCloud(await cloudOf(now, signal))));
+    else clouds.run((signal) => told(async () => scene.setCloud(await cloudOf(now, signal)), () => (clouded = '')));
   }
 
   function compare(state: State): void {
-    const key = `${state.view.other} ${state.q.join()}`;
-    if (key === other) return;
-    other = key;
-    if (!state.view.other) {
-      scene.setOther(null, []);
-      return;
-    }
+    const id = state.view.other;
+    if (second && other === id) scene.setOther(sceneRobot(second), toScene(second.joints, state.q, state.angle));
+    if (id === other) return;
+    other = id;
+    second = null;
+    scene.setOther(null, []);
+    if (!id) return;
     others.run((signal) => told(async () => {
-      const second = await resolve({ kind: 'stored', id: state.view.other, convention: null }, state.angle, signal);
-      scene.setOther(sceneRobot(second), toScene(second.joints, state.q, state.angle));
-    }));
+      const found = await resolve({ kind: 'stored', id, convention: null }, state.angle, signal);
+      if (other !== id) return;
+      second = found;
+      compare(store.state);
+    }, () => (other = '')));
   }
 
-  async function told(work: () => Promise<void>): Promise<void> {
+  /** @param undone What is to be asked for again. */
+  async function told(work: () => Promise<void>, undone: () => void): Promise<void> {
     try {
       await work();
     } catch (error) {
+      undone();
       if (error instanceof api.Refusal) page.tell(error.detail, true);
+      else if (error instanceof api.Unreachable) page.tell(t.unreachable, true);
       else throw error;
     }
   }
@@ -138,14 +144,14 @@ function drawIn(page: Page, scene: Scene): void {
     const { view } = store.state;
     const pose = Object.values(fk?.poses ?? {})[0];
     if (!singularity || !pose) return;
-    const found: SceneEllipsoid[] = [];
-    const { translation } = singularity.ellipsoids;
-    if (view.ellipsoid !== 'none' && translation) {
-      const semiAxes = view.ellipsoid === 'velocity' ? translation.velocity_semi_axes : translation.force_semi_axes;
-      found.push({ kind: view.ellipsoid, center: pose.position, axes: translation.axes, semiAxes });
-    }
-    scene.setEllipsoids(found);
-    scene.setLostDirections(!view.lost ? [] : singularity.lost_directions.map((one) => {
+    // Of a task that only turns, that of the turning.
+    const shape = singularity.ellipsoids.translation ?? singularity.ellipsoids.rotation;
+    const kinds = (['velocity', 'force'] as const).filter((one) => shape && (view.ellipsoid === one || view.ellipsoid === 'both'));
+    scene.setEllipsoids(kinds.map((kind): SceneEllipsoid => ({
+      kind, center: pose.position, axes: shape?.axes ?? [], semiAxes: shape?.[`${kind}_semi_axes`] ?? [],
+    })));
+    // With fewer joints than rows some directions are never there; an arrow marks what this posture loses.
+    scene.setLostDirections(!view.lost || !singularity.singular ? [] : singularity.lost_directions.map((one) => {
       const part = (names: readonly string[]): number[] =>
         names.map((name) => one[singularity.rows.indexOf(name)] ?? 0);
       return { at: pose.position, linear: part(['vx', 'vy', 'vz']), angular: part(['wx', 'wy', 'wz']) };
@@ -174,12 +180,18 @@ function readNpy(buffer: ArrayBuffer): Float64Array {
   return new Float64Array(buffer.slice(start));
 }
 
+/** A size that the service draws. */
+function pixels(length: number): number {
+  return Math.round(Math.min(2000, Math.max(200, length)));
+}
+
 function pictureView(page: Page, host: HTMLElement): void {
   const { store } = page;
   const image = h('img', { class: 'picture', alt: t.scene });
   const note = h('p', { class: 'note' }, t.noWebGL);
   const latest = new Latest();
   replace(host, image, note);
+  host.parentElement?.querySelector('.toolbar')?.remove();
   host.removeAttribute('role');
   host.removeAttribute('aria-label');
   function draw(): void {
@@ -188,13 +200,14 @@ function pictureView(page: Page, host: HTMLElement): void {
       const { q, angle } = store.state;
       if (!model || q.length !== model.joints.length) return;
       try {
-        const response = await api.send(api.picture(model.ref, q, angle), signal);
+        const response = await api.send(api.picture(model.ref, q, angle, pixels(host.clientWidth), pixels(host.clientHeight)), signal);
         const url = URL.createObjectURL(await response.blob());
         const before = image.src;
         image.src = url;
+        image.hidden = false;
         if (before) URL.revokeObjectURL(before);
       } catch (error) {
-        if (!(error instanceof api.Refusal)) throw error;
+        if (!(error instanceof api.Refusal || error instanceof api.Unreachable)) throw error;
         image.hidden = true;
       }
     });
@@ -209,13 +222,20 @@ function toolbar(page: Page, fit: () => void): HTMLElement {
   const put = (change: Partial<View>): void => store.set({ view: { ...store.state.view, ...change } }, 'view');
   const frames = select(t.frames, [['all', t.framesAll], ['ends', t.framesEnds], ['none', t.framesNone]], store.state.view.frames,
     (value) => put({ frames: value as View['frames'] }));
-  const ellipsoid = select(t.ellipsoid, [['none', t.ellipsoidNone], ['velocity', t.ellipsoidVelocity], ['force', t.ellipsoidForce]], store.state.view.ellipsoid,
+  const ellipsoid = select(t.ellipsoid, [['none', t.ellipsoidNone], ['velocity', t.ellipsoidVelocity], ['force', t.ellipsoidForce], ['both', t.ellipsoidBoth]], store.state.view.ellipsoid,
     (value) => put({ ellipsoid: value as View['ellipsoid'] }));
+  let filled: number | undefined;
   const other = select(t.compareWith, [['', t.compareWith]], '', (value) => put({ other: value }));
-  other.addEventListener('focus', () => void fillOthers(), { once: true });
+  const fill = (): void => void fillOthers().catch((error: unknown) => {
+    if (!(error instanceof api.Refusal || error instanceof api.Unreachable)) throw error;
+    page.tell(error instanceof api.Refusal ? error.detail : t.unreachable, true);
+  });
+  other.addEventListener('focus', fill);
   async function fillOthers(): Promise<void> {
-    const { robots } = await api.json<{ robots: api.RobotLine[] }>(api.listRobots());
     const dof = page.model?.joints.length;
+    if (filled === dof) return;
+    const { robots } = await api.json<{ robots: api.RobotLine[] }>(api.listRobots());
+    filled = dof;
     const chosen = other.value;
     const fitting = robots.filter((one) => one.dof === dof).map((one) => h('option', { value: one.id }, one.title));
     replace(other, h('option', { value: '' }, t.compareWith), ...fitting);
@@ -237,7 +257,10 @@ function toolbar(page: Page, fit: () => void): HTMLElement {
     ellipsoid.value = view.ellipsoid;
     for (const [made, name] of toggles) made.setAttribute('aria-pressed', String(view[name]));
     drop.hidden = !kept.length;
-    if (![...other.options].some((one) => one.value === view.other)) other.append(h('option', { value: view.other }, view.other));
+    if (![...other.options].some((one) => one.value === view.other)) {
+      other.append(h('option', { value: view.other }, view.other));
+      fill();
+    }
     other.value = view.other;
   };
   store.listen(render);

@@ -13,7 +13,7 @@ export type Section = 'pose' | 'links' | 'jacobian' | 'singularity' | 'ik' | 'pa
 export interface View {
   readonly frames: FramesShown;
   readonly dimensions: boolean;
-  readonly ellipsoid: 'none' | 'velocity' | 'force';
+  readonly ellipsoid: 'none' | 'velocity' | 'force' | 'both';
   readonly lost: boolean;
   readonly cloud: boolean;
   /** A second robot to compare, by id. */

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { TableDocument } from '../src/api';
-import { addRow, constantOf, editable, moveRow, readAs, removeRow, sendable, setType, variableCell } from '../src/table/document';
+import { addRow, carried, constantOf, editable, moveRow, readAs, removeRow, sendable, setType, variableCell } from '../src/table/document';
 
 const TABLE: TableDocument = {
   convention: 'standard',
@@ -86,4 +86,26 @@ describe('a cell with a variable', () => {
   ] as const)('%s leaves %s', (cell, constant) => {
     expect(constantOf(cell)).toBe(constant);
   });
+});
+
+describe('values of the joints', () => {
+  const moving = TABLE.joints.slice(0, 3);
+
+  it('go with their rows', () => {
+    expect(carried(moving, moveRow(editable(TABLE), 2, 0), [1, 2, 3])).toEqual([3, 1, 2]);
+    expect(carried(moving, addRow(editable(TABLE), 0), [1, 2, 3])).toEqual([1, 0, 2, 3]);
+    expect(carried(moving, removeRow(editable(TABLE), 1), [1, 2, 3])).toEqual([1, 3]);
+  });
+
+  it('are not taken from an angle to a length', () => {
+    expect(carried(moving, setType(editable(TABLE), 0, 'prismatic'), [1, 2, 3])).toEqual([0, 2, 3]);
+    expect(carried(moving, setType(editable(TABLE), 0, 'continuous'), [1, 2, 3])).toEqual([1, 2, 3]);
+    expect(carried(moving, setType(editable(TABLE), 1, 'fixed'), [1, 2, 3])).toEqual([1, 3]);
+  });
+});
+
+it('variables with Greek names are numbered by rows, too', () => {
+  const joints = ['θ1', '-θ_2 + 90', 'pi/2 - theta3'].map((theta, k) => ({ name: `j${k}`, type: 'R', a: 0, alpha: 0, d: 0, theta }));
+  const moved = moveRow({ ...TABLE, joints }, 2, 0);
+  expect(moved.joints.map((row) => row.theta)).toEqual(['pi/2 - theta1', 'θ2', '-θ_3 + 90']);
 });

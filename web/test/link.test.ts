@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { fromHash, toHash } from '../src/link';
+import { fromHash, isIncomplete, toHash } from '../src/link';
 import { START, type State } from '../src/state';
 
 const FULL: State = {
@@ -15,7 +15,7 @@ const FULL: State = {
   task: 'xy_phi',
   digits: 9,
   open: ['pose', 'path'],
-  view: { frames: 'ends', dimensions: true, ellipsoid: 'force', lost: false, cloud: true, other: 'ur5' },
+  view: { frames: 'ends', dimensions: true, ellipsoid: 'both', lost: false, cloud: true, other: 'ur5' },
   row: 2,
   step: 3,
   target: { position: [0.1, 0.2, 0.3], rpy: [0, 1, 2] },
@@ -36,6 +36,13 @@ describe('a link', () => {
   it('holds a URDF', async () => {
     const urdf: State = { ...START, source: { kind: 'urdf', name: 'é', urdf: '<robot name="é"/>' } };
     expect((await fromHash(await toHash(urdf))).source).toEqual(urdf.source);
+  });
+
+  it('says so where a robot is too long for it', async () => {
+    const noise = Array.from({ length: 40_000 }, (_, k) => String.fromCharCode(33 + ((k * k * 7919) >> 5) % 90)).join('');
+    const hash = await toHash({ ...START, source: { kind: 'urdf', name: 'long', urdf: noise } });
+    expect(hash.length).toBeLessThan(1000);
+    expect([isIncomplete(`#${hash}`), isIncomplete('#robot=puma560')]).toEqual([true, false]);
   });
 
   it.each([

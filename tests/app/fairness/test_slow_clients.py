@@ -30,7 +30,10 @@ def problem_of(raw: bytes) -> dict:
     head, _, body = raw.partition(b"\r\n\r\n")
     assert b"application/problem+json" in head
     assert f"content-length: {len(body)}".encode() in head
-    return json.loads(body)
+    problem = json.loads(body)
+    assert problem["request_id"]
+    assert f"x-request-id: {problem['request_id']}".encode() in head
+    return problem
 
 
 def test_a_head_that_does_not_come_is_cut_off(serve):
@@ -190,3 +193,27 @@ def test_the_worker_survives_more_connections_than_files(serve, tmp_path):
                 break
             except httpx.TransportError:
                 assert time.monotonic() < deadline
+
+
+def test_who_goes_away_leaves_none_of_its_pipelined_requests_behind(serve):
+    """The first of two is being computed; the server learns of the end by the second."""
+    rows = np.random.default_rng(0).uniform(-1, 1, (60_000, 7)).round(4).tolist()
+    body = json.dumps({"q": rows}).encode()
+    first = (
+        b"POST /v1/robots/panda/singularity HTTP/1.1\r\nHost: x\r\nContent-Type: application/json"
+        b"\r\nContent-Length: %d\r\n\r\n" % len(body) + body
+    )
+    with serve() as server:
+        assert server.is_idle(30)
+        with server.connect() as connection:
+            connection.sendall(first + b"GET /health/live HTTP/1.1\r\nHost: x\r\n\r\n")
+            assert server.is_busy()
+        started = time.monotonic()
+        assert server.is_idle(60)
+        gone = time.monotonic() - started
+        whole = httpx.post(
+            f"{server.address}/v1/robots/panda/singularity", content=body, timeout=300,
+            headers={"Content-Type": "application/json"},
+        )  # fmt: skip
+        assert whole.status_code in (200, 422)
+        assert gone < whole.elapsed.total_seconds() / 2

@@ -139,3 +139,92 @@ def test_every_point_is_in_the_box(view):
 def test_colours_grow_lighter():
     grey = colored(np.linspace(0, 1, 50)) @ (0.299, 0.587, 0.114)
     assert (np.diff(grey) > 0).all()
+
+
+def revolute(count, **cells):
+    return [{"type": "R", "alpha": 90 * (k % 2), "a": 0.1, "d": 0.02, **cells, "name": f"j{k}"}
+            for k in range(count)]  # fmt: skip
+
+
+TREE = """<robot name="tree"><link name="base"/><link name="a"/><link name="b"/><link name="c"/>
+<link name="end"/><joint name="lift" type="prismatic"><parent link="base"/><child link="a"/>
+<origin xyz="0 0 0.3"/><axis xyz="0 0 1"/>
+<limit lower="0" upper="0.4" effort="1" velocity="1"/></joint>
+<joint name="left" type="continuous"><parent link="a"/><child link="b"/>
+<origin xyz="0 0.2 0.1"/></joint>
+<joint name="right" type="continuous"><parent link="a"/><child link="c"/>
+<origin xyz="0 -0.2 0.1"/></joint>
+<joint name="hand" type="fixed"><parent link="b"/><child link="end"/>
+<origin xyz="0.3 0 0.2"/></joint></robot>"""
+ODD = {
+    "tiny": revolute(3, a=1e-3, d=2e-3),
+    "huge": revolute(3, a=3e3, d=2e3),
+    "without lengths": revolute(3, a=0, d=0),
+    "thin": [*revolute(1, d=5.0), *revolute(2, a=0.01)[1:]],
+    "64 joints": revolute(64),
+    "slides": [{"type": "P", "alpha": 90, "a": 0, "theta": 0}] * 3,
+    "long names": [{**row, "name": f"a_very_long_name_of_joint_{k}"}
+                   for k, row in enumerate(revolute(12))],
+}  # fmt: skip
+
+
+def drawn(client, body):
+    answer = client.post("/v1/picture.svg?angle=deg", json=body)
+    assert answer.status_code == 200, answer.text
+    assert "nan" not in answer.text
+    return ET.fromstring(answer.text)
+
+
+def boxes(root):
+    """x, y, half width and half height of each text, by the widest estimate of its font."""
+    found = []
+    for element in root.iter(f"{SVG}text"):
+        size = float(element.get("font-size"))
+        wide = 0.6 * size * len(element.text)
+        x = float(element.get("x")) + (0 if element.get("text-anchor") == "middle" else wide / 2)
+        found.append((element.text, x, float(element.get("y")) - 4, wide / 2, 0.45 * size))
+    return found
+
+
+@pytest.mark.parametrize("size", [(640, 480), (300, 240)])
+@pytest.mark.parametrize("name", [*ODD, "tree", "talos"])
+def test_odd_robots_can_be_read(name, size, client):
+    """No text upon another or out of the picture; the arm fills what is left of it."""
+    robot = {"name": "odd", "convention": "standard", "units": {"angle": "deg"},
+             "joints": ODD.get(name)}  # fmt: skip
+    dof = len(ODD.get(name, [0] * 3))
+    body = {"robot": robot, "q": [0.3, 0.4, 0.5] if name == "slides" else [20] * dof}
+    if name == "tree":
+        body["robot"] = {"urdf": TREE}
+    elif name == "talos":
+        dof = client.get("/v1/robots/talos").json()["dof"]
+        body = {"robot": "talos", "q": [0] * dof, "frames": "all"}
+    root = drawn(client, {**body, "width": size[0], "height": size[1]})
+    found = boxes(root)
+    for text, x, y, wide, tall in found:
+        assert wide - 2 <= x <= size[0] - wide + 2, text
+        assert tall - 2 <= y <= size[1] - tall + 2, text
+    for k, (text, x, y, wide, tall) in enumerate(found):
+        for other, u, v, half, high in found[k + 1 :]:
+            # Captions stand on lines of their own, as close as lines are.
+            apart = max(abs(x - u) - wide - half, abs(y - v) - 0.9 * (tall + high))
+            assert apart > -1, (text, other)
+    # In a plane that is seen from its side, or as a bundle of arrows, one extent is enough.
+    bones = [np.array([pair.split(",") for pair in line.get("points").split()], dtype=float)
+             for line in root.iter(f"{SVG}polyline") if line.get("stroke") != "#dddddd"]  # fmt: skip
+    extents = np.ptp(np.concatenate(bones), axis=0) / size
+    assert extents.max() > 0.4, extents
+
+
+def test_links_of_a_urdf_are_drawn(client):
+    root = drawn(client, {"robot": {"urdf": TREE}, "q": [0.1, 20, 30]})
+    bones = [line for line in root.iter(f"{SVG}polyline") if line.get("stroke") == "#7a8794"]
+    assert len(bones) == 4
+
+
+def test_a_long_caption_says_that_it_is_cut(client):
+    root = drawn(client, {"robot": {"name": "odd", "convention": "standard",
+                                    "joints": ODD["long names"]}, "q": [0] * 12})  # fmt: skip
+    texts = [element.text for element in root.iter(f"{SVG}text")]
+    assert sum("very_long" in text for text in texts) == 3
+    assert any(text.endswith("…") for text in texts)

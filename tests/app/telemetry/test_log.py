@@ -110,6 +110,15 @@ def test_a_line_for_each_request(logged):
     assert [line["event"] for line in lines].count("serving") == 1
 
 
+def test_what_is_no_request_gets_one_line_with_the_id_of_its_refusal(logged):
+    answers = []
+    lines = logged(lambda address: answers.append(raw(address, b"GET  nonsense\r\n\r\n")))
+    problem = json.loads(answers[0].partition(b"\r\n\r\n")[2])
+    found = [json.loads(line) for line in lines.splitlines() if b"not read" in line.lower()]
+    assert b"Invalid HTTP request received" not in lines
+    assert [(one["request_id"], one["status"]) for one in found] == [(problem["request_id"], 400)]
+
+
 def test_clients_are_named_when_wanted_and_escaped(logged, monkeypatch):
     monkeypatch.setenv("DENAVIT_LOG_CLIENTS", "true")
 

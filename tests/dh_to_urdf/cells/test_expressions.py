@@ -222,6 +222,14 @@ def test_other_types_are_told_what_to_give(cell):
         parse_cell(cell, NUMBER)
 
 
+@pytest.mark.parametrize(
+    "cell", ["\u0663", "1.\u0663", "\uff11", "\u0967e3", "1e\u0663", "q\u0661"]
+)
+def test_numbers_are_written_in_digits_0_to_9(cell):
+    with pytest.raises(CellError):
+        parse_cell(cell, NUMBER)
+
+
 def test_parentheses_may_fill_the_whole_cell():
     assert parse_cell("(" * 31 + "7" + ")" * 31, NUMBER) == Cell(7.0)
 

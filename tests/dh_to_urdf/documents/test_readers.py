@@ -398,6 +398,27 @@ def test_bad_json_is_refused(text, reason):
     assert (pointer, reason in message) == ("", True)
 
 
+def test_json_bytes_are_utf_8_with_or_without_mark():
+    text = json.dumps(ARM)
+    for encoding in ("utf-8", "utf-8-sig"):
+        assert len(read_json(text.encode(encoding)).rows) == 4
+    for encoding in ("utf-16", "utf-32"):
+        with pytest.raises(DHError, match="it is not UTF-8; save it so"):
+            read_json(text.encode(encoding))
+    for nothing in (b"", " \n", b"\xef\xbb\xbf"):
+        with pytest.raises(DHError, match="it is empty; send a table"):
+            read_json(nothing)
+
+
+@pytest.mark.parametrize("field", ["ant", "sigma", "mu"])
+def test_whole_numbers_are_written_in_digits_0_to_9(field):
+    number = TREE["joints"][0][field]
+    assert read_mapping(edited(TREE, f"/joints/0/{field}", f"{number}"))
+    arabic = chr(0x660 + number)
+    ((pointer, _),) = problems(read_mapping, edited(TREE, f"/joints/0/{field}", arabic))
+    assert pointer == f"/joints/0/{field}"
+
+
 def test_nan_in_json_is_found_where_it_stands():
     document = edited(ARM, "/joints/2/alpha", math.nan)
     assert problems(read_json, json.dumps(document))[0][0] == "/joints/2/alpha"

@@ -20,6 +20,8 @@ export const en = {
   theme: 'Light or dark',
   skip: 'Skip to the numbers',
   unreachable: 'The service does not answer',
+  tooLong: 'This robot is too long for a link: save it on the service first',
+  tableShown: 'The table is now the robot; undo goes back to the URDF',
   loading: 'Loading …',
   // table
   table: 'D-H table',

@@ -20,6 +20,8 @@ export const fr: First = {
   theme: 'Clair ou sombre',
   skip: 'Aller aux nombres',
   unreachable: 'Le service ne répond pas',
+  tooLong: 'Ce robot est trop long pour un lien : enregistrez-le d’abord sur le service',
+  tableShown: 'Le tableau est maintenant le robot ; annuler revient à l’URDF',
   loading: 'Chargement …',
   table: 'Tableau D-H',
   convention: 'Convention',

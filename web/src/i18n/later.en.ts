@@ -26,6 +26,7 @@ export const later = {
   ellipsoidNone: 'No ellipsoid',
   ellipsoidVelocity: 'Velocity ellipsoid',
   ellipsoidForce: 'Force ellipsoid',
+  ellipsoidBoth: 'Both ellipsoids',
   dimensions: 'Dimensions',
   lostArrow: 'Lost direction',
   cloud: 'Workspace',

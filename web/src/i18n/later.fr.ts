@@ -26,6 +26,7 @@ export const later: Later = {
   ellipsoidNone: 'Sans ellipsoïde',
   ellipsoidVelocity: 'Ellipsoïde de vitesse',
   ellipsoidForce: 'Ellipsoïde de force',
+  ellipsoidBoth: 'Les deux ellipsoïdes',
   dimensions: 'Cotes',
   lostArrow: 'Direction perdue',
   cloud: 'Espace de travail',

@@ -6,6 +6,9 @@ import { t } from '../i18n';
 import type { Page } from '../page';
 import { findAll, follow, forget, onSolved } from '../solve';
 
+/** Typing rests for this long before the arm moves, ms. */
+const PAUSE = 350;
+
 export function ikPanel(page: Page): HTMLElement {
   const { store } = page;
   const names = ['x', 'y', 'z', 'roll', 'pitch', 'yaw'];
@@ -13,13 +16,17 @@ export function ikPanel(page: Page): HTMLElement {
     const field = h('input', {
       type: 'text', inputmode: 'decimal', autocomplete: 'off', 'aria-label': `${t.target}, ${name}`,
       oninput: () => put(k, field),
-      onkeydown: (event) => { if ((event as KeyboardEvent).key === 'Enter') follow(page, true); },
+      onkeydown: (event) => { if ((event as KeyboardEvent).key !== 'Enter') return;
+        clearTimeout(typing);
+        follow(page, true);
+      },
     });
     return field;
   });
   const verdict = h('p', { class: 'verdict', role: 'status' });
   const list = h('ul', { class: 'solutions' });
   const units = h('span', { class: 'note' });
+  let typing: ReturnType<typeof setTimeout>;
 
   /** Position and roll-pitch-yaw of the target; of one that was dragged those of the arm's tool. */
   function values(): (number | null)[] {
@@ -36,7 +43,9 @@ export function ikPanel(page: Page): HTMLElement {
     if (value === null) return;
     const now = values().with(k, value).map((one) => one ?? 0);
     store.set({ target: { position: now.slice(0, 3), rpy: now.slice(3) } }, `target${k}`);
-    follow(page, true);
+    // "0.5" begins with "0": the arm waits until the number is there.
+    clearTimeout(typing);
+    typing = setTimeout(() => follow(page, true), PAUSE);
   }
 
   function take(): void {
@@ -70,6 +79,7 @@ export function ikPanel(page: Page): HTMLElement {
       return;
     }
     if ('status' in answer) {
+      replace(list);
       verdict.textContent = `${t.ikStatus[answer.status]} ${t.ikErrors(brief(answer.position_error, 2), brief(answer.orientation_error, 2))}`;
       return;
     }

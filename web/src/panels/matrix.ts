@@ -31,7 +31,7 @@ export function matrixView(
   const body = cells.map((line, i) =>
     h('tr', {}, rows.length > 0 && h('th', { scope: 'row' }, rows[i]), ...line),
   );
-  const table = h('table', { class: columns.length > 5 ? 'matrix wide' : 'matrix' }, h('caption', { class: 'hidden' }, label), head, h('tbody', {}, ...body));
+  const table = h('table', { class: `matrix${columns.length > 5 ? ' wide' : ''}${columns.length > 6 ? ' wider' : ''}` }, h('caption', { class: 'hidden' }, label), head, h('tbody', {}, ...body));
   const element = h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, table);
   return {
     element,

@@ -114,15 +114,15 @@ export function pathPanel(page: Page): HTMLElement {
       page.calls.set('path', call);
       const found = await api.json<Comparison>(call, signal);
       verdict.textContent = t.choosePlay;
-      replace(table, h('table', { class: 'factors' },
+      replace(table, h('table', { class: 'factors compared' },
         h('caption', { class: 'hidden' }, t.comparison),
         h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.method), ...COLUMNS.map((one) => h('th', { scope: 'col' }, t.pathColumns[one])), h('td'))),
         h('tbody', {}, ...found.rows.map((row) => h('tr', { class: row.success ? '' : 'bad' },
           h('th', { scope: 'row' }, row.method),
           h('td', {}, row.success ? t.yes : `${t.no}: ${row.reason ?? ''}`),
-          ...COLUMNS.slice(1).map((one) => h('td', { class: 'mono' }, row[one] === null ? '—' : brief(row[one] as number, 3))),
+          ...COLUMNS.slice(1).map((one) => h('td', { class: 'mono' }, row[one] === null ? '—' : brief(row[one] as number, 2))),
           h('td', {}, button('▶', () => play(row.method, asked), { 'aria-label': `${t.play}: ${row.method}` })))))),
-      h('ul', { class: 'note', lang: 'en' }, ...Object.entries(found.messages).map(([name, words]) => h('li', {}, `${name}: ${words}`))));
+      h('ul', { class: 'note', lang: 'en' }, ...Object.entries(found.messages).filter(([name]) => found.rows.some((row) => row.method === name && !row.success)).map(([name, words]) => h('li', {}, `${name}: ${words}`))));
     });
   }
 

@@ -48,7 +48,7 @@ export function posePanel(page: Page): Panel {
       replace(
         facts,
         h('dt', {}, `${t.position} (m)`), h('dd', {}, plain(pose.position)),
-        h('dt', {}, `${t.rpy} (${state.angle})`), h('dd', {}, angles(pose.rpy)),
+        h('dt', {}, `${t.rpy} (${state.angle === 'deg' ? '°' : 'rad'})`), h('dd', {}, angles(pose.rpy)),
         h('dt', {}, t.quaternion), h('dd', {}, plain(pose.quaternion_xyzw)),
       );
       const found = pose.euler;

@@ -11,7 +11,7 @@ export class Frames {
   private readonly made: Object3D[] = [];
 
   /** Draws anew. */
-  show(model: RobotModel, shown: FramesShown, scale: Scale, dark: boolean): void {
+  show(model: RobotModel, shown: FramesShown | readonly string[], scale: Scale, dark: boolean): void {
     for (const one of this.made) {
       one.removeFromParent();
       clear(one);
@@ -26,10 +26,10 @@ export class Frames {
       const number = numberOf(name);
       const beyond = 1.18 * scale.axis;
       if (number !== null) {
-        group.add(label(`x${number}`, new Vector3(beyond, 0, 0), AXES[0], scale, dark));
-        group.add(label(`z${number}`, new Vector3(0, 0, beyond), AXES[2], scale, dark));
+        group.add(label(`x${number}`, new Vector3(beyond, 0, 0), AXES[0], dark));
+        group.add(label(`z${number}`, new Vector3(0, 0, beyond), AXES[2], dark));
       } else if (name === baseFrame || name === tipFrame) {
-        group.add(label(name, new Vector3(0, 0, beyond), dark ? 0xdfe4ea : 0x1c2430, scale, dark));
+        group.add(label(name, new Vector3(0, 0, beyond), dark ? 0xdfe4ea : 0x1c2430, dark));
       }
       frame.add(group);
       this.made.push(group);
@@ -37,8 +37,9 @@ export class Frames {
   }
 }
 
-function named(model: RobotModel, shown: FramesShown): string[] {
+function named(model: RobotModel, shown: FramesShown | readonly string[]): readonly string[] {
   const { baseFrame, tipFrame, convention } = model.robot;
+  if (typeof shown !== 'string') return shown;
   if (shown === 'none') return [];
   if (shown === 'ends') return [baseFrame, tipFrame];
   const all = model.frames.filter((name) => !convention || name !== baseFrame);

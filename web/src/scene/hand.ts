@@ -6,6 +6,8 @@ import { onScreen, pointerOf, rayAt, rowsOf } from './space';
 import type { SceneCallbacks } from './types';
 
 const NEAR = 16;
+/** A finger is broader than a pointer. */
+const NEAR_FINGER = 32;
 const STILL = 4;
 
 /** What the hand acts on, as it is now. */
@@ -83,7 +85,7 @@ export class Hand {
   private near(event: PointerEvent, object: Object3D): boolean {
     if (!object.visible) return false;
     const at = onScreen(object.getWorldPosition(new Vector3()), this.camera, this.canvas);
-    return Math.hypot(at.x - event.clientX, at.y - event.clientY) < NEAR;
+    return Math.hypot(at.x - event.clientX, at.y - event.clientY) < reachOf(event);
   }
 
   /** In the plane of the screen, or of a planar arm; with Shift it turns instead. */
@@ -184,7 +186,7 @@ export class Hand {
       this.callbacks.onGhostPick(ghost);
       return;
     }
-    let [best, nearest]: [string | null, number] = [null, NEAR];
+    let [best, nearest]: [string | null, number] = [null, reachOf(event)];
     for (const name of model?.frames ?? []) {
       const frame = model?.frame(name);
       if (!frame) continue;
@@ -199,6 +201,10 @@ export class Hand {
   private hit(event: PointerEvent, plane: Plane): Vector3 | null {
     return rayAt(pointerOf(event, this.canvas), this.camera).ray.intersectPlane(plane, new Vector3());
   }
+}
+
+function reachOf(event: PointerEvent): number {
+  return event.pointerType === 'touch' ? NEAR_FINGER : NEAR;
 }
 
 interface Pixel {

@@ -1,7 +1,6 @@
 /** The 3D part: a lazy chunk with three.js and urdf-loader. */
 import {
   AmbientLight,
-  Box3,
   Color,
   DirectionalLight,
   GridHelper,
@@ -12,20 +11,23 @@ import {
   MeshBasicMaterial,
   Object3D,
   PerspectiveCamera,
+  Points,
   Scene as ThreeScene,
-  Sphere,
   SphereGeometry,
   Vector3,
   WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { standpoint } from './fit';
 import { Frames } from './frames';
 import { Hand } from './hand';
+import { layOut, type Placed } from './labels';
 import { drawCloud, drawEllipsoids, drawLost, drawObstacles, drawPath } from './overlays';
 import { axes, COLORS, label, type Scale } from './parts';
+import { probeOf } from './probe';
 import { RobotModel } from './robot';
 import { drawDimensions, drawMotion } from './rows';
-import { clear, matrix4, onScreen, pose, rowsOf } from './space';
+import { clear, cornersOf, matrix4, pose } from './space';
 import {
   NoWebGL,
   type FramesShown,
@@ -36,22 +38,7 @@ import {
   type SceneRow,
 } from './types';
 
-const LABEL = 0.021;
 const FIELD = 40;
-
-/** What is left on the host element for tests and the curious. */
-export interface Probe {
-  /** Pose of every frame in base axes, as the scene has it. */
-  poses(): Record<string, number[][]>;
-  /** Client pixels of the ball that is dragged; null where there is none. */
-  handle(): { x: number; y: number } | null;
-  /** Pose of the target, of the tool where there is none. */
-  target(): number[][] | null;
-  /** Client pixels of a frame's origin. */
-  pixel(frame: string): { x: number; y: number } | null;
-  /** Number of mesh files that are shown. */
-  meshes(): number;
-}
 
 /**
  * Creates the scene in a host element, which it fills.
@@ -85,10 +72,15 @@ class View implements Scene {
   private convention: SceneRobot['convention'] = null;
   private motion: { row: number | null; step: number } = { row: null, step: 0 };
   private target: Matrix4 | null = null;
-  private scale: Scale = { axis: 0.1, label: LABEL };
+  private scale: Scale = { axis: 0.1 };
   private dark = false;
   private drawn = '';
+  private labels: readonly Placed[] = [];
+  private obstacles = '';
+  private path: Parameters<Scene['setPath']>[0] = null;
   private requested = 0;
+  /** Whether the reader has chosen another standpoint than that of `fit`. */
+  private turned = false;
   /** Whether the robot is new: its first posture is brought into view. */
   private unseen = false;
 
@@ -112,21 +104,16 @@ class View implements Scene {
       get ghosts() { return view.ghosts.models.map((one) => one.object); },
     }, callbacks);
     this.controls.addEventListener('change', this.draw);
+    this.controls.addEventListener('start', () => (this.turned = true));
     this.observer = new ResizeObserver(this.resize);
     this.observer.observe(host);
-    const probe: Probe = {
-      poses: () => Object.fromEntries((this.model?.frames ?? []).map((name) => [name, rowsOf(this.model?.poseOf(name) ?? new Matrix4())])),
-      handle: () => (this.handle.visible ? onScreen(this.handle.position, this.camera, this.renderer.domElement) : null),
-      target: () => {
-        const at = this.target ?? this.tipPose();
-        return at && rowsOf(at);
-      },
-      pixel: (frame) => {
-        const at = this.model?.poseOf(frame);
-        return at ? onScreen(new Vector3().setFromMatrixPosition(at), this.camera, this.renderer.domElement) : null;
-      },
-      meshes: () => this.model?.meshes ?? 0,
-    };
+    const probe = probeOf({
+      canvas: this.renderer.domElement, camera: this.camera, layers: this.layers, handle: this.handle,
+      model: () => this.model,
+      ghosts: () => this.ghosts.models,
+      target: () => this.target ?? this.tipPose(),
+      labels: () => this.labels,
+    });
     Object.assign(host, { probe });
   }
 
@@ -140,8 +127,11 @@ class View implements Scene {
     this.rows = [];
     this.ghosts.models.forEach((one) => one.dispose());
     this.ghosts = { key: '', models: [] };
-    const extent = this.extent();
-    this.scale = { axis: 0.1 * extent, label: LABEL };
+    const axis = this.model.axisLength();
+    // While a table is being typed the reader's standpoint stays; for another robot it does not.
+    const isOther = robot.id !== null && robot.id !== before?.robot.id;
+    if (isOther || axis > 2 * this.scale.axis || axis < this.scale.axis / 2) this.turned = false;
+    this.scale = { axis };
     this.drawn = '';
     this.drawGrid();
     this.robotChanged();
@@ -150,8 +140,16 @@ class View implements Scene {
 
   setQ(q: readonly number[]): void {
     this.model?.setQ(q);
+    const axis = this.model?.axisLength() ?? 0;
+    // Slides make an arm longer than it was at first.
+    const grown = axis > 2 * this.scale.axis;
+    if (this.unseen || grown) {
+      this.scale = { axis };
+      this.drawn = '';
+      this.drawGrid();
+    }
     this.refresh();
-    if (this.unseen) this.fit();
+    if ((this.unseen || grown || this.isTipOutside()) && !this.turned) this.fit();
     this.unseen = false;
   }
 
@@ -190,11 +188,13 @@ class View implements Scene {
       const tip = model.poseOf(robot.tipFrame);
       if (tip && !ghost.chosen) {
         const elbow = middleOf(model);
-        this.layers.ghosts.add(label(ghost.label, elbow, this.dark ? 0xa0a9b5 : 0x566070, this.scale, this.dark));
+        this.layers.ghosts.add(label(ghost.label, elbow, 0x566070, this.dark));
       }
       return model;
     });
+    const more = models.length > this.ghosts.models.length;
     this.ghosts = { key, models };
+    if (more && !this.turned) this.fit();
     this.draw();
   }
 
@@ -215,13 +215,19 @@ class View implements Scene {
     this.draw();
   }
 
-  setObstacles(obstacles: Parameters<Scene['setObstacles']>[0], _linkRadius: number): void {
-    drawObstacles(this.layers.obstacles, obstacles, this.extent());
+  setObstacles(obstacles: Parameters<Scene['setObstacles']>[0]): void {
+    const key = JSON.stringify([this.model?.robot.key, obstacles]);
+    if (key === this.obstacles) return;
+    this.obstacles = key;
+    drawObstacles(this.layers.obstacles, obstacles, this.model?.extent() ?? 1);
     this.draw();
   }
 
   setPath(path: Parameters<Scene['setPath']>[0]): void {
+    if (path?.reached === this.path?.reached && path?.wanted === this.path?.wanted) return;
+    this.path = path;
     drawPath(this.layers.path, path, this.scale, this.dark);
+    if (path && !this.turned) this.fit();
     this.draw();
   }
 
@@ -231,27 +237,27 @@ class View implements Scene {
   }
 
   setLostDirections(directions: Parameters<Scene['setLostDirections']>[0]): void {
-    drawLost(this.layers.lost, directions, this.scale);
+    drawLost(this.layers.lost, directions, this.scale, this.dark);
     this.draw();
   }
 
   setCloud(points: Float32Array | null): void {
     drawCloud(this.layers.cloud, points, this.scale);
+    if (points && !this.turned) this.fit();
     this.draw();
   }
 
   fit(): void {
     if (!this.model) return;
-    const ball = this.model.box().expandByPoint(new Vector3()).getBoundingSphere(new Sphere());
-    const radius = Math.max(ball.radius + this.scale.axis, 1e-3);
-    const narrow = Math.min(1, this.camera.aspect || 1);
-    const distance = radius / Math.sin((FIELD * Math.PI) / 360) / narrow;
+    this.turned = false;
     const normal = this.planeNormal();
     const from = normal ?? new Vector3(0.75, -0.85, 0.5).normalize();
-    // Straight from above there is no "up" for the camera's turning: a little from the side.
-    if (normal && Math.abs(normal.z) > 0.99) from.set(0, -0.12, Math.sign(normal.z) || 1).normalize();
-    this.controls.target.copy(ball.center);
-    this.camera.position.copy(ball.center).addScaledVector(from, 0.9 * distance);
+    // Straight from above there is no "up" for the camera's turning: a very little from the side.
+    if (normal && Math.abs(normal.z) > 0.99) from.set(0, -0.01, Math.sign(normal.z) || 1).normalize();
+    const { clientWidth: width, clientHeight: height } = this.host;
+    const { position, target, distance } = standpoint(this.seen(), from, this.camera, width || 1, height || 1);
+    this.controls.target.copy(target);
+    this.camera.position.copy(position);
     this.camera.near = distance / 100;
     this.camera.far = distance * 30;
     this.camera.updateProjectionMatrix();
@@ -264,6 +270,7 @@ class View implements Scene {
     this.dark = dark;
     this.drawn = '';
     this.drawGrid();
+    drawPath(this.layers.path, this.path, this.scale, dark);
     this.refresh();
   }
 
@@ -284,14 +291,16 @@ class View implements Scene {
   private refresh(): void {
     const { model, scale, dark } = this;
     if (!model) return;
-    const wanted = `${model.robot.key} ${this.framesShown} ${dark}`;
-    if (wanted !== this.drawn) {
-      this.frames.show(model, this.framesShown, scale, dark);
-      this.drawn = wanted;
-    }
     const start = (name: string): Matrix4 | null => model.poseOf(name);
     const { row, step } = this.motion;
     const one = row === null ? undefined : this.rows[row];
+    // A row that is shown in its motions has the view to itself: its two frames and no others.
+    const frames = one && this.framesShown !== 'none' ? [one.from, one.to] : this.framesShown;
+    const wanted = `${model.robot.key} ${String(frames)} ${dark}`;
+    if (wanted !== this.drawn) {
+      this.frames.show(model, frames, scale, dark);
+      this.drawn = wanted;
+    }
     if (this.convention) {
       drawDimensions(this.layers.dimensions, this.convention, one ? [] : this.rows, start, scale, dark);
       const from = one && start(one.from);
@@ -323,6 +332,14 @@ class View implements Scene {
     return this.model?.poseOf(this.model.robot.tipFrame) ?? null;
   }
 
+  /** Whether the tool has left the view; never while a hand holds it. */
+  private isTipOutside(): boolean {
+    const tip = this.tipPose();
+    if (!tip || !this.controls.enabled) return false;
+    const { x, y } = new Vector3().setFromMatrixPosition(tip).project(this.camera);
+    return Math.max(Math.abs(x), Math.abs(y)) > 1;
+  }
+
   /** The direction that all turning axes have, where no slide goes along it. */
   private planeNormal(): Vector3 | null {
     const { model } = this;
@@ -340,16 +357,31 @@ class View implements Scene {
     return normal && normal.z < -0.5 ? normal.negate() : normal;
   }
 
-  /** About how far the robot reaches, m. */
-  private extent(): number {
-    const size = this.model?.box().expandByPoint(new Vector3()).getSize(new Vector3());
-    return Math.max(size?.x ?? 0, size?.y ?? 0, size?.z ?? 0, 1e-3);
+  /** Points that are to be in view: the robot with its axes, and what is shown around it. */
+  private seen(): Vector3[] {
+    const { model, layers, scale } = this;
+    const points = [new Vector3()];
+    const shown = [layers.ghosts, layers.other, layers.ellipsoids, layers.lost, layers.path, layers.target];
+    points.push(...[...(model ? [model.object] : []), ...shown].flatMap(cornersOf));
+    layers.cloud.traverse((one) => {
+      if (one instanceof Points) points.push(...sampled(one));
+    });
+    for (const name of model?.frames ?? []) {
+      const at = model?.poseOf(name);
+      if (!at) continue;
+      const origin = new Vector3().setFromMatrixPosition(at);
+      for (const k of [0, 1, 2]) {
+        points.push(origin.clone().addScaledVector(new Vector3().setFromMatrixColumn(at, k), 1.2 * scale.axis));
+        points.push(origin.clone().addScaledVector(new Vector3().setFromMatrixColumn(at, k), -0.4 * scale.axis));
+      }
+    }
+    return points;
   }
 
   /** Squares of a round size on the ground. */
   private drawGrid(): void {
     clear(this.layers.grid);
-    const extent = this.extent();
+    const extent = this.model?.extent() ?? 1;
     const cell = 10 ** Math.floor(Math.log10(extent / 2));
     const count = 2 * Math.ceil((1.4 * extent) / cell);
     const [major, minor] = this.dark ? [0x59636f, 0x2b323b] : [0xa4adb8, 0xe1e5ea];
@@ -363,6 +395,9 @@ class View implements Scene {
     if (this.requested) return;
     this.requested = requestAnimationFrame(() => {
       this.requested = 0;
+      this.world.updateMatrixWorld();
+      this.camera.updateMatrixWorld();
+      this.labels = layOut(this.world, this.camera, this.host.clientWidth, this.host.clientHeight, this.handle);
       this.renderer.render(this.world, this.camera);
     });
   };
@@ -370,23 +405,27 @@ class View implements Scene {
   private readonly resize = (): void => {
     const { clientWidth: width, clientHeight: height } = this.host;
     if (!width || !height) return;
-    const before = this.camera.aspect;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
-    this.scale = { ...this.scale, label: LABEL * Math.min(1.6, Math.max(1, 620 / height)) };
     this.camera.updateProjectionMatrix();
-    if (Math.abs(before - this.camera.aspect) > 0.3) this.fit();
+    if (!this.turned) this.fit();
     this.draw();
   };
+}
+
+/** Some points of a cloud, enough to see how far it goes. */
+function sampled(cloud: Points): Vector3[] {
+  const places = cloud.geometry.getAttribute('position');
+  const step = Math.max(1, Math.floor(places.count / 2000));
+  return Array.from({ length: Math.floor(places.count / step) }, (_, k) => new Vector3().fromBufferAttribute(places, k * step));
 }
 
 /** A point of the posture halfway along its joints, where postures differ most. */
 function middleOf(model: RobotModel): Vector3 {
   const { joints } = model.robot;
   const joint = model.urdf.joints[joints[Math.floor(joints.length / 2)]?.name ?? ''];
-  const box = new Box3().setFromObject(model.object);
-  return joint?.getWorldPosition(new Vector3()) ?? box.getCenter(new Vector3());
+  return joint?.getWorldPosition(new Vector3()) ?? new Vector3();
 }
 
 function newRenderer(): WebGLRenderer {

@@ -3,6 +3,7 @@ import {
   BoxGeometry,
   BufferGeometry,
   CapsuleGeometry,
+  CylinderGeometry,
   DoubleSide,
   Euler,
   Float32BufferAttribute,
@@ -18,7 +19,7 @@ import {
   Vector3,
 } from 'three';
 import type { Matrix, Obstacle } from '../api';
-import { ball, COLORS, polyline, rod, type Scale } from './parts';
+import { ball, COLORS, label, onTop, polyline, ring, rod, type Scale } from './parts';
 import { along, clear, pose, vector } from './space';
 import type { LostDirection, SceneEllipsoid, ScenePath } from './types';
 
@@ -60,17 +61,33 @@ function across(one: Vector3): Vector3 {
   return other.cross(one).normalize();
 }
 
-/** A straight double arrow for a lost translation, and one about an axis for a lost rotation. */
-export function drawLost(group: Group, directions: readonly LostDirection[], scale: Scale): void {
+const LINEAR = 0xd6186b;
+const ANGULAR = 0x8e24aa;
+
+/** A straight double arrow for a lost translation; for a lost rotation a turn about its axis. */
+export function drawLost(group: Group, directions: readonly LostDirection[], scale: Scale, dark: boolean): void {
   clear(group);
   for (const { at, linear, angular } of directions) {
     const from = vector(at);
-    for (const [part, color] of [[vector(linear), 0xd6186b], [vector(angular), 0x8e24aa]] as const) {
-      if (part.length() < 1e-6) continue;
-      const reach = part.clone().normalize().multiplyScalar(2.2 * scale.axis * Math.max(part.length(), 0.3));
+    const [v, w] = [vector(linear), vector(angular)];
+    const reach = (part: Vector3): Vector3 => part.clone().normalize().multiplyScalar(2.2 * scale.axis * Math.max(part.length(), 0.4));
+    if (v.length() > 1e-6) {
+      const end = reach(v);
       for (const sign of [1, -1]) {
-        group.add(rod(from, from.clone().addScaledVector(reach, sign), 0.035 * scale.axis, color, 0.3 * scale.axis));
+        const arrow = onTop(rod(from, from.clone().addScaledVector(end, sign), 0.04 * scale.axis, LINEAR, 0.3 * scale.axis));
+        arrow.name = 'linear';
+        group.add(arrow);
       }
+      group.add(label('v', from.clone().addScaledVector(end, 1.1), LINEAR, dark));
+    }
+    if (w.length() > 1e-6) {
+      const end = reach(w);
+      const [low, high] = [from.clone().sub(end), from.clone().add(end)];
+      group.add(onTop(rod(low, high, 0.016 * scale.axis, ANGULAR)));
+      const turn = onTop(ring(0.55 * scale.axis, 0.035 * scale.axis, ANGULAR));
+      turn.position.copy(from).addScaledVector(end, 0.7);
+      along(turn, end);
+      group.add(turn, label('ω', high.clone().addScaledVector(end, 0.1), ANGULAR, dark));
     }
   }
 }
@@ -79,7 +96,13 @@ export function drawObstacles(group: Group, obstacles: readonly Obstacle[], exte
   clear(group);
   for (const obstacle of obstacles) {
     const material = new MeshLambertMaterial({ color: 0x9aa3ad, transparent: true, opacity: 0.75, side: DoubleSide });
-    if (obstacle.type === 'sphere' || obstacle.type === 'circle') {
+    if (obstacle.type === 'circle') {
+      // A disc of the plane z = 0, as high as the links are thick.
+      const mesh = new Mesh(new CylinderGeometry(obstacle.radius, obstacle.radius, 0.03 * extent, 48), material);
+      mesh.rotation.x = Math.PI / 2;
+      mesh.position.copy(vector(obstacle.center));
+      group.add(mesh);
+    } else if (obstacle.type === 'sphere') {
       const mesh = new Mesh(new SphereGeometry(obstacle.radius, 32, 20), material);
       mesh.position.copy(vector(obstacle.center));
       group.add(mesh);
@@ -111,7 +134,7 @@ export function drawPath(group: Group, path: ScenePath | null, scale: Scale, dar
   clear(group);
   if (!path) return;
   const points = (rows: Matrix): Vector3[] => rows.map(vector);
-  if (path.wanted.length > 1) group.add(polyline(points(path.wanted), dark ? 0xdfe4ea : COLORS.path, true));
+  if (path.wanted.length > 1) group.add(polyline(points(path.wanted), dark ? 0xdfe4ea : COLORS.path, 0.2 * scale.axis));
   if (path.reached.length > 1) group.add(polyline(points(path.reached), COLORS.a));
   const last = path.reached.at(-1);
   if (last) group.add(ball(vector(last), 0.08 * scale.axis, COLORS.a));

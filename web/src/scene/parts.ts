@@ -2,6 +2,7 @@
 import {
   BufferGeometry,
   CanvasTexture,
+  Color,
   ConeGeometry,
   CylinderGeometry,
   DoubleSide,
@@ -18,28 +19,35 @@ import {
   SRGBColorSpace,
   Sprite,
   SpriteMaterial,
+  TorusGeometry,
   Vector3,
 } from 'three';
+import { LABEL_HEIGHT } from './labels';
 import { along } from './space';
 
 export const AXES = [0xd62728, 0x2ca02c, 0x1f6fd0] as const;
 export const COLORS = { a: 0xc2570c, d: 0x155a9c, target: 0xb01e8f, path: 0x222222, ghost: 0x8a94a0 } as const;
 const UP = new Vector3(0, 1, 0);
 const RESOLUTION = 3;
-const HEIGHT = 22;
+/** Colours for a light ground are this much nearer to white on a dark one. */
+const LIGHTER = 0.2;
 
-/** How large things are drawn: a length of the scene and pixels a metre are told once a robot. */
+/** How large things are drawn. */
 export interface Scale {
   /** Length of a frame's axes, m. */
   readonly axis: number;
-  /** Height of a label on the screen as a part of the height of the view. */
-  readonly label: number;
 }
 
-export function polyline(points: readonly Vector3[], color: number, dashed = false): Line {
+/** A colour that was chosen for a light ground, on the present one. */
+export function onGround(color: number, dark: boolean): number {
+  return dark ? new Color(color).lerp(new Color(0xffffff), LIGHTER).getHex() : color;
+}
+
+/** @param dash Length of a dash, m; 0 for a solid line. */
+export function polyline(points: readonly Vector3[], color: number, dash = 0): Line {
   const geometry = new BufferGeometry().setFromPoints([...points]);
-  if (!dashed) return new Line(geometry, new LineBasicMaterial({ color }));
-  const line = new Line(geometry, new LineDashedMaterial({ color, dashSize: 0.02, gapSize: 0.014 }));
+  if (!dash) return new Line(geometry, new LineBasicMaterial({ color }));
+  const line = new Line(geometry, new LineDashedMaterial({ color, dashSize: dash, gapSize: 0.7 * dash }));
   line.computeLineDistances();
   return line;
 }
@@ -72,22 +80,29 @@ export function ball(at: Vector3, radius: number, color: number, opacity = 1): M
   return mesh;
 }
 
-/** Axes of a frame, x red, y green, z blue. */
+/** Axes of a frame, x red, y green, z blue; links never hide them. */
 export function axes(length: number, opacity = 1): Group {
   const group = new Group();
   AXES.forEach((color, k) => {
     const end = new Vector3().setComponent(k, length);
-    const arrow = rod(new Vector3(), end, 0.034 * length, color, 0.24 * length);
-    arrow.traverse((one) => {
-      if (one instanceof Mesh && opacity < 1) Object.assign(one.material, { transparent: true, opacity });
-    });
-    group.add(arrow);
+    group.add(onTop(rod(new Vector3(), end, 0.03 * length, color, 0.24 * length), opacity));
   });
   return group;
 }
 
-/** A word that always faces the viewer and keeps its size on the screen. */
-export function label(text: string, at: Vector3, color: number, scale: Scale, dark: boolean): Sprite {
+/** Draws an object over all that is solid, what is farther away first. */
+export function onTop<T extends Object3D>(object: T, opacity = 1): T {
+  object.traverse((one) => {
+    if (!(one instanceof Mesh)) return;
+    // Only what is transparent is sorted from the back to the front.
+    Object.assign(one.material, { transparent: true, opacity, depthTest: false });
+    one.renderOrder = 5;
+  });
+  return object;
+}
+
+/** A word that always faces the viewer; `layOut` gives it its size and its place. */
+export function label(text: string, at: Vector3, color: number, dark: boolean): Sprite {
   const canvas = document.createElement('canvas');
   const font = `600 ${16 * RESOLUTION}px system-ui, "DejaVu Sans", sans-serif`;
   const measure = canvas.getContext('2d');
@@ -95,7 +110,7 @@ export function label(text: string, at: Vector3, color: number, scale: Scale, da
   measure.font = font;
   const width = measure.measureText(text).width / RESOLUTION + 8;
   canvas.width = width * RESOLUTION;
-  canvas.height = HEIGHT * RESOLUTION;
+  canvas.height = LABEL_HEIGHT * RESOLUTION;
   const pen = canvas.getContext('2d');
   if (!pen) return new Sprite();
   pen.font = font;
@@ -104,7 +119,7 @@ export function label(text: string, at: Vector3, color: number, scale: Scale, da
   pen.lineJoin = 'round';
   pen.lineWidth = 4 * RESOLUTION;
   pen.strokeStyle = dark ? '#14171b' : '#ffffff';
-  pen.fillStyle = `#${color.toString(16).padStart(6, '0')}`;
+  pen.fillStyle = `#${onGround(color, dark).toString(16).padStart(6, '0')}`;
   pen.strokeText(text, canvas.width / 2, canvas.height / 2);
   pen.fillText(text, canvas.width / 2, canvas.height / 2);
   const texture = new CanvasTexture(canvas);
@@ -112,7 +127,8 @@ export function label(text: string, at: Vector3, color: number, scale: Scale, da
   const material = new SpriteMaterial({ map: texture, depthTest: false, sizeAttenuation: false, transparent: true });
   const sprite = new Sprite(material);
   sprite.position.copy(at);
-  sprite.scale.set((scale.label * width) / HEIGHT, scale.label, 1);
+  sprite.userData['labelWidth'] = width;
+  sprite.name = text;
   sprite.renderOrder = 10;
   return sprite;
 }
@@ -129,6 +145,21 @@ export function sector(radius: number, from: number, to: number, color: number):
   geometry.setAttribute('position', new Float32BufferAttribute(points, 3));
   const material = new MeshBasicMaterial({ color, transparent: true, opacity: 0.35, side: DoubleSide, depthWrite: false });
   return new Mesh(geometry, material);
+}
+
+/** An arrow that turns about z through three quarters of a circle, with a head at each end. */
+export function ring(radius: number, thick: number, color: number): Group {
+  const group = new Group();
+  const sweep = 1.5 * Math.PI;
+  const material = new MeshBasicMaterial({ color });
+  group.add(new Mesh(new TorusGeometry(radius, thick, 8, 40, sweep), material));
+  for (const [angle, sign] of [[0, -1], [sweep, 1]] as const) {
+    const head = new Mesh(new ConeGeometry(2.8 * thick, 7 * thick, 14), material);
+    head.position.set(radius * Math.cos(angle), radius * Math.sin(angle), 0);
+    along(head, new Vector3(-Math.sin(angle), Math.cos(angle), 0).multiplyScalar(sign), UP);
+    group.add(head);
+  }
+  return group;
 }
 
 const DIGITS = '₀₁₂₃₄₅₆₇₈₉';

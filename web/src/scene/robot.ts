@@ -1,10 +1,12 @@
 /** A robot in the scene: links by urdf-loader, meshes where the service has them, else bones. */
-import { Box3, Group, LoadingManager, Matrix4, Mesh, MeshLambertMaterial, Object3D, Vector3 } from 'three';
-import URDFLoader, { type URDFRobot } from 'urdf-loader';
+import { Box3, BoxGeometry, Group, LoadingManager, Matrix4, Mesh, MeshLambertMaterial, Object3D, Vector3 } from 'three';
+import URDFLoader, { type URDFJoint, type URDFRobot } from 'urdf-loader';
 import { json, listMeshes, ROOT } from '../api';
 import { rod } from './parts';
-import { pose, release } from './space';
+import { along, cornersOf, pose, release } from './space';
 import type { SceneRobot } from './types';
+
+const SLIDE = 0x4a86c5;
 
 interface MeshLine {
   readonly filename: string;
@@ -20,6 +22,10 @@ export class RobotModel {
   /** Number of mesh files that are shown. */
   meshes = 0;
   private gone = false;
+  /** A bar for each slide, from where it is at zero to where it is. */
+  private readonly slides: { joint: URDFJoint; from: Vector3; bar: Mesh }[] = [];
+  /** Size of the shapes that the links have of their own, m. */
+  private readonly shapes: number;
 
   /** `changed` is called as meshes come in. */
   constructor(robot: SceneRobot, changed: () => void) {
@@ -29,15 +35,22 @@ export class RobotModel {
     loader.packages = (name) => `package://${name}`;
     loader.loadMeshCb = (url, _manager, _material, done) => wanted.push({ url, done });
     this.urdf = loader.parse(robot.urdf);
-    for (const joint of Object.values(this.urdf.joints)) joint.ignoreLimits = true;
+    for (const joint of Object.values(this.urdf.joints)) {
+      joint.ignoreLimits = true;
+      // The service has a value of its own for each joint, whether it mimics another or not.
+      joint.mimicJoints = [];
+    }
     this.object.add(this.urdf);
     this.setQ([]);
     if (wanted.length) {
       this.drawBones();
-      if (robot.id) void this.loadMeshes(robot.id, wanted, changed);
+      // Without them the bones stay.
+      if (robot.id) void this.loadMeshes(robot.id, wanted, changed).catch((error: unknown) => console.warn(error));
     } else if (!this.hasShapes()) {
       this.drawBones();
     }
+    this.shapes = new Box3().setFromPoints(cornersOf(this.object)).getSize(new Vector3()).length();
+    this.addSlides();
   }
 
   /** One value a joint, rad and m; joints without one stay. */
@@ -46,6 +59,15 @@ export class RobotModel {
       const value = q[k];
       if (value !== undefined) this.urdf.setJointValue(joint.name, value);
     });
+    this.object.updateMatrixWorld(true);
+    const thick = this.slides.length ? 0.16 * this.axisLength() : 0;
+    for (const { joint, from, bar } of this.slides) {
+      const way = joint.position.clone().sub(from);
+      bar.visible = way.length() > 1e-9 && !this.meshes;
+      bar.position.copy(from).addScaledVector(way, 0.5);
+      if (bar.visible) along(bar, way);
+      bar.scale.set(thick, thick, Math.max(way.length(), 1e-9));
+    }
     this.object.updateMatrixWorld(true);
     const base = this.urdf.links[this.robot.baseFrame];
     if (!base) return;
@@ -79,6 +101,20 @@ export class RobotModel {
     return box;
   }
 
+  /** About how far it reaches, m; of an arm without lengths its joints are all that is seen. */
+  extent(): number {
+    const { x, y, z } = this.box().expandByPoint(new Vector3()).getSize(new Vector3());
+    return Math.max(x, y, z, 0.3 * this.shapes, 1e-6);
+  }
+
+  /** Length of the axes of its frames: clear of the next frame where links are short, m. */
+  axisLength(): number {
+    const extent = this.extent();
+    const lengths = Object.values(this.urdf.joints).map((joint) => joint.position.length()).filter((one) => one > 0.02 * extent);
+    const middle = lengths.sort((a, b) => a - b)[Math.floor(lengths.length / 2)] ?? extent;
+    return Math.min(0.1 * extent, Math.max(0.5 * middle, 0.04 * extent));
+  }
+
   /** Makes everything see-through and of one colour. */
   tint(color: number, opacity: number): void {
     this.object.traverse((one) => {
@@ -92,6 +128,16 @@ export class RobotModel {
     this.gone = true;
     release(this.object);
     this.object.removeFromParent();
+  }
+
+  private addSlides(): void {
+    for (const joint of Object.values(this.urdf.joints)) {
+      if (joint.jointType !== 'prismatic' || !joint.parent) continue;
+      const bar = new Mesh(new BoxGeometry(1, 1, 1), new MeshLambertMaterial({ color: SLIDE }));
+      bar.visible = false;
+      joint.parent.add(bar);
+      this.slides.push({ joint, from: joint.position.clone(), bar });
+    }
   }
 
   private hasShapes(): boolean {
@@ -148,6 +194,7 @@ export class RobotModel {
     this.dropBones();
     for (const { mesh, done } of loaded) done(mesh);
     this.meshes = loaded.length;
+    for (const { bar } of this.slides) bar.visible = false;
     changed();
   }
 }

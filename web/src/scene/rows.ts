@@ -1,7 +1,7 @@
 /** What a row of a D-H table means: dimension lines for a and d, and its elementary motions. */
 import { Group, Matrix4, Vector3 } from 'three';
 import type { Convention } from '../api';
-import { axes, COLORS, label, polyline, rod, sector, subscript, type Scale } from './parts';
+import { axes, COLORS, label, onGround, polyline, rod, sector, subscript, type Scale } from './parts';
 import { clear, pose } from './space';
 import type { SceneRow } from './types';
 
@@ -69,16 +69,17 @@ function dimension(
 ): void {
   if (Math.abs(motion.value) < 1e-6) return;
   const color = motion.kind === 'Tx' ? COLORS.a : COLORS.d;
+  const ink = onGround(color, dark);
   // Beside the link, along y of the frame before: parallel to what is measured.
   const aside = new Vector3().setFromMatrixColumn(from, 1).multiplyScalar(0.45 * scale.axis);
   const [p, q] = [from, to].map((one) => new Vector3().setFromMatrixPosition(one)) as [Vector3, Vector3];
   const [a, b] = [p.clone().add(aside), q.clone().add(aside)];
   const head = Math.min(0.2 * scale.axis, 0.3 * a.distanceTo(b));
   const middle = a.clone().lerp(b, 0.5);
-  group.add(polyline([p, a.clone().addScaledVector(aside, 0.2)], color), polyline([q, b.clone().addScaledVector(aside, 0.2)], color));
-  group.add(rod(middle, b, 0.012 * scale.axis, color, head), rod(middle, a, 0.012 * scale.axis, color, head));
+  group.add(polyline([p, a.clone().addScaledVector(aside, 0.2)], ink), polyline([q, b.clone().addScaledVector(aside, 0.2)], ink));
+  group.add(rod(middle, b, 0.014 * scale.axis, ink, head), rod(middle, a, 0.014 * scale.axis, ink, head));
   const text = `${name} = ${Number(motion.value.toPrecision(4))} m`;
-  group.add(label(text, middle.clone().addScaledVector(aside, 0.5), color, scale, dark));
+  group.add(label(text, middle.clone().addScaledVector(aside, 0.5), color, dark));
 }
 
 /** A frame on its way from the row's start to its end, `step` motions done, and its trail. */
@@ -113,11 +114,12 @@ export function drawMotion(
       const angle = motion.kind.startsWith('R');
       const value = angle ? `${Number(((motion.value * 180) / Math.PI).toPrecision(5))}°` : `${Number(motion.value.toPrecision(4))} m`;
       const up = new Vector3().setFromMatrixColumn(next, 2).multiplyScalar(-0.75 * scale.axis);
-      group.add(label(`${motion.kind}(${value})`, q.clone().add(up), color, scale, dark));
+      group.add(label(`${motion.kind}(${value})`, q.clone().add(up), color, dark));
     }
     at = next;
   });
   const moving = axes(1.25 * scale.axis);
+  moving.name = 'moving';
   pose(moving, at);
   group.add(moving);
 }

@@ -101,7 +101,7 @@ export interface Scene {
   setGhosts(ghosts: readonly SceneGhost[]): void;
   /** A second robot beside the first, to compare; at its own q. */
   setOther(robot: SceneRobot | null, q: readonly number[]): void;
-  setObstacles(obstacles: readonly Obstacle[], linkRadius: number): void;
+  setObstacles(obstacles: readonly Obstacle[]): void;
   setPath(path: ScenePath | null): void;
   /** Pose of the draggable target; null hides it. */
   setTarget(pose: Matrix | null): void;

@@ -170,9 +170,30 @@ function renumbered(document: TableDocument): TableDocument {
       if (!own) return row;
       const cell = row[own];
       if (typeof cell !== 'string') return row;
-      return { ...row, [own]: cell.replace(/\b(q|θ|theta)(_?)\d+/i, `$1$2${k + 1}`) };
+      return { ...row, [own]: cell.replace(/(?<![\p{L}\d_])(q|θ|theta)(_?)\d+/iu, `$1$2${k + 1}`) };
     }),
   };
+}
+
+/** A joint as far as its value goes: what it is called, and whether it slides. */
+interface Named {
+  readonly name?: string;
+  readonly type?: string;
+}
+
+/**
+ * The values of the joints after a change of the table: each keeps its own, wherever its row went;
+ * what is new, or slides now and turned before, is at zero.
+ */
+export function carried(before: readonly Named[], after: TableDocument, q: readonly number[]): number[] {
+  const key = (one: Named): string => `${one.name} ${typeOf(one) === 'prismatic'}`;
+  const values = new Map(before.map((one, k) => [key(one), q[k] ?? 0]));
+  return moving(after).map((row) => values.get(key(row)) ?? 0);
+}
+
+/** The rows that have a variable. */
+export function moving(document: TableDocument): TableRow[] {
+  return document.joints.filter((row) => typeOf(row) !== 'fixed');
 }
 
 function freeName(rows: readonly TableRow[]): string {

@@ -5,7 +5,8 @@ import { t } from '../i18n';
 import type { Page } from '../page';
 import { MOTIONS, SYMBOLS } from './document';
 
-export function formula(page: Page): { element: HTMLElement; render(document: TableDocument): void } {
+/** @param choose Shows a row of the table, and how many of its motions are done. */
+export function formula(page: Page, choose: (change: { row: number; step: number }) => void): { element: HTMLElement; render(document: TableDocument): void } {
   const { store } = page;
   const line = h('span', { class: 'formula', role: 'group', 'aria-label': t.linkMatrix });
   const words = h('p', { class: 'note' });
@@ -30,14 +31,14 @@ export function formula(page: Page): { element: HTMLElement; render(document: Ta
               class: `axis-${motion.axis}`,
               'aria-pressed': String(row !== null && i < step),
               title: t.motions[motion.name as keyof typeof t.motions],
-              onclick: () => store.set({ row: row ?? 0, step: i + 1 }, 'step'),
+              onclick: () => choose({ row: row ?? 0, step: i + 1 }),
             },
             `${motion.name}(`,
             h('i', {}, SYMBOLS[motion.column]),
             ')',
           ),
         ),
-        row !== null && button('⟲', () => store.set({ step: 0 }, 'step'), { 'aria-label': t.stepStart, title: t.stepStart }),
+        row !== null && button('⟲', () => choose({ row, step: 0 }), { 'aria-label': t.stepStart, title: t.stepStart }),
       );
       const last = step > 0 ? motions[step - 1] : undefined;
       words.textContent =

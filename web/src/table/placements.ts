@@ -1,16 +1,21 @@
 /** Base and tool of a table: a point with roll-pitch-yaw, or a matrix where it has one. */
 import type { Cell, Placement, TableDocument } from '../api';
 import { button, h, replace } from '../dom';
+import { readNumber } from '../format';
 import { t } from '../i18n';
 
 const ENDS = ['base', 'tool'] as const;
 const ZERO: readonly Cell[] = [0, 0, 0];
 
-export function placements(
-  edit: (document: TableDocument, kind: string) => void,
-): { element: HTMLElement; render(document: TableDocument): void } {
-  const body = h('div');
-  const element = h('details', { class: 'fold' }, h('summary', {}, t.baseAndTool), body);
+export interface Placements {
+  readonly element: HTMLElement;
+  render(document: TableDocument): void;
+  /** The field that a pointer such as `/tool/xyz/0` names. */
+  field(pointer: string): HTMLInputElement | undefined;
+}
+
+export function placements(edit: (document: TableDocument, kind: string) => void): Placements {
+  const element = h('div');
   let built = '';
   let document: TableDocument;
   const fields = new Map<string, HTMLInputElement>();
@@ -41,13 +46,16 @@ export function placements(
 
   return {
     element,
+    // The service names the end at fault, `/tool`: its first field that is no number.
+    field: (pointer) => fields.get(pointer.slice(1))
+      ?? [...fields].find(([key, one]) => key.startsWith(`${pointer.slice(1)}/`) && readNumber(one.value) === null)?.[1],
     render(next) {
       document = next;
       const shape = JSON.stringify(ENDS.map((end) => [Boolean(next[end]?.matrix), next[end]?.matrix, next[end]?.quaternion_xyzw]));
       if (shape !== built) {
         built = shape;
         fields.clear();
-        replace(body, ...ENDS.map((end) => row(end, next[end])));
+        replace(element, ...ENDS.map((end) => row(end, next[end])));
       }
       for (const [key, field] of fields) {
         const [end, part, k] = key.split('/') as ['base' | 'tool', 'xyz' | 'rpy', string];

@@ -4,11 +4,11 @@ import { button, h, replace, select } from '../dom';
 import { opened, t } from '../i18n';
 import type { Page } from '../page';
 import {
-  COLUMNS, SYMBOLS, type Column, addRow, editable, moveRow, newTable, ownColumn, readAs, removeRow,
-  sendable, setCell, setLimit, setType, typeOf,
+  COLUMNS, SYMBOLS, type Column, addRow, carried, editable, moveRow, moving, newTable, ownColumn, readAs,
+  removeRow, sendable, setCell, setLimit, setType, typeOf,
 } from './document';
 import { formula } from './formula';
-import { placements } from './placements';
+import type { Placements } from './placements';
 
 const LETTERS: Record<api.JointType, string> = { revolute: 'R', prismatic: 'P', continuous: 'C', fixed: 'F' };
 const CONVENTIONS = ['standard', 'modified', 'khalil'] as const;
@@ -42,13 +42,38 @@ export function tableView(page: Page): TableView {
   const grid = h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-label': t.tableRows });
   const help = h('p', { class: 'note help', id: 'column-help' });
   const problems = h('ul', { class: 'problems', 'aria-label': t.problems });
-  const links = formula(page);
-  const ends = placements(edit);
+  const links = formula(page, choose);
+  const ends = h('details', { class: 'fold', ontoggle: () => void import('./placements').then(({ placements }) => {
+    if (!places) ends.append((places = placements(edit)).element);
+    const document = current();
+    if (document) places.render(document);
+  }) }, h('summary', {}, t.baseAndTool));
+  let places: Placements | null = null;
   let built = '';
   let cells = new Map<string, HTMLInputElement | HTMLSelectElement>();
 
+  /** The table from now on; joints keep their values, and the row that is shown stays shown. */
   function edit(document: api.TableDocument, kind: string): void {
-    store.set({ source: { kind: 'table', table: document } }, kind);
+    const { q, row } = store.state;
+    const before = current();
+    const joints = before && moving(before).length === q.length ? moving(before) : (page.model?.joints ?? []);
+    const name = row === null ? undefined : before?.joints[row]?.name;
+    const found = document.joints.findIndex((one) => one.name === name);
+    store.set({
+      source: { kind: 'table', table: document },
+      ...(joints.length === q.length ? { q: carried(joints, document, q) } : {}),
+      row: row === null || found < 0 ? null : found,
+    }, kind);
+  }
+
+  /** Shows a row in its motions; a URDF has no such frames, its table does. */
+  function choose(change: { row: number | null; step: number }): void {
+    const document = current();
+    if (document && page.model?.kind === 'urdf' && store.state.source.kind !== 'table') {
+      edit(document, 'row');
+      page.tell(t.tableShown);
+    }
+    store.set(change, 'row');
   }
 
   function current(): api.TableDocument | null {
@@ -105,7 +130,7 @@ export function tableView(page: Page): TableView {
       cells.set(`${pointer}/type`, type);
       const numberButton = h('button', {
         type: 'button', class: 'row-number', 'aria-label': `${name}, ${row.name ?? ''}`, title: row.name ?? '',
-        onclick: () => store.set({ row: store.state.row === k ? null : k, step: 4 }, 'row'),
+        onclick: () => choose({ row: store.state.row === k ? null : k, step: 4 }),
       }, k + 1);
       return h('tr', {},
         h('th', { scope: 'row' }, numberButton),
@@ -143,15 +168,18 @@ export function tableView(page: Page): TableView {
 
   function fill(document: api.TableDocument): void {
     document.joints.forEach((row, k) => {
-      const write = (pointer: string, value: unknown): void => {
+      const write = (pointer: string, value: unknown, digits = 12): void => {
         const field = cells.get(`/joints/${k}/${pointer}`);
         if (!field || field === window.document.activeElement && field.value !== '' && isTyping(field)) return;
-        const text = value === undefined || value === null ? '' : cellText(value as api.Cell);
+        const text = value === undefined || value === null ? '' : cellText(value as api.Cell, digits);
         if (field.value !== text) field.value = text;
+        // What is longer than its cell can be read all the same.
+        const whole = String(value ?? '');
+        if (!(field instanceof HTMLSelectElement)) field.title = whole.length > 7 ? whole : '';
       };
       for (const column of ['theta', 'd', 'a', 'alpha', 'r', 'b', 'gamma', 'ant'] as const) write(column, row[column]);
-      write('limits/lower', row.limits?.lower);
-      write('limits/upper', row.limits?.upper);
+      write('limits/lower', row.limits?.lower, 4);
+      write('limits/upper', row.limits?.upper, 4);
       const own = ownColumn(row, document.convention);
       for (const column of COLUMNS[document.convention]) {
         cells.get(`/joints/${k}/${column}`)?.classList.toggle('variable', column === own);
@@ -197,7 +225,7 @@ export function tableView(page: Page): TableView {
       line.querySelector('.row-number')?.setAttribute('aria-pressed', String(k === store.state.row));
     }
     links.render(document);
-    ends.render(document);
+    places?.render(document);
   }
 
   grid.addEventListener('input', (event) => mark(event.target, 'yes'));
@@ -221,11 +249,12 @@ export function tableView(page: Page): TableView {
       h('span', { class: 'line' }, other,
         button(t.newTable, () => {
           const start = current();
-          edit(newTable(start?.convention ?? 'standard', store.state.angle), 'new');
+          const table = newTable(start?.convention ?? 'standard', store.state.angle);
+          store.set({ source: { kind: 'table', table }, q: [], row: null, target: null, kept: [] }, 'new');
         }),
         button(t.paste, () => void opened(import('./paste')).then(({ pasteDialog }) => pasteDialog(page, '', false))))),
     links.element,
-    grid, problems, help, ends.element);
+    grid, problems, help, ends);
 
   store.listen(render);
   page.onModel.push(render);
@@ -234,14 +263,14 @@ export function tableView(page: Page): TableView {
   return {
     element,
     showErrors(errors) {
-      for (const field of cells.values()) {
+      for (const field of element.querySelectorAll('[aria-invalid]')) {
         field.removeAttribute('aria-invalid');
         field.removeAttribute('aria-describedby');
       }
       const lines = errors.map((error, k) => {
         const pointer = error.pointer.replace(/^\/robot/, '').replace(/\/(offset|sign)$/, '');
         const field = [...cells.entries()].find(([key]) => key === pointer)?.[1]
-          ?? cells.get(`${pointer}/theta`) ?? cells.get(`${pointer}/type`);
+          ?? places?.field(pointer) ?? cells.get(`${pointer}/theta`) ?? cells.get(`${pointer}/type`);
         field?.setAttribute('aria-invalid', 'true');
         field?.setAttribute('aria-describedby', `problem-${k}`);
         const text = h('span', { lang: 'en', id: `problem-${k}` }, error.message);
@@ -253,9 +282,9 @@ export function tableView(page: Page): TableView {
   };
 }
 
-/** Numbers with what matters of twelve digits: 166.00306198325342 is 166.003061983. */
-function cellText(value: api.Cell): string {
-  return typeof value === 'number' ? String(Number(value.toPrecision(12))) : value;
+/** Numbers with what matters of so many digits: 166.00306198325342 is 166.003061983. */
+function cellText(value: api.Cell, digits: number): string {
+  return typeof value === 'number' ? String(Number(value.toPrecision(digits))) : value;
 }
 
 /** Craig's a and α bear the number of the row before. */

@@ -1,0 +1,131 @@
+"""Hostile, broken and odd inputs against a running service of two workers, one by one."""
+
+from __future__ import annotations
+
+import json
+import re
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import httpx
+import pytest
+
+from tests.conftest import running_server
+from tests.corpus import addresses, bodies, tables, urdfs, wire
+from tests.corpus.case import Case
+from tests.corpus.judge import wrong_with
+from tests.torture.exchange import Client, Sent
+from tests.torture.oracle import patience
+from tests.torture.requests import megabytes, workers_of
+
+MAX_GROWTH = 400
+"""Megabytes that a worker may have more after all of it: libraries, caches, arenas of threads."""
+
+
+def cases(*kinds: str) -> list[Case]:
+    modules: tuple[ModuleType, ...] = (urdfs, tables, bodies, addresses)
+    return [
+        case
+        for module in modules
+        for kind in kinds
+        if hasattr(module, kind)
+        for case in getattr(module, kind)()
+    ]
+
+
+REFUSED, ACCEPTED = cases("refused"), cases("meshes", "accepted")
+
+
+def named(case: Case | wire.Wire) -> str:
+    return re.sub(r"[^\w:, +-]", "?", case.name, flags=re.ASCII)[:60]
+
+
+class Service:
+    """A service under attack: its port, its data directory, and how its health was."""
+
+    def __init__(self, address: str, pid: int, folder: Path) -> None:
+        self.address = address
+        self.port = int(address.rsplit(":", 1)[1])
+        self.pid = pid
+        self.folder = folder
+        self.client = Client(self.port)
+        self.unwell: list[str] = []
+        self.asked = 0
+        self._stop = threading.Event()
+        self._watch = threading.Thread(target=self._ask)
+        self.at_first = self.stored()
+        self._watch.start()
+
+    def _ask(self) -> None:
+        with httpx.Client(base_url=self.address, timeout=30) as client:
+            while not self._stop.wait(0.1):
+                try:
+                    answer = client.get("/health/live")
+                    seconds = answer.elapsed.total_seconds()
+                    if answer.status_code != 200 or seconds > 2 * patience():
+                        self.unwell.append(f"{answer.status_code} after {seconds:.1f} s")
+                except httpx.HTTPError as error:
+                    self.unwell.append(repr(error))
+                self.asked += 1
+
+    def close(self) -> None:
+        self._stop.set()
+        self._watch.join()
+        self.client.connection.close()
+
+    def stored(self) -> tuple[list[str], list[str]]:
+        """What the service lists, and what lies in its directory."""
+        listed = json.loads(self.client.send(Sent("GET", "/v1/robots", "page_size=1000")).body)
+        files = (str(path.relative_to(self.folder)) for path in self.folder.rglob("*"))
+        return [robot["id"] for robot in listed["robots"]], sorted(files)
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    folder = tmp_path_factory.mktemp("corpus")
+    with running_server(folder, "--workers", "2") as (address, process):
+        found = Service(address, process.pid, folder)
+        before = {pid: megabytes(pid) for pid in workers_of(process.pid)}
+        yield found
+        found.close()
+        after = {pid: megabytes(pid) for pid in workers_of(process.pid)}
+        assert set(after) == set(before), "a worker died"
+        assert all(after[pid] < before[pid] + MAX_GROWTH for pid in before), (before, after)
+        assert found.unwell == []
+        assert found.asked > 10
+
+
+def test_there_are_as_many_as_are_promised():
+    hostile = len(REFUSED) + len(list(urdfs.meshes())) + len(wire.CASES)
+    assert hostile > 700
+    assert len({case.name for case in (*REFUSED, *ACCEPTED)}) == len(REFUSED) + len(ACCEPTED)
+
+
+@pytest.mark.parametrize("case", REFUSED, ids=named)
+def test_it_is_refused_in_clear_words_and_nothing_is_left(service, case):
+    got = service.client.send(case.sent)
+    assert wrong_with(case, got, str(service.folder)) == []
+    if case.sent.method in ("POST", "PUT", "DELETE"):
+        assert service.stored() == service.at_first
+
+
+@pytest.mark.parametrize("case", ACCEPTED, ids=named)
+def test_it_is_taken(service, case):
+    got = service.client.send(case.sent)
+    assert wrong_with(case, got, str(service.folder)) == []
+    if got.status == 201:
+        location = got.headers["location"]
+        urdf = service.client.send(Sent("GET", f"{location}/urdf"))
+        assert urdf.status == 200
+        assert not re.search(rb"passwd|win\.ini|127\.0\.0\.1|/dev/|/proc/", urdf.body)
+        assert service.client.send(Sent("DELETE", location)).status == 204
+    assert service.stored()[0] == service.at_first[0]
+
+
+@pytest.mark.parametrize("case", wire.CASES, ids=named)
+def test_bytes_on_the_wire(service, case):
+    found, seconds = wire.answers(service.port, case, 5 * patience())
+    assert wire.wrong_with(case, found, seconds / patience()) == []
+    assert service.stored()[0] == service.at_first[0]
