@@ -189,23 +189,26 @@ def _pointer(pointer: str) -> str:
 
 def install(app: FastAPI) -> None:
     """Registers the handlers; every error of the service leaves through them."""
-    for exception, type_ in BY_EXCEPTION.items():
-        app.add_exception_handler(exception, _domain_handler(type_))
+    for exception in BY_EXCEPTION:
+        app.add_exception_handler(exception, _domain_problem)
     app.add_exception_handler(RequestProblem, _request_problem)
     app.add_exception_handler(RequestValidationError, _validation_error)
     app.add_exception_handler(HTTPException, _http_exception)
 
 
-def _domain_handler(type_: ProblemType) -> Any:
-    async def handle(request: Request, error: Exception) -> Response:
-        if isinstance(error, DHError):
-            return problem_response(request, type_, error.problems)
-        pointer = getattr(error, "pointer", "")
-        retry = getattr(error, "retry_after", None)
-        headers = {} if retry is None else {"Retry-After": str(math.ceil(retry))}
-        return problem_response(request, type_, [Problem(pointer, str(error))], headers)
+async def _domain_problem(request: Request, error: Exception) -> Response:
+    return domain_problem(request, error)
 
-    return handle
+
+def domain_problem(request: Request, error: Exception) -> Response:
+    """The problem document of an exception of ``BY_EXCEPTION``."""
+    type_ = next(BY_EXCEPTION[kind] for kind in type(error).__mro__ if kind in BY_EXCEPTION)
+    if isinstance(error, DHError):
+        return problem_response(request, type_, error.problems)
+    pointer = getattr(error, "pointer", "")
+    retry = getattr(error, "retry_after", None)
+    headers = {} if retry is None else {"Retry-After": str(math.ceil(retry))}
+    return problem_response(request, type_, [Problem(pointer, str(error))], headers)
 
 
 async def _request_problem(request: Request, error: Exception) -> Response:

@@ -190,7 +190,8 @@ PATH = Operation(
     " from measured errors, limits, clearances (swept between samples) and speeds. With retime the"
     " joint path is also given in the shortest time within speeds and accelerations. As npy: q of"
     " each sample. As svg: the arm among its obstacles, and curves. As ndjson: one line a sample"
-    " while it is computed, then those of the retimed motion, and one with the verdict.",
+    " while it is computed, then those of the retimed motion, and one with the verdict, or"
+    " with the `problem` where time is up.",
     request=PathRequest,
     response=PathResponse,
     run=_run,

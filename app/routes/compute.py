@@ -17,7 +17,7 @@ from app.openapi import inline_request_type
 from app.operations import OPERATIONS, Answer, Operation
 from app.operations.base import Context
 from app.pictures.png import png_of
-from app.problems import INVALID_REQUEST, RequestProblem
+from app.problems import INVALID_REQUEST, RequestProblem, domain_problem
 from app.query import body_from_query, check_query, units_of
 from app.settings import Settings
 from app.strict_json import (
@@ -39,6 +39,7 @@ from app.wire import (
     respond,
     wanted_type,
 )
+from kinematics.errors import OutOfTime
 from robots.robot import Robot
 
 PLAIN = Units()
@@ -232,7 +233,12 @@ async def _streamed(
         line = part
         while line:
             yield line
-            line = await visit.run(following)
+            try:
+                line = await visit.run(following)
+            except OutOfTime as error:
+                # The status is sent already: the last line tells, in the place of the verdict.
+                yield b'{"problem":%b}\n' % bytes(domain_problem(request, error).body)
+                return
 
     # Its lines are not kept, so they take no memory; but its place is taken to the end. A reverse
     # proxy that gathers answers must not gather this one.

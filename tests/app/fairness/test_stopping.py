@@ -116,6 +116,19 @@ def test_every_computation_obeys_the_time_limit(limited, name):
     assert limited.is_idle(5)
 
 
+def test_a_stream_whose_time_is_up_says_so_in_its_last_line(limited):
+    path, body = WORK["sqp"]
+    answer = httpx.post(
+        limited.address + path, json=body, timeout=60, headers={"Accept": "application/x-ndjson"}
+    )
+    assert answer.status_code == 200
+    first, *_, last = (json.loads(line) for line in answer.text.splitlines())
+    assert first["sample"] == 0
+    assert last["problem"]["type"] == "/problems/out-of-time"
+    assert last["problem"]["request_id"] == answer.headers["x-request-id"]
+    assert limited.is_idle(5)
+
+
 @pytest.fixture(scope="module")
 def limited(tmp_path_factory, start_server_for_module):
     data = tmp_path_factory.mktemp("limited")
