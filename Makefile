@@ -16,7 +16,7 @@ help:
 	@echo "make lint        ruff, strict types, import contract"
 	@echo "make bench       paired benchmarks"
 	@echo "make bench-peers inverse kinematics beside other libraries, in .venv-peers"
-	@echo "make torture     the long campaigns: documents, requests, schemas, the store (hours)"
+	@echo "make torture     the long campaigns: documents, requests, schemas, the store, load (hours)"
 	@echo "make image-test  build the Docker image and test it (as root, on Debian)"
 	@echo "make lock        resolve the dependencies anew"
 	@echo "make clean       remove .venv"
@@ -63,6 +63,7 @@ torture: $(STAMP)
 	$(BIN)/python -m tests.torture.requests --count 50000
 	$(BIN)/python -m tests.torture.schema
 	$(BIN)/python -m tests.torture.store --kills 300
+	$(BIN)/python -m tests.torture.soak --minutes 10
 
 image-test:
 	./docker/image-test.sh

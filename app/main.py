@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -52,6 +53,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         if chosen.preload:
             await rehearse(app, app.state.services)
         health.add_checks(app.state.readiness, app.state.services)
+        # What is here now stays: no collection needs to walk through it while requests wait.
+        gc.collect()
+        gc.freeze()
         yield {STATE: ConnectionGuard(_limits(chosen))}
         app.state.readiness.stop()
         app.state.services.close()

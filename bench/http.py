@@ -1,9 +1,13 @@
-"""Endpoints against a no-op endpoint of the same server, loaded in turns by wrk."""
+"""Endpoints against no-op endpoints of the same server, loaded in turns by wrk.
+
+All protections are on: guarded connections as in ``denavit serve``, a key, a rate limit.
+"""
 
 from __future__ import annotations
 
 import io
 import json
+import os
 import re
 import shutil
 import statistics
@@ -15,13 +19,19 @@ import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from fastapi import FastAPI, Request, Response
+from starlette.routing import Route
 
+from app.access.keys import Scope, new_key
 from app.main import create_app
+from app.operations.base import Answer
+from app.operations.forward import FK
+from app.routes.compute import _Handlers
+from app.settings import Settings
 from bench.pairs import Row, paired, seconds
 from kinematics.forward import fk
 from kinematics.inverse import solve_ik_batch
@@ -31,10 +41,12 @@ from robots.shipped import shipped_robot
 PORT = 8917
 SECONDS = 2
 ROUNDS = 5
+Q = {"q": [0.1, 0.2, 0.3, -1.0, 0.5, 1.2, 0.7]}
 REQUESTS = {
-    "noop": ("/noop", {}),
-    "fk": ("/v1/robots/panda/fk", {"q": [0.1, 0.2, 0.3, -1.0, 0.5, 1.2, 0.7]}),
-    "jacobian": ("/v1/robots/panda/jacobian", {"q": [0.1, 0.2, 0.3, -1.0, 0.5, 1.2, 0.7]}),
+    "bare": ("/v1/robots/panda/bare", Q),
+    "idle": ("/v1/robots/panda/idle", Q),
+    "fk": ("/v1/robots/panda/fk", Q),
+    "jacobian": ("/v1/robots/panda/jacobian", Q),
     "ik": (
         "/v1/robots/panda/ik",
         {"target": {"position": [0.4, 0.1, 0.5], "rpy": [3.14, 0, 0]},
@@ -44,6 +56,12 @@ REQUESTS = {
 
 
 TARGETS = 10_000
+SECRET, KEY = new_key("bench", Scope.READ)
+PROTECTED = {
+    "DENAVIT_API_KEYS": KEY.line,
+    "DENAVIT_RATE_LIMIT": "1000000/second;10000000/minute",
+    "DENAVIT_METRICS": "true",
+}
 
 
 @dataclass(frozen=True)
@@ -56,14 +74,24 @@ class Load:
 
 
 def application() -> FastAPI:
-    """The service with a FastAPI endpoint besides that reads a body and does nothing."""
-    app = create_app()
+    """The service with two endpoints besides.
 
-    @app.post("/noop")
-    async def noop(request: Request) -> Response:
+    ``idle`` is that of FK with a no-op in place of the computation: what is left is all that
+    protects and checks. ``bare`` reads a body and does nothing: a plain route in front of all
+    others, as the computations are.
+    """
+    app, settings = create_app(), Settings()
+    idle = _Handlers(
+        replace(FK, name="idle", run=lambda *_: Answer({})), settings.max_compute_bytes
+    )
+
+    async def bare(request: Request) -> Response:
         await request.body()
         return Response(b"{}", media_type="application/json")
 
+    for name, endpoint in (("idle", idle.post), ("bare", bare)):
+        route = Route(f"/v1/robots/{{robot_id}}/{name}", endpoint, methods=["POST"])
+        app.router.routes.insert(0, route)
     return app
 
 
@@ -73,6 +101,7 @@ def load(name: str, folder: Path) -> Load:
     script = folder / f"{name}.lua"
     script.write_text(
         f"wrk.method='POST'\nwrk.body='{json.dumps(body)}'\n"
+        f"wrk.headers['X-API-Key']='{SECRET}'\n"
         "wrk.headers['Content-Type']='application/json'\n"
     )
     command = ["wrk", "-t1", "-c8", f"-d{SECONDS}s", "--latency", "-s", str(script)]
@@ -106,13 +135,15 @@ def rows_of(workers: int) -> list[Row]:
                 found.append(load(key, Path(name)))
         batch = batches() if workers == 1 else []
     rows = []
-    noop = loads.pop("noop")
+    none = {"bare": "a bare no-op", "idle": "the same with a no-op for the computation"}
     for key, found in loads.items():
-        ratio = statistics.median(a.rate / b.rate for a, b in zip(found, noop, strict=True))
-        mine, theirs = (statistics.median(one.rate for one in some) for some in (found, noop))
-        what = f"{workers} workers: POST {key} | no-op endpoint (requests a second)"
-        rows.append(Row(what, f"{mine:.0f}/s", f"{theirs:.0f}/s", ratio))
-    for key, found in {"noop": noop, **loads}.items():
+        for other in none if key not in none else ():
+            theirs = loads[other]
+            ratio = statistics.median(a.rate / b.rate for a, b in zip(found, theirs, strict=True))
+            rates = (statistics.median(one.rate for one in some) for some in (found, theirs))
+            what = f"{workers} workers: POST {key} | {none[other]} (requests a second)"
+            rows.append(Row(what, *(f"{rate:.0f}/s" for rate in rates), ratio))
+    for key, found in loads.items():
         p50, p99 = (statistics.median(getattr(one, p) for one in found) for p in ("p50", "p99"))
         what = f"{workers} workers: {key}, 99th percentile | median"
         rows.append(Row(what, f"{p99:.2f} ms", f"{p50:.2f} ms", p99 / p50))
@@ -130,6 +161,7 @@ def batches() -> list[Row]:
         memory = io.BytesIO()
         np.save(memory, poses)
         headers = {"Content-Type": "application/x-npy", "Accept": "application/x-npy"}
+        headers["X-API-Key"] = SECRET
         url = f"http://127.0.0.1:{PORT}/v1/robots/{name}/ik"
         request = urllib.request.Request(url, memory.getvalue(), headers)
 
@@ -152,7 +184,8 @@ def cold_starts() -> list[Row]:
         for key, times in found.items():
             path, body = REQUESTS[key]
             url, data = f"http://127.0.0.1:{PORT}{path}", json.dumps(body).encode()
-            request = urllib.request.Request(url, data, {"Content-Type": "application/json"})
+            headers = {"Content-Type": "application/json", "X-API-Key": SECRET}
+            request = urllib.request.Request(url, data, headers)
 
             def call(request: urllib.request.Request = request) -> None:
                 urllib.request.urlopen(request).close()
@@ -174,7 +207,8 @@ def cold_starts() -> list[Row]:
 def serving(workers: int) -> Iterator[None]:
     command = [sys.executable, "-m", "uvicorn", "--factory", "bench.http:application"]
     options = ["--port", str(PORT), "--workers", str(workers), "--log-level", "warning"]
-    server = subprocess.Popen([*command, *options])
+    guarded = ["--http", "app.connections:GuardedProtocol", "--ws", "none"]
+    server = subprocess.Popen([*command, *options, *guarded], env={**os.environ, **PROTECTED})
     try:
         wait()
         yield

@@ -42,8 +42,11 @@ def rigid_transform(matrix: ArrayLike) -> Matrix:
     if not np.array_equal(T[3], [0.0, 0.0, 0.0, 1.0]):
         raise ValueError("has a last row other than 0 0 0 1")
     R = T[:3, :3]
-    deviation = float(np.abs(R.T @ R - np.eye(3)).max())
-    if deviation > ROUNDING or np.linalg.det(R) < 0:
+    with np.errstate(invalid="ignore", over="ignore"):
+        deviation = float(np.abs(R.T @ R - np.eye(3)).max())
+        proper = float(np.linalg.det(R)) > 0
+    # Products of huge numbers may be NaN, which is neither above nor below anything.
+    if not (deviation <= ROUNDING and proper):
         raise ValueError(
             "has no rotation in its upper left 3x3 block: its columns must be orthonormal to 1e-5"
             " and right-handed; give more digits, or rpy or quaternion_xyzw instead"

@@ -94,7 +94,7 @@ def _drop_default_namespace(root: etree._Element) -> None:
     default = root.nsmap.get(None)
     if default is not None:
         for element in root.iter():
-            if element.prefix is None:
+            if not element.prefix:
                 element.tag = str(element.tag).removeprefix(f"{{{default}}}")
 
 

@@ -283,6 +283,20 @@ MESHES = (
     "`id`.stl", "a|b.stl", "a;b.stl", "%2e%2e/%2e%2e/etc/passwd", "a" * 600, "",
     "model://arm/a.dae", "a\u202e.stl",
 )  # fmt: skip
+MESH_FILES = {
+    "COLLADA": ("model/vnd.collada+xml", b'<?xml version="1.0"?><COLLADA version="1.4.1"><library_'
+                b'geometries><geometry id="g"><mesh><source id="s"><float_array count="999999999">1'
+                b"</float_array></source></mesh></geometry></library_geometries></COLLADA>"),
+    "GLB of 2 GB": ("model/gltf-binary", b"glTF\x02\0\0\0\xff\xff\xff\x7f\xf0\xff\xff\x7fJSON{}"),
+    "glTF": ("model/gltf+json",
+             b'{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 9e9}]}'),
+    "STL of 4 thousand million": ("model/stl", bytes(80) + b"\xff\xff\xff\xff"),
+    "STL as text": ("model/stl", b"solid a\nfacet normal nan nan nan\n" * 1000),
+    "OBJ": ("model/obj", b"v 1e999 0 0\nf 1 999999999 -5\n"),
+    "PLY": ("application/ply", b"ply\nformat ascii 1.0\nelement vertex 4294967295\nend_header\n"),
+    "ZIP of a mesh": ("application/zip", b"PK\x03\x04" + bytes(60)),
+}  # fmt: skip
+"""Files that take down or fill the memory of programs that read meshes."""
 ODD_BUT_RIGHT: dict[str, tuple[bytes, tuple[str, ...]]] = {
     "as it is": (ARM.encode(), ()),
     "UTF-8 with a mark": (b"\xef\xbb\xbf" + ARM.encode(), ()),
@@ -369,6 +383,14 @@ def refused() -> Iterator[Case]:
     }
     for k, (name, (document, words)) in enumerate(documents.items()):
         yield _through(k, f"urdf: {name}", document, words)
+    path = f"/v1/robots?name={MINE}"
+    for name, (kind, content) in MESH_FILES.items():
+        yield body(f"mesh file: {name}", path, content, 415, "send", kind=kind)
+        yield body(f"mesh file as XML: {name}", path, content, 422, kind=XML)
+        path_of_mesh = f"/v1/robots/ur5/meshes/{name.partition(' ')[0].lower()}"
+        yield body(
+            f"mesh file put: {name}", path_of_mesh, content, (404, 405), kind=kind, method="PUT"
+        )
 
 
 def changed(old: str, new: str) -> bytes:

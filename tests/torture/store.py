@@ -273,6 +273,7 @@ def killed_workers(service: Service, kills: int, seed: int = 0, clients: int = 4
         report.expect(status == 201, f"the first PUT got {status}")
         done: list[int] = []
         unknown: list[int] = []
+        turned_away: list[int] = []
 
         def count() -> None:
             while not stop.is_set():
@@ -288,6 +289,8 @@ def killed_workers(service: Service, kills: int, seed: int = 0, clients: int = 4
                         raise
                     if status == 200:
                         done.append(number)
+                    elif status == 503:  # its turn did not come in time, and it was told so
+                        turned_away.append(number)
                     elif status != 412:
                         report.failures.append(f"PUT got {status}: {content[:200]!r}")
 
@@ -313,6 +316,8 @@ def killed_workers(service: Service, kills: int, seed: int = 0, clients: int = 4
         report.expect(silent <= set(unknown), f"{sorted(silent - set(unknown))} were lost")
         report.count("writes", len(done))
         report.count("without an answer", len(unknown))
+        report.count("turned away", len(turned_away))
+        report.expect(10 * len(turned_away) <= len(done), f"{len(turned_away)} got 503")
         status, _, content = caller.call("GET", "/health/ready")
         sound = status == 200 and f'"{SHARED}"'.encode() not in content
         report.expect(sound, f"/health/ready: {content!r}")
