@@ -104,15 +104,16 @@ def _floor(canvas: Canvas, camera: Camera, low: FloatArray, high: FloatArray) ->
     canvas.line(camera.place(post), GRID, 0.7)
     for value in ticks(float(low[2]), float(high[2]), 5):
         at = camera.place(np.array([left[0], left[1], value]))
-        canvas.line([at, (at[0] + 4, at[1])], INK, 0.7)
+        canvas.line(np.array([at, at + np.array([4.0, 0.0])]), INK, 0.7)
         canvas.text((at[0] + 7, at[1] + 3), f"{value + 0.0:.6g}", 9)
     top = camera.place(post[1])
     canvas.text((top[0] + 7, top[1] + 14), "z [m]", 10)
 
 
 def _arms(canvas: Canvas, camera: Camera, scene: Scene) -> list[Part]:
-    """Links of some snapshots, the first fainter than the last."""
-    parts: list[Part] = []
+    """Links of some snapshots, the first fainter than the last; in grey what stands still."""
+    base = np.array([np.zeros(3), scene.links[-1, 0]])
+    parts: list[Part] = [_line(canvas, camera, base, COLORS[6], 4.0, 1.0)]
     chosen = np.unique(np.linspace(0, len(scene.links) - 1, SHOWN).round().astype(int))
     for k in chosen.tolist():
         opacity = 0.9 if k == chosen[-1] else 0.15 + 0.25 * (k + 1) / len(scene.links)

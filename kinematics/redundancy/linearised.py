@@ -117,6 +117,7 @@ class Linearised:
         high: Likewise.
         e: Task error at the last configuration, shape (m,).
         J: Task Jacobian, shape (m, K).
+        in_between: Clearance to keep between samples, m.
         parts: Parts of the way from the sample before at which clearances are kept, 1 at first.
         used: Task rows of the QP.
         count: Near pairs.
@@ -136,7 +137,7 @@ class Linearised:
         self.low, self.high = np.empty(K), np.empty(K)
         self._W = workspace(K, len(problem.links))
         self.e, self.J = np.empty(m), np.empty((m, K))
-        self._in_between = problem.d_safe + 0.25 * options.margin + 2 * RESOLUTION
+        self.in_between = problem.d_safe + 0.25 * options.margin + 2 * RESOLUTION
         self._pairs = pairs
         self._memory(1)
         self.parts = np.ones(1)
@@ -170,7 +171,7 @@ class Linearised:
 
     def needs(self, need: float) -> FloatArray:
         """The clearance to keep at each of the parts, m; ``need`` at the sample itself."""
-        wanted = np.full(len(self.parts), self._in_between)
+        wanted = np.full(len(self.parts), self.in_between)
         wanted[0] = need
         return wanted
 

@@ -84,6 +84,7 @@ def advance(
         if model.swept(previous, q) >= min(d_safe, model.clearance(previous)):
             return q
         between.append(model.nearest_between(q))
+        need = max(need, model.in_between)
         model.look_between(np.array(between))
 
 

@@ -137,18 +137,20 @@ def _guesses(
         return
     for method in (damped, null_space):
         guess = Q.copy()
-        stop = None
-        work = method.follow(problem, options, guess)
-        while True:
-            try:
-                next(work)
-            except StopIteration as end:
-                stop = end.value
-                break
-        if stop is None:
+        if _exhausted(method.follow(problem, options, guess)) is None:
             yield guess
     for end in ends:
         yield problem.first + np.linspace(0.0, 1.0, len(Q))[:, None] * (end - problem.first)
+
+
+def _exhausted(work: Generator[int, None, Stop | None]) -> Stop | None:
+    """Lets a method work to its end; says why it stopped before that of the path."""
+    while True:
+        try:
+            next(work)
+        except StopIteration as last:
+            stop: Stop | None = last.value
+            return stop
 
 
 def _ends(problem: Problem) -> list[FloatArray]:
@@ -238,7 +240,7 @@ class _Program:
         parts = [casadi.vec(errors), casadi.vec(distances), casadi.vec(limited)]
         rows, pairs = error.numel() * (N - 1), apart.numel()
         most = np.tile(problem.most_per_step[fast], N - 1)
-        need = np.full(pairs * (N - 1), problem.d_safe + options.margin)
+        need = np.full(pairs * (N - 1), problem.d_safe + max(options.margin, 2 * RESOLUTION))
         lower, upper = [np.zeros(rows), need, -most], [np.zeros(rows), need * np.inf, most]
         if between:
             at = [int(k) for k, _ in between]
