@@ -10,6 +10,12 @@ from numpy.typing import NDArray
 
 MAX_ROWS = 200
 """Rows of a batch that a terminal is shown."""
+LINE = 100
+"""Longest line of a mapping; a longer one gets a line an entry."""
+WIDEST = 160
+"""Widest table; of a wider one with few rows, rows become columns."""
+SMALL = 1e-4
+"""Lists of numbers below this are written with exponents."""
 
 
 def render_text(payload: Mapping[str, Any]) -> str:
@@ -26,13 +32,13 @@ def _mapping(payload: Mapping[str, Any], lines: list[str], indent: str) -> None:
             if all(
                 not isinstance(item, (Mapping, list, tuple, np.ndarray)) for item in value.values()
             ):
-                inline = "  ".join(f"{name} {_scalar(item)}" for name, item in value.items())
-                lines.append(f"{indent}{key}: {inline}")
+                _scalars(key, value, lines, indent)
             else:
                 lines.append(f"{indent}{key}:")
                 _mapping(value, lines, indent + "  ")
         elif array is not None and array.ndim == 1:
-            cells = "  ".join(_cell(item) for item in array)
+            cell = _tiny if _is_tiny(array) else _cell
+            cells = "  ".join(cell(item) for item in array)
             lines.append(
                 f"{indent}{key}: [{cells.strip()}]" if array.size else f"{indent}{key}: []"
             )
@@ -43,6 +49,18 @@ def _mapping(payload: Mapping[str, Any], lines: list[str], indent: str) -> None:
             _sequence(key, value, lines, indent)
         else:
             lines.append(f"{indent}{key}: {_scalar(value)}")
+
+
+def _scalars(key: str, value: Mapping[str, Any], lines: list[str], indent: str) -> None:
+    """A mapping without lists: in one line, or where that is long one line each."""
+    texts = {str(name): _scalar(item) for name, item in value.items()}
+    inline = f"{indent}{key}: " + "  ".join(f"{name} {text}" for name, text in texts.items())
+    if len(inline) <= LINE:
+        lines.append(inline)
+        return
+    width = max(len(name) for name in texts)
+    lines.append(f"{indent}{key}:")
+    lines.extend(f"{indent}  {name.ljust(width)}  {text}" for name, text in texts.items())
 
 
 def _sequence(key: str, value: Sequence[Any], lines: list[str], indent: str) -> None:
@@ -63,10 +81,18 @@ def _sequence(key: str, value: Sequence[Any], lines: list[str], indent: str) -> 
 def _table(rows: Sequence[Mapping[str, Any]], lines: list[str], indent: str) -> None:
     columns = list(dict.fromkeys(column for row in rows for column in row))
     body = [[_scalar(row.get(column)) for column in columns] for row in rows[:MAX_ROWS]]
-    widths = [max(len(line[k]) for line in [columns, *body]) for k in range(len(columns))]
-    for line in [columns, *body]:
+    table = [columns, *body]
+    widths = _widths(table)
+    if sum(widths) + 2 * len(widths) > WIDEST and len(rows) < len(columns):
+        table = [list(line) for line in zip(*table, strict=True)]
+        widths = _widths(table)
+    for line in table:
         cells = (text.ljust(width) for text, width in zip(line, widths, strict=True))
         lines.append(indent + "  ".join(cells).rstrip())
+
+
+def _widths(table: Sequence[Sequence[str]]) -> list[int]:
+    return [max(len(cell) for cell in column) for column in zip(*table, strict=True)]
 
 
 def _blocks(array: NDArray[Any], lines: list[str], indent: str) -> None:
@@ -92,6 +118,15 @@ def _array(value: object) -> NDArray[Any] | None:
             return None
         return array if array.dtype.kind in "fiu" else None
     return None
+
+
+def _is_tiny(array: NDArray[Any]) -> bool:
+    """Numbers of which nine decimals would show next to nothing, as errors are."""
+    return array.dtype.kind == "f" and 0 < float(np.abs(array).max(initial=0.0)) < SMALL
+
+
+def _tiny(value: Any) -> str:
+    return f"{float(value):.2e}" if value else "0"
 
 
 def _cell(value: Any) -> str:

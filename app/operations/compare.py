@@ -108,7 +108,13 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
         method = method_from(choice.method, f"/methods/{k}")
         told = msgspec.structs.replace(request, **own)
         labels.append(_label(choice.label or choice.method, labels))
-        entries.append((method, read_options(robot, told, problem, seconds, context)))
+        try:
+            options = read_options(robot, told, problem, seconds, context)
+        except InvalidOption as error:
+            if error.pointer.split("/")[1] not in own:
+                raise
+            raise InvalidOption(str(error), f"/methods/{k}{error.pointer}") from None
+        entries.append((method, options))
     timing = read_retime(request.retime, problem.arm, request.samples, context)
     results = list(compared(problem, entries, seconds))
     motions = [None if timing is None else retimed(result, timing) for result in results]

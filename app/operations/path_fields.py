@@ -277,7 +277,9 @@ def _path(
         )
     start = fk(robot, q, [arm.frame])[arm.frame]
     if request.circle is not None:
-        return circle(start, _circle(request.circle), arm.task, sampling)
+        about = _circle(request.circle)
+        where = "/circle/normal" if request.circle.plane is None else "/circle/plane"
+        return circle(start, about, arm.task, sampling, where)
     if request.target is not None:
         goals, pointers = [request.target], ["/target"]
     else:
@@ -309,8 +311,9 @@ def _circle(field: CircleField) -> Circle:
 
 def _three(values: list[float], name: str) -> FloatArray:
     if len(values) != 3 or not all(abs(value) <= 1e6 for value in values):
+        sizes = "two (in the plane z = 0) or three" if name == "center" else "three"
         raise InvalidOption(
-            f"circle.{name} is no point or direction; give three numbers up to 1e6",
+            f"circle.{name} is no point or direction; give {sizes} numbers up to 1e6",
             f"/circle/{name}",
         )
     return np.array(values)

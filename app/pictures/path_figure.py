@@ -8,7 +8,8 @@ import numpy as np
 
 from app.pictures.canvas import COLORS, Canvas
 from app.pictures.chart import Curve, Level, chart
-from app.pictures.scene import SNAPSHOTS, Scene, draw_scene, plane_of, skeleton
+from app.pictures.scene import SNAPSHOTS, Scene, draw_scene, is_flat, plane_of, skeleton
+from app.pictures.space import bounds_of, draw_space
 from kinematics.redundancy.follow import PathResult
 from kinematics.redundancy.link_points import RADIUS
 from kinematics.redundancy.measure import ends_of_links
@@ -32,13 +33,14 @@ def path_figure(
     Args:
         results: Labels and followed paths of one problem.
         title: Of the figure.
-        plane: xy, xz or yz; None for the one that shows most.
+        plane: xy, xz or yz; None for the one in which the arm moves, else a view from aside.
         motion: The one path in the shortest time, with curves of its own.
 
     Returns:
         SVG text.
     """
     scenes = [_scene(result) for _, result in results]
+    spatial = plane is None and not is_flat(scenes)
     plane = plane or plane_of(scenes)
     across = {1: 1, 2: 2, 4: 2}.get(len(results), 3)
     rows = -(-len(results) // across)
@@ -52,11 +54,15 @@ def path_figure(
                    below + -(-len(charts) // 2) * CHART_HEIGHT)  # fmt: skip
     canvas = Canvas(width, height, title)
     canvas.text((14, 22), title, 15, bold=True)
-    reach = _reach(scenes)
+    reach = _with_obstacles(_reach(scenes), scenes) if spatial else _reach(scenes)
     for k, ((label, result), scene) in enumerate(zip(results, scenes, strict=True)):
         x, y = 10 + (k % across) * SCENE, 34 + (k // across) * (SCENE + 24)
         canvas.text((x + 40, y + 12), f"{label}: {_word(result)}", 12, bold=True)
-        draw_scene(canvas, (x, y + 16, SCENE, SCENE), scene, plane, f"scene{k}", reach)
+        box = (x, y + 16, SCENE, SCENE)
+        if spatial:
+            draw_space(canvas, box, scene, f"scene{k}", reach)
+        else:
+            draw_scene(canvas, box, scene, plane, f"scene{k}", reach)
     for k, (curves, name, log, levels) in enumerate(charts):
         if single:
             box = (SCENE + 20, 34 + k * CHART_HEIGHT, CHART_WIDTH, CHART_HEIGHT)
@@ -95,6 +101,16 @@ def _reach(scenes: Sequence[Scene]) -> FloatArray:
     low, high = points.min(axis=0), points.max(axis=0)
     middle, half = (low + high) / 2, max(0.55 * float((high - low).max()), 1e-6)
     return np.array([middle - half, middle + half])
+
+
+def _with_obstacles(reach: FloatArray, scenes: Sequence[Scene]) -> FloatArray:
+    """The same with the base's origin, and with obstacles as far as they are near."""
+    near = 0.35 * (reach[1] - reach[0])
+    bounds = [b for b in map(bounds_of, scenes[0].obstacles) if b is not None]
+    shown = [np.clip(b, reach[0] - near, reach[1] + near) for b in bounds]
+    every = np.concatenate([reach, np.zeros((1, 3)), *shown])
+    low, high = every.min(axis=0), every.max(axis=0)
+    return np.array([low, high])
 
 
 def _charts(

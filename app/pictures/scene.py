@@ -57,6 +57,13 @@ def plane_of(scenes: Sequence[Scene]) -> str:
     return max(PLANES, key=lambda name: spread[PLANES[name][0]] * spread[PLANES[name][1]])
 
 
+def is_flat(scenes: Sequence[Scene]) -> bool:
+    """Whether all arms stay in a coordinate plane."""
+    points = np.concatenate([scene.links.reshape(-1, 3) for scene in scenes])
+    spread = np.ptp(points, axis=0)
+    return bool(spread.min() <= 1e-6 * spread.max())
+
+
 def draw_scene(
     canvas: Canvas, box: Box, scene: Scene, plane: str, name: str, reach: FloatArray
 ) -> None:

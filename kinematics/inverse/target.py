@@ -65,7 +65,9 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
     given = [name for name, value in orientations.items() if value is not None]
     if spec.matrix is not None:
         if given or spec.position is not None:
-            raise InvalidTarget("target has a matrix and other fields; give one form", pointer)
+            raise InvalidTarget(
+                f"{_called(pointer)} has a matrix and other fields; give one form", pointer
+            )
         try:
             matrix = rigid_transform(spec.matrix)
         except ValueError as error:
@@ -74,28 +76,31 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
         _vector(matrix[:3, 3].tolist(), 3, "matrix", pointer)
         return matrix
     if len(given) > 1:
-        raise InvalidTarget(f"target has {' and '.join(given)}; give one orientation", pointer)
+        raise InvalidTarget(
+            f"{_called(pointer)} has {' and '.join(given)}; give one orientation", pointer
+        )
     if task.positions and spec.position is None:
         raise InvalidTarget(
-            f"task {task.name} needs a position; give target.position or target.matrix",
+            f"task {task.name} needs a position; give {_called(pointer)}.position or .matrix",
             f"{pointer}/position",
         )
     if task.rotations and not given:
         raise InvalidTarget(
-            f"task {task.name} needs an orientation; give target.rpy, quaternion_xyzw, euler, phi,"
-            " direction or matrix, or choose task position",
+            f"task {task.name} needs an orientation; give {_called(pointer)}.rpy, quaternion_xyzw,"
+            " euler, phi, direction or matrix, or choose task position",
             pointer,
         )
     if spec.phi is not None and task.rotations not in ((), (2,)):
         raise InvalidTarget(
-            f"target.phi is an angle about z alone, but task {task.name} needs a whole orientation;"
-            " give rpy, quaternion_xyzw, euler or matrix",
+            f"{_called(pointer)}.phi is an angle about z alone, but task {task.name} needs a whole"
+            " orientation; give rpy, quaternion_xyzw, euler or matrix",
             f"{pointer}/phi",
         )
     if spec.direction is not None and task.rotations and not task.own_axes:
         raise InvalidTarget(
-            f"target.direction leaves the turn about it open, but task {task.name} needs it; choose"
-            " task position_direction or direction, or give rpy, quaternion_xyzw, euler or matrix",
+            f"{_called(pointer)}.direction leaves the turn about it open, but task {task.name}"
+            " needs it; choose task position_direction or direction, or give rpy, quaternion_xyzw,"
+            " euler or matrix",
             f"{pointer}/direction",
         )
     T = np.eye(4)
@@ -107,7 +112,7 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
             T[:3, :3] = rotation_from_quaternion(quaternion)
         except ValueError as error:
             raise InvalidTarget(
-                f"target.quaternion_xyzw {error}", f"{pointer}/quaternion_xyzw"
+                f"{_called(pointer)}.quaternion_xyzw {error}", f"{pointer}/quaternion_xyzw"
             ) from None
     elif spec.rpy is not None:
         T[:3, :3] = rotation_from_euler("xyz", _vector(spec.rpy, 3, "rpy", pointer))
@@ -146,7 +151,7 @@ def _along(direction: FloatArray, pointer: str) -> FloatArray:
     length = float(np.linalg.norm(direction))
     if length < 1e-9:
         raise InvalidTarget(
-            "target.direction is zero; give the frame's z axis, such as [0, 0, -1]",
+            f"{_called(pointer)}.direction is zero; give the frame's z axis, such as [0, 0, -1]",
             f"{pointer}/direction",
         )
     z = direction / length
@@ -156,19 +161,31 @@ def _along(direction: FloatArray, pointer: str) -> FloatArray:
 
 
 def _position(position: Sequence[float], task: Task, pointer: str) -> FloatArray:
-    if len(position) == 2 and 2 not in task.positions:
-        position = [*position, 0.0]
-    return _vector(position, 3, "position", pointer)
+    if 2 in task.positions:
+        return _vector(position, 3, "position", pointer)
+    if len(position) not in (2, 3):
+        raise InvalidTarget(
+            f"{_called(pointer)}.position has {len(position)} values; give 2, or 3, of which task"
+            f" {task.name} does not look at z",
+            f"{pointer}/position",
+        )
+    return _vector([*position, 0.0][:3], 3, "position", pointer)
 
 
 def _vector(values: Sequence[float], size: int, name: str, pointer: str) -> FloatArray:
     if len(values) != size:
         raise InvalidTarget(
-            f"target.{name} has {len(values)} values; give {size}", f"{pointer}/{name}"
+            f"{_called(pointer)}.{name} has {len(values)} values; give {size}", f"{pointer}/{name}"
         )
     for value in values:
         if not -MAX_VALUE <= value <= MAX_VALUE:
             raise InvalidTarget(
-                f"target.{name} has a value that is not finite or beyond ±1e6", f"{pointer}/{name}"
+                f"{_called(pointer)}.{name} has a value that is not finite or beyond ±1e6",
+                f"{pointer}/{name}",
             )
     return np.array(values, dtype=np.float64)
+
+
+def _called(pointer: str) -> str:
+    """What a message calls the field that a pointer leads to."""
+    return pointer.strip("/").replace("/", ".") or "target"

@@ -35,7 +35,7 @@ def best_effort(
     q = np.clip(previous, model.low, model.high)
     eye = np.eye(len(q))
     model.at(q, target, need)
-    value = merit(model, need)
+    value = merit(model)
     damping = 1e-2 * min(1.0, value) + 1e-6
     for _ in range(ITERATIONS):
         H = model.J.T @ model.J + damping * eye
@@ -46,7 +46,7 @@ def best_effort(
             break
         trial = np.clip(q + delta, model.low, model.high)
         model.at(trial, target, need)
-        now = merit(model, need)
+        now = merit(model)
         if now < value:
             settled = now > SETTLED * value
             q, value = trial, now
@@ -61,10 +61,9 @@ def best_effort(
     return q
 
 
-def merit(model: Linearised, need: float) -> float:
+def merit(model: Linearised) -> float:
     """Squared task error, and the missing clearance at a high price."""
-    missing = max(0.0, need - model.least) if model.count else 0.0
-    return model.error + CLEARANCE_WEIGHT * missing**2
+    return model.error + CLEARANCE_WEIGHT * model.missing**2
 
 
 def solved(

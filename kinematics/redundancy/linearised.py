@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from kinematics.compiled import jit
 from kinematics.deadline import checkpoint
 from kinematics.kernels import Array
-from kinematics.redundancy.distances import near_pairs
+from kinematics.redundancy.distances import clearances, near_pairs
 from kinematics.redundancy.kernel import task_at, workspace
 from kinematics.redundancy.problem import PathOptions, Problem
 from kinematics.redundancy.sweep import RESOLUTION, swept_clearance
@@ -24,6 +24,8 @@ VISITS = 2000
 """Configurations looked at between two samples, at most."""
 EQUAL, SOFT = 5, 8
 FREE = 1e30
+LOOKS = np.linspace(0.0, 1.0, 33)[1:-1]
+"""Parts of the way between two samples, among which the nearest to an obstacle is sought."""
 
 
 @jit
@@ -37,10 +39,12 @@ def assemble(
     q: Array,
     low: Array,
     high: Array,
+    previous: Array,
+    parts: Array,
     obstacles: Array,
     S: Array,
     near: float,
-    need: float,
+    need: Array,
     longest: float,
     W: Array,
     e: Array,
@@ -55,11 +59,14 @@ def assemble(
 ) -> tuple[int, int, float, float, float]:
     """Rows ``J δ = e`` and ``∇d δ ≥ need − d`` of pairs nearer than ``near``; bounds of δ first.
 
-    An error longer than ``longest`` (m; rad alike) is shortened to it. A task row that the arm
-    cannot move and need not move is left out.
+    Clearances are looked at where the parts s of the way from ``previous`` to q are done, 1 at
+    first; there the gradient with respect to q is s times that of the clearance. An error longer
+    than ``longest`` (m; rad alike) is shortened to it. A task row that the arm cannot move and
+    need not move is left out.
 
     Returns:
-        Task rows, pairs, squared position and rotation error, least clearance.
+        Task rows, pairs, squared position and rotation error, the most that is missing of a
+        clearance (0 for none).
     """
     K, m = len(q), len(rows)
     position, rotation = task_at(C, turns, mask, rows, own, target, q, W, e, J)
@@ -80,16 +87,26 @@ def assemble(
         upper[K + used] = lower[K + used] = cut * e[i]
         sense[K + used] = EQUAL
         used += 1
-    count, least = 0, math.inf
+    count, missing = 0, 0.0
     if len(obstacles) > 0:
-        count, least = near_pairs(C, turns, q, obstacles, S, near, W, d, g, whose)
-    for i in range(count):
-        for j in range(K):
-            A[used + i, j] = g[i, j]
-        lower[K + used + i] = need - d[i]
-        upper[K + used + i] = FREE
-        sense[K + used + i] = 0
-    return used, count, position, rotation, least
+        x, room = np.empty(K), len(d) // len(parts)
+        for p in range(len(parts)):
+            part, wanted = parts[p], need[p]
+            for j in range(K):
+                x[j] = q[j] if p == 0 else previous[j] + part * (q[j] - previous[j])
+            end = count + room
+            found, least = near_pairs(
+                C, turns, x, obstacles, S, near, W, d[count:end], g[count:end], whose[count:end]
+            )
+            missing = max(missing, wanted - least)
+            for i in range(count, count + found):
+                for j in range(K):
+                    A[used + i, j] = part * g[i, j]
+                lower[K + used + i] = wanted - d[i]
+                upper[K + used + i] = FREE
+                sense[K + used + i] = 0
+            count += found
+    return used, count, position, rotation, missing
 
 
 class Linearised:
@@ -100,13 +117,12 @@ class Linearised:
         high: Likewise.
         e: Task error at the last configuration, shape (m,).
         J: Task Jacobian, shape (m, K).
-        d: Clearances of the near pairs.
-        g: Their gradients.
+        parts: Parts of the way from the sample before at which clearances are kept, 1 at first.
         used: Task rows of the QP.
         count: Near pairs.
         position: Squared position error.
         rotation: Squared rotation error.
-        least: Least clearance, m.
+        missing: The most that is missing of a clearance at one of the parts, m; 0 for none.
     """
 
     def __init__(self, problem: Problem, options: PathOptions) -> None:
@@ -120,29 +136,53 @@ class Linearised:
         self.low, self.high = np.empty(K), np.empty(K)
         self._W = workspace(K, len(problem.links))
         self.e, self.J = np.empty(m), np.empty((m, K))
-        self.d, self.g = np.empty(pairs), np.empty((pairs, K))
-        self._whose = np.empty((pairs, 2), dtype=np.int64)
-        self._A = np.empty((m + pairs, K))
-        self._upper, self._lower = np.empty(K + m + pairs), np.empty(K + m + pairs)
-        self._sense = np.zeros(K + m + pairs, dtype=np.int32)
+        self._in_between = problem.d_safe + 0.25 * options.margin + 2 * RESOLUTION
+        self._pairs = pairs
+        self._memory(1)
+        self.parts = np.ones(1)
+        self.previous = np.empty(K)
         self.used = self.count = 0
-        self.position = self.rotation = 0.0
-        self.least = math.inf
+        self.position = self.rotation = self.missing = 0.0
+
+    def _memory(self, parts: int) -> None:
+        """Room for the pairs at so many parts."""
+        K, pairs = self.problem.arm.K, parts * self._pairs
+        rows = self.problem.arm.m + pairs
+        self._d, self._g = np.empty(pairs), np.empty((pairs, K))
+        self._whose = np.empty((pairs, 2), dtype=np.int64)
+        self._A = np.empty((rows, K))
+        self._upper, self._lower = np.empty(K + rows), np.empty(K + rows)
+        self._sense = np.zeros(K + rows, dtype=np.int32)
 
     def bound(self, previous: FloatArray) -> None:
         """Takes limits and speeds for the sample after a configuration."""
         chain, most = self.problem.arm.chain, self.problem.most_per_step
         np.maximum(chain.lower, previous - most, out=self.low)
         np.minimum(chain.upper, previous + most, out=self.high)
+        self.previous[:] = previous
+        self.look_between(np.empty(0))
+
+    def look_between(self, parts: FloatArray) -> None:
+        """Takes parts of the way from the sample before, at which clearances are kept as well."""
+        if len(parts) + 1 != len(self.parts):
+            self._memory(len(parts) + 1)
+        self.parts = np.r_[1.0, parts]
+
+    def needs(self, need: float) -> FloatArray:
+        """The clearance to keep at each of the parts, m; ``need`` at the sample itself."""
+        wanted = np.full(len(self.parts), self._in_between)
+        wanted[0] = need
+        return wanted
 
     def at(self, q: FloatArray, target: FloatArray, need: float) -> None:
         """Linearises at q."""
         checkpoint()
         problem = self.problem
-        self.used, self.count, self.position, self.rotation, self.least = assemble(
-            *problem.arm.constants, target, q, self.low, self.high, problem.obstacles,
-            problem.links.rows, self.near, need, self.longest, self._W, self.e, self.J, self.d,
-            self.g, self._whose, self._A, self._upper, self._lower, self._sense,
+        self.used, self.count, self.position, self.rotation, self.missing = assemble(
+            *problem.arm.constants, target, q, self.low, self.high, self.previous, self.parts,
+            problem.obstacles, problem.links.rows, self.near, self.needs(need), self.longest,
+            self._W, self.e, self.J, self._d, self._g, self._whose, self._A, self._upper,
+            self._lower, self._sense,
         )  # fmt: skip
 
     @property
@@ -171,3 +211,19 @@ class Linearised:
                 RESOLUTION, self._W, VISITS,
             )
         )  # fmt: skip
+
+    def clearance(self, q: FloatArray) -> float:
+        """The least clearance at q, less what a swept one may be below it, m."""
+        return float(self._clearances(q[None])[0]) - RESOLUTION
+
+    def nearest_between(self, q: FloatArray) -> float:
+        """The part of the way from the sample before to q where the arm comes nearest."""
+        Q = self.previous + LOOKS[:, None] * (q - self.previous)
+        return float(LOOKS[int(np.argmin(self._clearances(Q)))])
+
+    def _clearances(self, Q: FloatArray) -> FloatArray:
+        problem = self.problem
+        C, turns, *_ = problem.arm.constants
+        found, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
+        clearances(C, turns, Q, problem.obstacles, problem.links.rows, self._W, found, whose)
+        return found

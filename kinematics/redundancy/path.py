@@ -155,8 +155,21 @@ def polyline(
     return _path(np.concatenate(targets), rates, at, task, sampling)
 
 
-def circle(start: FloatArray, about: Circle, task: Task, sampling: Sampling) -> Path:
+def circle(
+    start: FloatArray,
+    about: Circle,
+    task: Task,
+    sampling: Sampling,
+    pointer: str = "/circle/normal",
+) -> Path:
     """Around a circle through the start's position.
+
+    Args:
+        start: 4x4.
+        about: The circle.
+        task: The task space.
+        sampling: Time law, duration, number of samples.
+        pointer: To what says in which plane it lies.
 
     Raises:
         InvalidOption: The start lies on the axis, or the task counts no two positions.
@@ -172,7 +185,7 @@ def circle(start: FloatArray, about: Circle, task: Task, sampling: Sampling) -> 
         if abs(abs(n[missing]) - 1) > 1e-9:
             raise InvalidOption(
                 f"the circle leaves the plane of the task {task.name}; give the normal across it",
-                "/circle/normal",
+                pointer,
             )
     arm = start[:3, 3] - about.center
     along = n * (n @ arm)

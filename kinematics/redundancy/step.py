@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dh_to_urdf.errors import quoted
+from kinematics.chain import chain_of
 from kinematics.configuration import configuration
 from kinematics.errors import InvalidOption, RankDeficient, WrongConfiguration
 from kinematics.jacobian import task_jacobian
 from kinematics.redundancy.priority import prioritized_step
 from kinematics.singularity import RANK_TOLERANCE
-from kinematics.task import Task
+from kinematics.task import TASKS, Task
 from robots.robot import FloatArray, Robot
 
 
@@ -89,6 +91,11 @@ def differential_step(
     if z is not None and secondary:
         raise InvalidOption("give z or secondary tasks, not both", "/secondary")
     q = configuration(robot, q)
+    for one, pointer in [
+        (first, "/frame"),
+        *((t, f"/secondary/{k}/frame") for k, t in enumerate(secondary)),
+    ]:
+        _check_moved(robot, one, pointer)
     J = task_jacobian(robot, q, first.task, first.frame)
     dx = _checked(first, "/delta_x")
     U, sigma, Vt = np.linalg.svd(J)
@@ -143,11 +150,28 @@ def _checked(one: StepTask, pointer: str) -> FloatArray:
     return dx
 
 
+def _check_moved(robot: Robot, one: StepTask, pointer: str) -> None:
+    frame = robot.tip_frame if one.frame is None else one.frame
+    robot.frame_id(frame, pointer)
+    if chain_of(robot, frame).length == 0:
+        raise InvalidOption(
+            f"no joint moves frame {quoted(frame)} against {robot.base_frame}; give a frame further"
+            " out",
+            pointer,
+        )
+
+
 def _refusal(robot: Robot, one: StepTask, rank: int, m: int) -> str:
-    sample = 0.3 * np.sin(1.0 + 2.0 * np.arange(robot.dof))
-    elsewhere = task_jacobian(robot, sample, one.task, one.frame)
     text = f"rank(J) = {rank} < {m} here: J† = Jᵀ(JJᵀ)⁻¹ does not exist"
-    if np.linalg.matrix_rank(elsewhere) < m:
-        text += f"; the task {one.task.name} asks more than this arm can move, choose another (xy)"
+    if not _possible(robot, one.task, one.frame):
+        others = [name for name, task in TASKS.items() if _possible(robot, task, one.frame)]
+        choice = f", choose another ({', '.join(others[:4])})" if others else ""
+        text += f"; the task {one.task.name} asks more than this arm can move{choice}"
         return text + ", or give damping"
     return text + "; give damping, such as 0.01, for damped least squares, or another q"
+
+
+def _possible(robot: Robot, task: Task, frame: str | None) -> bool:
+    """Whether the task's rows are independent at some q."""
+    sample = 0.3 * np.sin(1.0 + 2.0 * np.arange(robot.dof))
+    return int(np.linalg.matrix_rank(task_jacobian(robot, sample, task, frame))) == len(task.rows)

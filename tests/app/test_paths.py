@@ -525,3 +525,65 @@ def test_bad_limits_and_links_name_their_field(client, change, pointer, words):
         assert words in answer.json()["detail"]
     compare = {key: value for key, value in body.items() if key != "method"}
     assert client.post("/v1/path/compare?angle=deg", json=compare).status_code == 422
+
+
+@pytest.mark.parametrize(
+    ("change", "pointer", "words"),
+    [
+        ({"target": {"position": [1]}}, "/target/position", "target.position has 1 values; give 2"),
+        ({"target": None, "waypoints": [{"position": [0.5, 0.2]}, {"position": []}]},
+         "/waypoints/1/position", "waypoints.1.position has 0 values"),
+        ({"obstacles": [{"type": "box", "center": [9, 9, 0], "size": [1, 1, 1], "rpy": [0, 0]}]},
+         "/obstacles/0/rpy", "obstacles.0.rpy has 2 values; give 3"),
+        ({"target": None, "circle": {"center": [0.1]}}, "/circle/center", "give two"),
+        ({"target": None, "circle": {"center": [0.1, 0], "plane": "xz"}}, "/circle/plane",
+         "leaves the plane of the task xy"),
+        ({"methods": ["qp", {"method": "qp", "margin": -1}]}, "/methods/1/margin", "margin is -1"),
+        ({"methods": [{"method": "null_space", "gains": {"limits": -1}}]},
+         "/methods/0/gains/limits", "give 0"),
+    ],
+)  # fmt: skip
+def test_refusals_name_the_field_as_it_was_given(client, change, pointer, words):
+    body = {**body_of(SCENARIOS["3R_free"]), **change}
+    body = {key: value for key, value in body.items() if value is not None}
+    url = "/v1/path/compare" if "methods" in change else "/v1/path"
+    answer = client.post(f"{url}?angle=deg", json=body)
+    assert answer.status_code == 422, answer.text
+    assert answer.json()["errors"][0]["pointer"] == pointer
+    assert words in answer.json()["detail"]
+
+
+def test_a_step_of_a_frame_that_no_joint_moves(client):
+    body = {"q": [0.5, -0.7, 1], "delta_x": [0.01, 0], "task": "xy", "frame": "frame_0"}
+    answer = client.post("/v1/robots/planar_3r/step", json=body)
+    assert answer.status_code == 422
+    assert answer.json()["errors"][0]["pointer"] == "/frame"
+    assert "no joint moves frame 'frame_0'" in answer.json()["detail"]
+    lower = {key: value for key, value in body.items() if key != "q"}
+    second = {**body, "frame": "tool", "secondary": [lower]}
+    answer = client.post("/v1/robots/planar_3r/step", json=second)
+    assert answer.json()["errors"][0]["pointer"] == "/secondary/0/frame"
+    whole = {"q": [0.5, -0.7, 1], "delta_x": [0] * 6, "task": "pose"}
+    words = client.post("/v1/robots/planar_3r/step", json=whole).json()["detail"]
+    assert "choose another (xy, x, y, xy_phi)" in words
+
+
+def test_a_spatial_arm_is_drawn_in_space(client):
+    """Seen from aside, on a floor with coordinates; a planar arm in its plane."""
+    body = {
+        **LINE,
+        "obstacles": [
+            {"type": "sphere", "center": [0.7, 0.5, 0.5], "radius": 0.1},
+            {"type": "circle", "center": [0.7, -0.5], "radius": 0.1},
+            {"type": "box", "center": [0.6, -0.5, 0.2], "size": [0.2, 0.2, 0.4], "rpy": [0, 0, 1]},
+            {"type": "capsule", "start": [0, 0.6, 0], "end": [0, 0.6, 1], "radius": 0.05},
+            {"type": "half_space", "normal": [0, 0, 1], "offset": -0.01},
+        ],
+        "methods": ["pseudo_inverse", "qp"],
+    }
+    picture = client.post("/v1/robots/panda/path/compare?format=svg", json=body).text
+    assert picture.count(">z [m]<") == 2
+    assert picture.count(">y [m]<") == 2
+    assert "nan" not in picture
+    flat = {**body_of(SCENARIOS["8R_obstacles"]), "methods": ["qp"]}
+    assert ">z [m]<" not in client.post("/v1/path/compare?angle=deg&format=svg", json=flat).text

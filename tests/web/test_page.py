@@ -142,7 +142,12 @@ def test_all_of_it_is_reached_by_keyboard(open_page):
         reached.add(page.evaluate(
             "() => document.activeElement.getAttribute('aria-label') ?? "
             "document.activeElement.textContent"))  # fmt: skip
-    for name in ("PUMA 560", "Row 1, a", "j1 (°)", "Fit", "Language", "Row 2, type of joint"):
+    view = (
+        "3D view of the robot: arrow keys turn it, + and − zoom."
+        " What it shows is in the numbers beside it."
+    )
+    names = ("PUMA 560", "Row 1, a", "j1 (°)", "Fit", "Language", "Row 2, type of joint")
+    for name in (*names, view):
         assert name in reached, sorted(reached)
     page.get_by_label("Row 1, a", exact=True).focus()
     page.keyboard.press("ArrowDown")
@@ -209,13 +214,16 @@ def test_without_webgl_there_is_a_picture(open_page):
     assert set(pictures) == {"image/svg+xml"}
     # What only the 3D view can show is not offered.
     assert not visit.page.locator(".toolbar").count()
-    assert visit.page.evaluate(
-        """() => {
+    assert (
+        visit.page.evaluate(
+            """() => {
             const host = document.querySelector('.host'), image = host.querySelector('img');
             return Math.abs(image.naturalWidth / image.naturalHeight
                 - host.clientWidth / host.clientHeight);
         }"""
-    ) < 0.02
+        )
+        < 0.02
+    )
 
 
 def test_curl_gets_the_index_and_browsers_the_page(client):

@@ -57,7 +57,7 @@ def test_a_drag_takes_the_tool_along(robot, open_page, client):
     task = "&task=xy" if robot == "planar_3r" else ""
     visit = open_page(f"robot={robot}&q={','.join(map(str, q))}&open=pose{task}")
     before = shown(visit)["tool"]
-    dragged(visit, -24, 18)
+    at = dragged(visit, -24, 18)
     visit.page.wait_for_function(
         "T => Math.abs(document.querySelector('.host').probe.poses().tool[0][3] - T) > 1e-3",
         arg=before[0, 3],
@@ -67,6 +67,9 @@ def test_a_drag_takes_the_tool_along(robot, open_page, client):
     tool = shown(visit)["tool"]
     assert np.linalg.norm(tool[:3, 3] - target[:3, 3]) < 1e-5
     assert np.linalg.norm(tool[:3, 3] - before[:3, 3]) > 0.01
+    # The ball is under the pointer, where it was let go.
+    ball = visit.page.evaluate(HANDLE)
+    assert (ball["x"] - at["x"], ball["y"] - at["y"]) == pytest.approx((-24, 18), abs=0.5)
     values = [float(one.input_value()) for one in visit.page.locator(".joint .value").all()]
     pose = client.post(f"/v1/robots/{robot}/fk?angle=deg", json={"q": values}).json()["poses"]
     # The fields hold as many digits as q has.
@@ -176,7 +179,9 @@ def test_each_motion_takes_the_frame_where_the_row_says(robot, open_page, client
         if motion:
             name, column = motion.split()
             expected = expected @ elementary(name[0], name[1], value[column])
-            page.get_by_role("group", name="Link matrix").get_by_role("button").nth(step - 1).click()
+            page.get_by_role("group", name="Link matrix").get_by_role("button").nth(
+                step - 1
+            ).click()
         moving = np.array(page.evaluate("() => document.querySelector('.host').probe.motion()"))
         assert np.abs(moving - expected).max() < 1e-9, (motion, moving)
     assert np.abs(moving - poses[f"frame_{row}"]).max() < 1e-9
@@ -380,3 +385,29 @@ def test_an_arm_that_was_turned_by_the_reader_stays_so_while_the_table_is_typed(
     visit.settled()
     after = page.evaluate("() => document.querySelector('.host').probe.pixel('frame_0')")
     assert after == pytest.approx(before, abs=0.5)
+
+
+def test_the_view_is_turned_by_keys_and_the_arm_is_not(open_page):
+    visit = open_page("robot=puma560&q=0,45,-90,0,45,0")
+    page = visit.page
+    before = shown(visit)
+
+    def pixels() -> np.ndarray:
+        at = page.evaluate(
+            "() => ['frame_0', 'frame_1', 'tool'].map(document.querySelector('.host').probe.pixel)"
+        )
+        return np.array([[one["x"], one["y"]] for one in at])
+
+    page.locator(".host").focus()
+    places = [pixels()]
+    for key in ("ArrowLeft", "ArrowUp", "+", "-", "ArrowDown", "ArrowRight"):
+        page.keyboard.press(key)
+        places.append(pixels())
+    for one, other in itertools.pairwise(places):
+        assert np.abs(one - other).max() > 5
+    assert np.abs(places[0] - places[-1]).max() < 0.5
+    # Nearer is larger.
+    spread = [np.ptp(one, axis=0).max() for one in places]
+    assert spread[3] > 1.05 * spread[2]
+    after = shown(visit)
+    assert all(np.array_equal(before[name], after[name]) for name in before)

@@ -25,10 +25,12 @@ EXACT = 1e-9
 """Error, and missing clearance, at which a sample is done, m and rad."""
 PROGRAMS = 12
 """Most programs in a sample before the best effort is taken."""
+WATCH = 3
+"""Programs in a row that may lead away from path or clearance before they are given up."""
 NEARLY = 1e-3
 """Error, m and rad, from which on the best effort is taken for a way to the path."""
-WIDER = 4
-"""Times a sample is solved again with more margin, where the arm comes too near in between."""
+MOST_BETWEEN = 5
+"""Places between two samples at which clearances are kept as well, at most."""
 BLOCK = 8
 
 Solve: TypeAlias = Callable[[Linearised, FloatArray, FloatArray, float], FloatArray | None]
@@ -49,10 +51,20 @@ def follow(
     return None
 
 
+def follow_from(problem: Problem, options: PathOptions, Q: FloatArray, first: int) -> None:
+    """Fills the samples from ``first`` on, after those that are given."""
+    model = Linearised(problem, options)
+    for i in range(first, len(Q)):
+        Q[i] = advance(model, Q[i - 1], problem.path.targets[i], step)
+
+
 def advance(
     model: Linearised, previous: FloatArray, target: FloatArray, solve: Solve
 ) -> FloatArray:
-    """The next sample: solved, else the best effort; with more margin where it is swept too near.
+    """The next sample: solved, else the best effort.
+
+    Where the arm is swept too near on its way, the clearance is kept there as well, and the sample
+    is solved again.
 
     Args:
         model: The linear model.
@@ -62,16 +74,17 @@ def advance(
     """
     model.bound(previous)
     need, d_safe = model.need, model.problem.d_safe
-    for attempt in range(WIDER + 1):
+    between: list[float] = []
+    while True:
         found = solve(model, previous, target, need)
         q = _otherwise(model, previous, target, need) if found is None else found
-        if not len(model.problem.obstacles):
-            break
-        near = model.swept(previous, q)
-        if near >= d_safe or attempt == WIDER:
-            break
-        need += 1.5 * (d_safe - near) + 1e-5
-    return q
+        if not len(model.problem.obstacles) or len(between) == MOST_BETWEEN:
+            return q
+        # A sample before that is too near itself cannot be helped.
+        if model.swept(previous, q) >= min(d_safe, model.clearance(previous)):
+            return q
+        between.append(model.nearest_between(q))
+        model.look_between(np.array(between))
 
 
 def _otherwise(
@@ -98,16 +111,16 @@ def _from(
 ) -> FloatArray | None:
     start = q
     eye = np.eye(len(q))
-    value = np.inf
+    best, since = np.inf, 0
     for _ in range(PROGRAMS):
         model.at(q, target, need)
         reached = model.error <= EXACT * EXACT
-        if reached and model.least >= need - EXACT and q is not start:
+        if reached and model.missing <= EXACT and q is not start:
             return q
-        now = merit(model, need)
-        if now > 4 * value:
+        now = merit(model)
+        best, since = (now, 0) if now < best else (best, since + 1)
+        if since > WATCH:
             return None
-        value = min(value, now)
         A, upper, lower, sense = model.rows(task=True)
         delta, _, flag, _ = daqp.solve(eye, q - previous, A, upper, lower, sense)
         if flag <= 0:

@@ -58,9 +58,11 @@ class _Program:
         self.weight = options.obstacle_weight if len(problem.obstacles) else 0.0
         self.influence = options.reach_of_obstacles(problem)
         pairs = min(MOST_PAIRS, len(problem.links) * len(problem.obstacles))
-        self.d, self.g = np.empty(pairs), np.empty((pairs, arm.K))
+        self._d, self._g = np.empty(pairs), np.empty((pairs, arm.K))
         self.whose = np.empty((pairs, 2), dtype=np.int64)
         self.count = 0
+        self.parts, self.previous = np.ones(1), np.empty(arm.K)
+        self.d, self.g = np.empty((1, 0)), np.empty((1, 0, arm.K))
         self.e, self.J = np.empty(arm.m), np.empty((arm.m, arm.K))
         self.phi = np.empty(arm.K)
         self.W = workspace(arm.K, len(problem.links))
@@ -71,14 +73,16 @@ class _Program:
         self, model: Linearised, previous: FloatArray, target: FloatArray, need: float
     ) -> FloatArray | None:
         """The sample after ``previous``; None where the program was not solved, as measured."""
-        problem, count = self.problem, 0
+        problem, count, K = self.problem, 0, len(previous)
         if len(problem.obstacles):
             C, turns, *_ = problem.arm.constants
             count, _ = near_pairs(
                 C, turns, previous, problem.obstacles, problem.links.rows, model.near, self.W,
-                self.d, self.g, self.whose,
+                self._d, self._g, self.whose,
             )  # fmt: skip
-        self.count = count
+        self.count, self.parts, self.previous = count, model.parts, previous
+        self.d, self.g = np.empty((len(self.parts), count)), np.empty((len(self.parts), count, K))
+        needs = model.needs(need)[:, None]
         self.seen[:] = np.nan
         start = np.clip(previous, model.low, model.high)
         self._look(start, target)
@@ -101,11 +105,11 @@ class _Program:
 
         def apart(q: FloatArray) -> FloatArray:
             self._look(q, target)
-            return np.asarray(self.d[:count] - need)
+            return np.asarray((self.d - needs).reshape(-1))
 
         def apart_slope(q: FloatArray) -> FloatArray:
             self._look(q, target)
-            return self.g[:count].copy()
+            return self.g.reshape(-1, K).copy()
 
         constraints: Any = [{"type": "eq", "fun": on_path, "jac": on_path_slope}]
         if count:
@@ -124,7 +128,7 @@ class _Program:
             return None
         q = np.clip(found.x, model.low, model.high)
         model.at(q, target, need)
-        solved = model.error <= EXACT * EXACT and model.least >= need - EXACT
+        solved = model.error <= EXACT * EXACT and model.missing <= EXACT
         return q if solved else None
 
     def _look(self, q: FloatArray, target: FloatArray) -> None:
@@ -134,9 +138,9 @@ class _Program:
         self.seen[:] = q
         problem = self.problem
         self.value = look(
-            *problem.arm.constants, target, self.seen, problem.obstacles, problem.links.rows,
-            problem.d_safe, self.influence, self.weight, self.whose, self.count, self.W, self.e,
-            self.J, self.d, self.g, self.phi,
+            *problem.arm.constants, target, self.seen, self.previous, self.parts,
+            problem.obstacles, problem.links.rows, problem.d_safe, self.influence, self.weight,
+            self.whose, self.count, self.W, self.e, self.J, self.d, self.g, self.phi,
         )  # fmt: skip
 
 
@@ -149,6 +153,8 @@ def look(
     own: bool,
     target: Array,
     q: Array,
+    previous: Array,
+    parts: Array,
     obstacles: Array,
     S: Array,
     safe: float,
@@ -165,6 +171,9 @@ def look(
 ) -> float:
     """Everything of the program at q: error, its exact derivative, clearances, repulsion.
 
+    Clearances d, shape (P, count), and their gradients with respect to q, shape (P, count, K), are
+    those where the parts of the way from ``previous`` to q are done.
+
     With ``own`` axes the derivative is that of the linear model, exact on the path.
     """
     K = len(q)
@@ -179,7 +188,14 @@ def look(
         exact_error_columns(mask, K, W)
     task_rows(rows, own, K, W, e, J)
     if count > 0:
-        listed_pairs(C, turns, q, obstacles, S, whose, count, W, d, g)
+        x = np.empty(K)
+        for p in range(len(parts)):
+            for j in range(K):
+                x[j] = q[j] if p == 0 else previous[j] + parts[p] * (q[j] - previous[j])
+            listed_pairs(C, turns, x, obstacles, S, whose, count, W, d[p], g[p])
+            for i in range(count):
+                for j in range(K):
+                    g[p, i, j] *= parts[p]
     phi[:] = 0.0
     if weight > 0.0:
         return obstacle_potential(C, turns, q, obstacles, S, safe, influence, W, phi)

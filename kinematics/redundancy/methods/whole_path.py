@@ -7,29 +7,39 @@ methods that go sample by sample do not: smoother, and free where they get stuck
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from kinematics.deadline import Deadline, current
 from kinematics.errors import InvalidOption, MethodUnavailable
+from kinematics.inverse import IKOptions, IKStatus, Tolerance, solve_ik
+from kinematics.redundancy.kernel import RANK_TOLERANCE
+from kinematics.redundancy.linearised import LOOKS
 from kinematics.redundancy.link_points import OFFSET, RADIUS, WHOLE
-from kinematics.redundancy.measure import Measures, measure
-from kinematics.redundancy.methods import qp
+from kinematics.redundancy.measure import clearances_at, measure, swept_between
+from kinematics.redundancy.methods import damped, null_space, qp
 from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.obstacles import BOX, CAPSULE, CIRCLE, HALF_SPACE, SPHERE
-from kinematics.redundancy.problem import PathOptions, Problem, departure
+from kinematics.redundancy.problem import TOUCH, PathOptions, Problem, departure
+from kinematics.redundancy.sweep import RESOLUTION
 from robots.robot import FloatArray
 
 MOST = 60_000
 """Most samples times (joints + links times obstacles) of one program."""
 HALVINGS = 18
 """Of the link where it is nearest to a box or capsule is sought."""
-NEGLIGIBLE = 1e-7
-"""A fault, m or rad, that does not speak against the program's path."""
 TRIES = 3
-"""Programs, each with more margin where the arm was swept too near between samples."""
+"""Times a program is solved again, with clearances where the arm came too near between samples."""
+ITERATIONS, FEWER_ITERATIONS = 300, 100
+"""Of IPOPT: most from the first guess, and from every other."""
+SEARCH = 10.0
+"""Seconds for other guesses than the first, all together."""
+SEEDS, ENDS, APART = 40, 3, 0.3
+"""Inverse kinematics at the end of the path from so many seeds, for so many configurations that
+differ by so much, rad or m."""
 
 
 def follow(
@@ -55,33 +65,161 @@ def follow(
         )
     for _ in qp.follow(problem, options, Q):
         pass
-    program = _Program(casadi, problem, options, len(Q), current())
-    need = problem.d_safe + options.margin
-    before = _fault(problem, measure(problem, Q))
-    for _ in range(TRIES):
-        solved = program.solve(Q, need)
-        current().check_wanted()
-        measures = measure(problem, solved)
-        if measures.min_swept >= problem.d_safe:
-            break
-        need += 1.5 * (problem.d_safe - measures.min_swept) + 1e-5
-    if _fault(problem, measures) <= max(before, NEGLIGIBLE):
-        Q[1:] = solved[1:]
+    kept = kept_until(problem, Q)
+    best, found = _look_ahead(casadi, problem, options, Q, kept)
+    if found is not Q:
+        Q[1:best] = found[1:best]
+        yield best
+        # From there on, what can be done sample by sample.
+        qp.follow_from(problem, options, Q, best)
     yield len(Q)
     return None
 
 
-def _fault(problem: Problem, measures: Measures) -> float:
-    """What is wrong with a path, in one number: largest error, and missing clearance."""
-    error = max(measures.position_error.max(), measures.orientation_error.max())
-    return float(error + max(0.0, problem.d_safe - measures.min_swept))
+def _look_ahead(
+    casadi: Any, problem: Problem, options: PathOptions, Q: FloatArray, kept: int
+) -> tuple[int, FloatArray]:
+    """The best path of the program and how far it holds; ``kept`` and Q where none is better."""
+    best, found = kept, Q
+    program = _Program(casadi, problem, options, len(Q), ())
+    search: Deadline | None = None
+    for guess in _guesses(problem, options, Q, kept):
+        whole = current()
+        if search is None:
+            limit = _Limit(Deadline(whole.left / 2, of=whole), ITERATIONS)
+        else:
+            limit = _Limit(Deadline(min(search.left, whole.left / 2), of=whole), FEWER_ITERATIONS)
+        if limit.deadline.left <= 0:
+            break
+        solved = _solved(casadi, problem, options, program, guess, limit)
+        until = kept_until(problem, solved)
+        if until > best or until == len(Q):
+            best, found = until, solved
+        if until == len(Q):
+            break
+        search = search or Deadline(SEARCH)
+    return best, found
+
+
+def kept_until(problem: Problem, Q: FloatArray) -> int:
+    """The first sample at which something does not hold; their number N where all does.
+
+    Error, clearance (swept from the sample before), limits and speeds, as the verdict sees them.
+    """
+    measures, tolerance = measure(problem, Q), problem.tolerance
+    bad = (
+        (measures.position_error > tolerance.position)
+        | (measures.orientation_error > tolerance.orientation)
+        | (measures.clearance < problem.d_safe)
+        | (measures.limit_margin < -TOUCH)
+    )
+    bad[1:] |= (measures.swept < problem.d_safe) | (measures.speed_ratio > 1 + TOUCH)
+    return int(np.argmax(bad)) if bad.any() else len(Q)
+
+
+def _guesses(
+    problem: Problem, options: PathOptions, Q: FloatArray, kept: int
+) -> Iterator[FloatArray]:
+    """First guesses: what qp found; where that does not do, ways on other sides of the obstacles.
+
+    Those are the path as it would be without obstacles, as the null space keeps off them, and
+    straight in joint space to configurations at the end that keep clear. Where the start is
+    singular, too near itself, or the end out of reach, there is no other way.
+    """
+    yield Q
+    if kept == len(Q) or kept == 0 or not len(problem.obstacles):
+        return
+    _, J, _ = problem.arm.task_at(problem.first, problem.path.targets[0])
+    if np.linalg.matrix_rank(J, RANK_TOLERANCE * max(1.0, float(np.abs(J).max()))) < len(J):
+        return
+    ends = _ends(problem)
+    if not ends:
+        return
+    for method in (damped, null_space):
+        guess = Q.copy()
+        stop = None
+        work = method.follow(problem, options, guess)
+        while True:
+            try:
+                next(work)
+            except StopIteration as end:
+                stop = end.value
+                break
+        if stop is None:
+            yield guess
+    for end in ends:
+        yield problem.first + np.linspace(0.0, 1.0, len(Q))[:, None] * (end - problem.first)
+
+
+def _ends(problem: Problem) -> list[FloatArray]:
+    """Configurations that reach the end and keep clear there, far from each other."""
+    arm, rng = problem.arm, np.random.default_rng(0)
+    pose = np.eye(4)
+    pose[:3] = problem.path.targets[-1].reshape(3, 4)
+    tolerance = Tolerance(problem.tolerance.position, problem.tolerance.orientation)
+    options = IKOptions(tolerance, 0, 100, 0, 0.02)
+    low, high = arm.chain.lower, arm.chain.upper
+    found: list[FloatArray] = []
+    for k in range(SEEDS):
+        off = rng.normal(0.0, 0.5, arm.K) if k else np.zeros(arm.K)
+        seed = arm.expanded(np.clip(problem.first + off, low, high)[None], problem.start)[0]
+        end = solve_ik(arm.robot, pose, frame=arm.frame, task=arm.task, seed=seed, options=options)
+        if end.status is IKStatus.CONVERGED:
+            q = arm.reduced(end.q)
+            clearance, _ = clearances_at(problem, q[None])
+            if clearance[0] >= problem.d_safe:
+                found.append(q)
+    found.sort(key=lambda q: float(np.linalg.norm(q - problem.first)))
+    apart: list[FloatArray] = []
+    for q in found:
+        if all(np.linalg.norm(q - other) > APART for other in apart):
+            apart.append(q)
+    return apart[:ENDS]
+
+
+def _solved(
+    casadi: Any,
+    problem: Problem,
+    options: PathOptions,
+    program: _Program,
+    guess: FloatArray,
+    limit: _Limit,
+) -> FloatArray:
+    """The program's path from a guess; solved again where it comes too near between samples."""
+    solved = program.solve(guess, limit)
+    between: list[tuple[int, float]] = []
+    for _ in range(TRIES):
+        current().check_wanted()
+        swept = swept_between(problem, solved)
+        near = np.flatnonzero(swept < problem.d_safe)
+        clearance, _ = clearances_at(problem, solved)
+        if not near.size or clearance[1:].min() < problem.d_safe or limit.deadline.left <= 0:
+            break
+        between += [(int(k), _nearest_part(problem, solved[k], solved[k + 1])) for k in near]
+        program = _Program(casadi, problem, options, len(guess), tuple(between))
+        solved = program.solve(solved, limit)
+    return solved
+
+
+def _nearest_part(problem: Problem, a: FloatArray, b: FloatArray) -> float:
+    """The part of the way between two samples where the arm comes nearest."""
+    found, _ = clearances_at(problem, a + LOOKS[:, None] * (b - a))
+    return float(LOOKS[int(np.argmin(found))])
 
 
 class _Program:
-    """The program of a whole path; the functions of one sample, mapped over all."""
+    """The program of a whole path; the functions of one sample, mapped over all.
+
+    ``between`` are places k + s between samples k and k + 1 at which clearances are kept too.
+    """
 
     def __init__(
-        self, casadi: Any, problem: Problem, options: PathOptions, N: int, deadline: Deadline
+        self,
+        casadi: Any,
+        problem: Problem,
+        options: PathOptions,
+        N: int,
+        between: Sequence[tuple[int, float]],
     ) -> None:
         self.problem, self.N = problem, N
         arm, K = problem.arm, problem.arm.K
@@ -89,43 +227,51 @@ class _Program:
         carriers, T = _forward(casadi, problem, q)
         error = _error(casadi, problem, T, G)
         apart = _distances(casadi, problem, carriers)
-        self.pairs = apart.numel()
         sample = casadi.Function("sample", [q, G], [error, apart]).map(N - 1)
         first = departure(problem, options)
-        X, need = casadi.MX.sym("X", K, N - 1), casadi.MX.sym("need")
-        steps = casadi.diff(casadi.horzcat(first, X), 1, 1)
+        X = casadi.MX.sym("X", K, N - 1)
+        way = casadi.horzcat(first, X)
+        steps = casadi.diff(way, 1, 1)
         errors, distances = sample(X, problem.path.targets[1:].T)
-        self.fast = np.isfinite(problem.most_per_step)
-        limited = steps[np.flatnonzero(self.fast).tolist(), :]
-        constraints = casadi.vertcat(
-            casadi.vec(errors), casadi.vec(distances - need), casadi.vec(limited)
-        )
-        program = {"x": casadi.vec(X), "p": need, "f": casadi.sumsqr(steps), "g": constraints}
+        fast = np.isfinite(problem.most_per_step)
+        limited = steps[np.flatnonzero(fast).tolist(), :]
+        parts = [casadi.vec(errors), casadi.vec(distances), casadi.vec(limited)]
+        rows, pairs = error.numel() * (N - 1), apart.numel()
+        most = np.tile(problem.most_per_step[fast], N - 1)
+        need = np.full(pairs * (N - 1), problem.d_safe + options.margin)
+        lower, upper = [np.zeros(rows), need, -most], [np.zeros(rows), need * np.inf, most]
+        if between:
+            at = [int(k) for k, _ in between]
+            after, s = [k + 1 for k in at], np.array([[part for _, part in between]])
+            s = np.repeat(s, K, axis=0)
+            places = (1 - s) * way[:, at] + s * way[:, after]
+            clear = casadi.Function("clear", [q], [apart]).map(len(at))
+            parts.append(casadi.vec(clear(places)))
+            least = problem.d_safe + 0.25 * options.margin + 2 * RESOLUTION
+            lower.append(np.full(pairs * len(at), least))
+            upper.append(np.full(pairs * len(at), np.inf))
+        constraints = casadi.vertcat(*parts)
+        program = {"x": casadi.vec(X), "f": casadi.sumsqr(steps), "g": constraints}
         settings = {
             "print_level": 0,
             "sb": "yes",
             "tol": 1e-8,
             "constr_viol_tol": 1e-10,
             "bound_relax_factor": 0.0,
-            "max_iter": 300,
-            "max_wall_time": max(1e-3, min(deadline.left, 1e6) / TRIES),
+            "max_iter": ITERATIONS,
             "mu_strategy": "adaptive",
         }
-        self.wanted = _wanted(casadi, deadline, X.numel(), constraints.numel())
+        self.wanted = _wanted(casadi, X.numel(), constraints.numel())
         told = {"ipopt": settings, "print_time": False, "iteration_callback": self.wanted}
         self.solver = casadi.nlpsol("whole", "ipopt", program, told)
-        chain, most = arm.chain, problem.most_per_step[self.fast]
-        self.low, self.high = np.tile(chain.lower, N - 1), np.tile(chain.upper, N - 1)
-        rows, pairs = error.numel() * (N - 1), self.pairs * (N - 1)
-        self.lower = np.r_[np.zeros(rows + pairs), np.tile(-most, N - 1)]
-        self.upper = np.r_[np.zeros(rows), np.full(pairs, np.inf), np.tile(most, N - 1)]
+        self.low, self.high = np.tile(arm.chain.lower, N - 1), np.tile(arm.chain.upper, N - 1)
+        self.lower, self.upper = np.concatenate(lower), np.concatenate(upper)
 
-    def solve(self, Q: FloatArray, need: float) -> FloatArray:
+    def solve(self, Q: FloatArray, limit: _Limit) -> FloatArray:
         """The path from a first guess of shape (N, K), its row 0 kept."""
-        found = self.solver(
-            x0=Q[1:].reshape(-1), p=need, lbx=self.low, ubx=self.high, lbg=self.lower,
-            ubg=self.upper,
-        )  # fmt: skip
+        self.wanted.begin(limit)
+        guess = np.clip(Q[1:].reshape(-1), self.low, self.high)
+        found = self.solver(x0=guess, lbx=self.low, ubx=self.high, lbg=self.lower, ubg=self.upper)
         X = np.asarray(found["x"]).reshape(self.N - 1, -1)
         if not np.isfinite(X).all():
             return Q.copy()
@@ -133,23 +279,44 @@ class _Program:
         return np.concatenate((Q[:1], X))
 
 
-def _wanted(casadi: Any, deadline: Deadline, variables: int, constraints: int) -> Any:
+@dataclass(frozen=True, eq=False)
+class _Limit:
+    """How long a program may be worked at.
+
+    Attributes:
+        deadline: Until when.
+        iterations: How many.
+    """
+
+    deadline: Deadline
+    iterations: int
+
+
+def _wanted(casadi: Any, variables: int, constraints: int) -> Any:
     """What IPOPT asks between two iterations: whether to go on."""
     sizes = {"x": variables, "f": 1, "g": constraints, "lam_x": variables, "lam_g": constraints}
 
     class Wanted(casadi.Callback):  # type: ignore[misc]
         def __init__(self) -> None:
             casadi.Callback.__init__(self)
+            self.begin(_Limit(current(), ITERATIONS))
             self.construct("wanted", {})
+
+        def begin(self, limit: _Limit) -> None:
+            self.limit, self.asked = limit, 0
 
         def get_n_in(self) -> int:
             return int(casadi.nlpsol_n_out())
 
         def get_sparsity_in(self, i: int) -> Any:
-            return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(i), 1))
+            name = casadi.nlpsol_out(i)
+            return casadi.Sparsity(0, 0) if name == "lam_p" else casadi.Sparsity.dense(sizes[name])
 
         def eval(self, _: Any) -> list[int]:
-            return [int(deadline.is_dropped)]
+            self.asked += 1
+            deadline = self.limit.deadline
+            over = self.asked > self.limit.iterations or deadline.left <= 0
+            return [int(over or deadline.is_dropped)]
 
     return Wanted()
 

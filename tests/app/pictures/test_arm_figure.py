@@ -210,8 +210,11 @@ def test_odd_robots_can_be_read(name, size, client):
             apart = max(abs(x - u) - wide - half, abs(y - v) - 0.9 * (tall + high))
             assert apart > -1, (text, other)
     # In a plane that is seen from its side, or as a bundle of arrows, one extent is enough.
-    bones = [np.array([pair.split(",") for pair in line.get("points").split()], dtype=float)
-             for line in root.iter(f"{SVG}polyline") if line.get("stroke") != "#dddddd"]  # fmt: skip
+    lines = [line for line in root.iter(f"{SVG}polyline") if line.get("stroke") != "#dddddd"]
+    bones = [
+        np.array([pair.split(",") for pair in line.get("points").split()], dtype=float)
+        for line in lines
+    ]
     extents = np.ptp(np.concatenate(bones), axis=0) / size
     assert extents.max() > 0.4, extents
 

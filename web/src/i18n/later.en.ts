@@ -15,7 +15,7 @@ export const later = {
   namedValues: 'Numbers for names',
   readTable: 'Read the table',
   // view
-  sceneHelp: '3D view of the robot. What it shows is in the numbers beside it.',
+  sceneHelp: '3D view of the robot: arrow keys turn it, + and − zoom. What it shows is in the numbers beside it.',
   view: 'What is shown',
   fit: 'Fit',
   frames: 'Frames',

@@ -15,7 +15,7 @@ export const later: Later = {
   columnOrder: 'Colonnes, sans en-tête',
   namedValues: 'Valeurs des noms',
   readTable: 'Lire le tableau',
-  sceneHelp: 'Vue 3D du robot. Ce qu’elle montre est dans les nombres à côté.',
+  sceneHelp: 'Vue 3D du robot : les flèches la tournent, + et − l’approchent et l’éloignent. Ce qu’elle montre est dans les nombres à côté.',
   view: 'Ce qui est montré',
   fit: 'Cadrer',
   frames: 'Repères',

@@ -61,7 +61,7 @@ export function ikPanel(page: Page): HTMLElement {
       const text = value === null || value === undefined ? '' : typed(Number(value.toFixed(9)));
       if (field !== document.activeElement && field.value !== text) field.value = text;
     });
-    units.textContent = `m, ${angle}`;
+    units.textContent = `m, ${angle === 'deg' ? '°' : 'rad'}`;
     clear.disabled = !target;
     solve.disabled = !target;
     all.disabled = !target;

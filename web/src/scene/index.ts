@@ -12,7 +12,9 @@ import {
   Object3D,
   PerspectiveCamera,
   Points,
+  Quaternion,
   Scene as ThreeScene,
+  Spherical,
   SphereGeometry,
   Vector3,
   WebGLRenderer,
@@ -39,6 +41,13 @@ import {
 } from './types';
 
 const FIELD = 40;
+const TURN = Math.PI / 24;
+const NEARER = 0.87;
+/** What a key does: turns to the left and upwards, rad, and how many times farther it goes. */
+const KEYS: Readonly<Record<string, readonly [number, number, number]>> = {
+  ArrowLeft: [-TURN, 0, 1], ArrowRight: [TURN, 0, 1], ArrowUp: [0, TURN, 1], ArrowDown: [0, -TURN, 1],
+  '+': [0, 0, NEARER], '=': [0, 0, NEARER], '-': [0, 0, 1 / NEARER],
+};
 
 /**
  * Creates the scene in a host element, which it fills.
@@ -105,6 +114,8 @@ class View implements Scene {
     }, callbacks);
     this.controls.addEventListener('change', this.draw);
     this.controls.addEventListener('start', () => (this.turned = true));
+    host.tabIndex = 0;
+    host.addEventListener('keydown', this.keyed);
     this.observer = new ResizeObserver(this.resize);
     this.observer.observe(host);
     const probe = probeOf({
@@ -275,6 +286,7 @@ class View implements Scene {
   }
 
   dispose(): void {
+    this.host.removeEventListener('keydown', this.keyed);
     this.hand.dispose();
     this.observer.disconnect();
     this.controls.dispose();
@@ -400,6 +412,23 @@ class View implements Scene {
       this.labels = layOut(this.world, this.camera, this.host.clientWidth, this.host.clientHeight, this.handle);
       this.renderer.render(this.world, this.camera);
     });
+  };
+
+  /** Arrow keys turn the view, + and - bring it nearer and farther. */
+  private readonly keyed = (event: KeyboardEvent): void => {
+    const { camera, controls } = this;
+    const [left, up, farther] = KEYS[event.key] ?? [];
+    if (left === undefined || up === undefined || farther === undefined) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    const upright = new Quaternion().setFromUnitVectors(camera.up, new Vector3(0, 1, 0));
+    const away = camera.position.clone().sub(controls.target).applyQuaternion(upright);
+    const at = new Spherical().setFromVector3(away);
+    at.set(at.radius * farther, at.phi - up, at.theta + left).makeSafe();
+    camera.position.setFromSpherical(at).applyQuaternion(upright.invert()).add(controls.target);
+    this.turned = true;
+    controls.update();
+    this.draw();
   };
 
   private readonly resize = (): void => {

@@ -43,7 +43,11 @@ interface Seen {
 }
 
 export function probeOf(seen: Seen): Probe {
-  const pixel = (point: Vector3): Pixel => onScreen(point, seen.camera, seen.canvas);
+  const pixel = (point: Vector3): Pixel => {
+    // It may have moved since the last drawing.
+    seen.camera.updateMatrixWorld();
+    return onScreen(point, seen.camera, seen.canvas);
+  };
   const originOf = (model: RobotModel | null | undefined, frame: string): Pixel | null => {
     const at = model?.poseOf(frame);
     return at ? pixel(new Vector3().setFromMatrixPosition(at)) : null;
