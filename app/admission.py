@@ -7,7 +7,6 @@ goes away leaves the queue, and calls off the computation that was begun for it.
 from __future__ import annotations
 
 import asyncio
-import logging
 import math
 from collections import deque
 from collections.abc import AsyncIterator, Callable
@@ -21,11 +20,10 @@ from fastapi import FastAPI, Request, Response
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.problems import BUSY, BY_EXCEPTION, ProblemType, RequestProblem, problem_response
+from app.problems import BUSY, ProblemType, RequestProblem, problem_response
 from dh_to_urdf import Problem
 from kinematics.deadline import Deadline, Unwanted, checkpoint, under
 
-LOG = logging.getLogger("denavit")
 T = TypeVar("T")
 GONE = ProblemType("client-closed-request", 499, "The client went away")
 """For logs and metrics: nobody reads it."""
@@ -260,11 +258,9 @@ class Held(Response):
         buffers.used += size
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Sends the answer; one that fails after its status was sent ends without an end."""
+        """Sends the answer."""
         try:
             await self.response(scope, receive, send)
-        except (RequestProblem, Unwanted, *BY_EXCEPTION) as error:
-            LOG.warning("answer cut off: %s", error)
         finally:
             self.buffers.used -= self.size
             self.visit.leave()
