@@ -1,6 +1,5 @@
 """Closed forms over HTTP: every form of the answer, refusals, and the service meanwhile."""
 
-import asyncio
 import os
 import re
 import shutil
@@ -15,7 +14,7 @@ import numpy as np
 import pytest
 from fastapi import Request
 
-from app.problems import BY_EXCEPTION, _domain_handler
+from app.problems import BY_EXCEPTION, domain_problem
 from kinematics.symbolic import SymbolicUnavailable, WorkersBusy
 
 PA10 = "/v1/robots/pa10/symbolic"
@@ -132,8 +131,7 @@ def test_refused_queries(client, query):
 def test_problems_of_the_work_itself():
     assert BY_EXCEPTION[SymbolicUnavailable].status == 501
     request = Request({"type": "http", "method": "GET", "path": "/", "headers": []})
-    handle = _domain_handler(BY_EXCEPTION[WorkersBusy])
-    answer = asyncio.run(handle(request, WorkersBusy("busy", 2.5)))
+    answer = domain_problem(request, WorkersBusy("busy", 2.5))
     assert answer.status_code == 503
     assert answer.headers["retry-after"] == "3"
 
