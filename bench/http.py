@@ -43,6 +43,7 @@ SECONDS = 2
 ROUNDS = 5
 Q = {"q": [0.1, 0.2, 0.3, -1.0, 0.5, 1.2, 0.7]}
 REQUESTS = {
+    "route": ("/v1/route/panda", Q),
     "bare": ("/v1/robots/panda/bare", Q),
     "idle": ("/v1/robots/panda/idle", Q),
     "fk": ("/v1/robots/panda/fk", Q),
@@ -74,8 +75,9 @@ class Load:
 
 
 def application() -> FastAPI:
-    """The service with two endpoints besides.
+    """The service with three endpoints besides.
 
+    ``route`` is a no-op as a route of FastAPI, behind all protections.
     ``idle`` is that of FK with a no-op in place of the computation: what is left is all that
     protects and checks. ``bare`` reads a body and does nothing: a plain route in front of all
     others, as the computations are.
@@ -89,9 +91,13 @@ def application() -> FastAPI:
         await request.body()
         return Response(b"{}", media_type="application/json")
 
+    @app.post("/v1/route/{robot_id}")
+    async def route(robot_id: str, request: Request) -> Response:  # noqa: ARG001
+        return await bare(request)
+
     for name, endpoint in (("idle", idle.post), ("bare", bare)):
-        route = Route(f"/v1/robots/{{robot_id}}/{name}", endpoint, methods=["POST"])
-        app.router.routes.insert(0, route)
+        path = f"/v1/robots/{{robot_id}}/{name}"
+        app.router.routes.insert(0, Route(path, endpoint, methods=["POST"]))
     return app
 
 
@@ -135,7 +141,11 @@ def rows_of(workers: int) -> list[Row]:
                 found.append(load(key, Path(name)))
         batch = batches() if workers == 1 else []
     rows = []
-    none = {"bare": "a bare no-op", "idle": "the same with a no-op for the computation"}
+    none = {
+        "route": "a no-op as a route of FastAPI",
+        "bare": "a bare no-op",
+        "idle": "the same with a no-op for the computation",
+    }
     for key, found in loads.items():
         for other in none if key not in none else ():
             theirs = loads[other]
