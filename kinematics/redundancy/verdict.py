@@ -20,6 +20,10 @@ STUCK = 1e-6
 """An arm that moved less than this, rad or m, has not left its start."""
 REACH_SECONDS = 0.2
 REACH_RESTARTS = 100
+AS_QP = (
+    "; these are the samples of qp: the program of the whole path found none that hold further, or"
+    " had too little time"
+)
 
 
 class Reason(StrEnum):
@@ -82,7 +86,7 @@ def judge(
         problem: What was to be done.
         Q: What was done, n of N samples.
         measures: Of Q.
-        stop: Why the method stopped before the end, if it did.
+        stop: Why the method stopped before the end, or did less than it is there for.
         constrained: Whether the method keeps limits and clearance where it can.
     """
     N, tolerance = problem.path.samples, problem.tolerance
@@ -92,11 +96,14 @@ def judge(
     failing = np.flatnonzero(lost)
     first_lost = int(failing[0]) if failing.size else (len(Q) if len(Q) < N else None)
     violations = _violations(problem, measures, first_lost, len(Q) < N)
+    told = ""
+    if stop is not None and stop.reason is StopReason.AS_QP:
+        told, stop = AS_QP, None
     if not violations:
-        return Verdict(True, None, "the path is followed", (), 1.0, None)
+        return Verdict(True, None, f"the path is followed{told}", (), 1.0, None)
     tracked = 1.0 if first_lost is None else float(problem.path.r[max(0, first_lost - 1)])
     reason, message = _reason(problem, Q, measures, stop, constrained, violations, first_lost)
-    return Verdict(False, reason, message, violations, tracked, first_lost)
+    return Verdict(False, reason, f"{message}{told}", violations, tracked, first_lost)
 
 
 def _violations(

@@ -1,4 +1,4 @@
-"""Why a method stopped before the end of a path."""
+"""Why a method stopped before the end of a path, or did less than it is there for."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from enum import StrEnum
 
 
 class StopReason(StrEnum):
-    """Kinds of stops."""
+    """Kinds of stops; after the last there are all samples, those of ``qp``."""
 
     RANK = "rank"
     DIVERGED = "diverged"
     TIME = "time"
+    AS_QP = "as_qp"
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from kinematics.redundancy.linearised import LOOKS
 from kinematics.redundancy.link_points import OFFSET, RADIUS, WHOLE
 from kinematics.redundancy.measure import clearances_at, measure, swept_between
 from kinematics.redundancy.methods import damped, null_space, qp
-from kinematics.redundancy.methods.stop import Stop
+from kinematics.redundancy.methods.stop import Stop, StopReason
 from kinematics.redundancy.obstacles import BOX, CAPSULE, CIRCLE, HALF_SPACE, SPHERE
 from kinematics.redundancy.problem import TOUCH, PathOptions, Problem, departure
 from kinematics.redundancy.sweep import RESOLUTION
@@ -73,7 +73,7 @@ def follow(
         # From there on, what can be done sample by sample.
         qp.follow_from(problem, options, Q, best)
     yield len(Q)
-    return None
+    return Stop(StopReason.AS_QP, len(Q)) if found is Q else None
 
 
 def _look_ahead(

@@ -37,8 +37,7 @@ WORK = {
     "joint velocities": ("/v1/robots/panda/joint-velocities",
                          {"q": Q, "twist": [0.1, 0, 0, 0, 0, 0]}),
     "many targets": ("/v1/robots/panda/ik", {"targets": FAR, **PATIENT}),
-    "nearest singularity": ("/v1/singularity/nearest",
-                            {"robot": LONG_ARM, "q": BENT, "task": "orientation"}),
+    "nearest singularity": ("/v1/singularity/nearest", {"robot": LONG_ARM, "q": BENT}),
     "sqp": ("/v1/robots/planar_8r/path", {**SCENE, "method": "sqp", "samples": 5000}),
     "whole path": ("/v1/robots/planar_8r/path",
                    {**SCENE, "method": "whole_path", "samples": 2000}),
@@ -109,7 +108,8 @@ def test_every_computation_obeys_the_time_limit(limited, name):
     assert time.monotonic() - started < 12
     if answer.status_code == 200:
         text = answer.text
-        assert "timeout" in text or "time was over" in text or '"simplified"' in text
+        told = ("timeout", "time was over", "too little time", '"simplified"')
+        assert any(words in text for words in told)
     else:
         assert answer.status_code == 422
         assert answer.json()["type"] == "/problems/out-of-time"
@@ -138,5 +138,5 @@ def test_a_stream_whose_time_is_up_says_so_in_its_last_line(
 @pytest.fixture(scope="module")
 def limited(tmp_path_factory, start_server_for_module):
     data = tmp_path_factory.mktemp("limited")
-    with start_server_for_module(data, max_request_seconds=0.5) as server:
+    with start_server_for_module(data, max_request_seconds=0.3) as server:
         yield server

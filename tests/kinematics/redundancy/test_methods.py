@@ -9,7 +9,7 @@ from kinematics.errors import InvalidOption, MethodUnavailable, WrongConfigurati
 from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.follow import follow, followed, rates
-from kinematics.redundancy.methods import METHODS, method_from
+from kinematics.redundancy.methods import METHODS, method_from, whole_path
 from kinematics.redundancy.obstacles import Box, Capsule, CircleObstacle, HalfSpace, Sphere, encoded
 from kinematics.redundancy.path import Circle, Sampling, circle
 from kinematics.redundancy.problem import Gains, PathOptions, Problem, SecondaryTask
@@ -94,6 +94,18 @@ def test_program_and_qp_find_the_same_and_the_whole_path_is_shorter(ten):
     sqp, qp, whole = (run(problem, m).measures.step for m in CONSTRAINED)
     assert qp.sum() == pytest.approx(sqp.sum(), rel=1e-4)
     assert (whole**2).sum() < (qp**2).sum()
+
+
+def test_a_program_of_the_whole_path_that_is_cut_short_says_whose_samples_these_are(
+    ten, monkeypatch
+):
+    problem = ten()
+    assert run(problem, "whole_path").verdict.message == "the path is followed"
+    monkeypatch.setattr(whole_path, "ITERATIONS", 1)
+    cut = run(problem, "whole_path")
+    holds(cut)
+    assert np.array_equal(cut.q, run(problem, "qp").q)
+    assert "these are the samples of qp" in cut.verdict.message
 
 
 def test_few_samples_are_swept_too(ten):
