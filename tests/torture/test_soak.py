@@ -12,7 +12,7 @@ def test_twice_as_much_work_as_there_is_room_for(tmp_path):
         patch.setenv("DENAVIT_PRELOAD", "true")
         patch.setenv("DENAVIT_MAX_WAITING", "8")  # so that there is overload within seconds
         with running_server(tmp_path, "--workers", "2") as (address, process):
-            report = soak(int(address.rsplit(":", 1)[1]), process.pid, 20.0)
+            report = soak(int(address.rsplit(":", 1)[1]), process.pid, 12.0)
     assert report.failures == [], report.text()
     assert {200, 422, 503} <= set(report.statuses), report.text()
     assert len(report.health) > 20
