@@ -34,6 +34,7 @@ CLIENTS = 16
 MOST_IN_FLIGHT = 400
 """Connections at a time; what comes while all are busy counts as not sent."""
 DELIBERATE = {200, 201, 204, 409, 412, 429, 503}
+CORES = max(1, (os.cpu_count() or 2) - 1)
 P99 = 0.05
 """Seconds in which /health/live answers, 99 times of 100, where the machine does nothing else."""
 GROWTH = 0.10
@@ -241,11 +242,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--workers", type=int, default=CORES, help="a core is left to the clients")
     chosen = parser.parse_args()
     os.environ["DENAVIT_PRELOAD"] = "true"
     with (
         tempfile.TemporaryDirectory() as folder,
-        running_server(Path(folder), "--workers", "2") as (address, process),
+        running_server(Path(folder), "--workers", str(chosen.workers)) as (address, process),
     ):
         report = soak(int(address.rsplit(":", 1)[1]), process.pid, 60 * chosen.minutes, chosen.seed)
     print(report.text())
