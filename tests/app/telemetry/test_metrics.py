@@ -3,6 +3,7 @@
 import os
 import signal
 import socket
+from contextlib import ExitStack, contextmanager
 
 import httpx
 import pytest
@@ -65,7 +66,7 @@ def test_counts_are_exact_and_routes_are_templates(service):
     assert of_route(samples, "response_bytes_total", FK) == size
     assert samples[("denavit_http_requests_in_progress",)] == 1  # the scrape itself
     assert samples[("denavit_robots",)] == 1
-    alive = [key for key in samples if key[0] == "denavit_worker_resident_memory_bytes"]
+    alive = workers_that_tell(address)
     assert len(alive) == workers
     assert all(samples[key] > 1e7 for key in alive)
     assert samples[("denavit_build_info", ("version", "0.1.0"))] == 1
@@ -78,34 +79,58 @@ def test_a_killed_worker_leaves_its_counts_and_nothing_else(
     tmp_path, start_server, worker_pids, wait_for
 ):
     with start_server(tmp_path, "--workers", "2") as (address, process):
+        wait_for(lambda: len(workers_that_tell(address)) == 2)
         for _ in range(30):
             httpx.get(f"{address}/v1/robots/puma560/fk?q=0,0,0,0,0,0")
-        before = worker_pids(process)
-        # In progress when its worker dies: bodies that do not come.
-        head = b"POST /v1/robots/puma560/fk HTTP/1.1\r\nHost: x\r\nContent-Type: application/json"
-        host, port = address.removeprefix("http://").split(":")
-        halves = [socket.create_connection((host, int(port))) for _ in range(16)]
-        for half in halves:
-            half.sendall(head + b"\r\nContent-Length: 100\r\n\r\n")
-        wait_for(lambda: in_progress(address) == 17)
-        os.kill(before[0], signal.SIGKILL)
-        wait_for(lambda: len(set(worker_pids(process)) - {before[0]}) == 2)
-        left = 17 - sum(lost(half) for half in halves)
-        assert 1 < left < 17
-        wait_for(lambda: in_progress(address) == left)
-        for half in halves:
-            half.close()
+        doomed, other = worker_pids(process)
+        # In progress when a worker dies: bodies that do not come, eight for each worker.
+        with ExitStack() as halves:
+            with stopped(doomed):
+                kept = [halves.enter_context(half_a_request(address)) for _ in range(8)]
+                wait_for(lambda: in_progress(address) == 9)
+            with stopped(other):
+                lost = [halves.enter_context(half_a_request(address)) for _ in range(8)]
+                wait_for(lambda: in_progress(address) == 17)
+            os.kill(doomed, signal.SIGKILL)
+            wait_for(lambda: len(set(worker_pids(process)) - {doomed}) == 2)
+            wait_for(lambda: in_progress(address) == 9)
+            assert not any(has_gone(half) for half in kept)
+            assert all(has_gone(half) for half in lost)
         wait_for(lambda: in_progress(address) == 1)
         samples = scraped(address)
         assert counted(samples, FK) == 30
+
+
+@contextmanager
+def stopped(pid):
+    """Meanwhile the process neither runs nor dies: what is asked, others answer."""
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        os.kill(pid, signal.SIGCONT)
+
+
+def half_a_request(address):
+    host, port = address.removeprefix("http://").split(":")
+    connection = socket.create_connection((host, int(port)))
+    connection.sendall(
+        b"POST /v1/robots/puma560/fk HTTP/1.1\r\nHost: x\r\n"
+        b"Content-Type: application/json\r\nContent-Length: 100\r\n\r\n"
+    )
+    return connection
+
+
+def workers_that_tell(address):
+    return [key for key in scraped(address) if key[0] == "denavit_worker_resident_memory_bytes"]
 
 
 def in_progress(address):
     return scraped(address)[("denavit_http_requests_in_progress",)]
 
 
-def lost(connection):
-    """Whether the other end has gone."""
+def has_gone(connection):
+    """Whether the other end has."""
     connection.settimeout(0.2)
     try:
         return connection.recv(1) == b""
