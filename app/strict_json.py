@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import re
-from typing import Any, TypeVar
+from collections.abc import Hashable
+from functools import cache
+from typing import Any, TypeVar, cast
 
 import msgspec
 import numpy as np
@@ -69,7 +71,7 @@ def decode_json(body: bytes | msgspec.Raw, type_: type[T], pointer: str = "") ->
         RequestProblem: 400 for text that is no JSON, 422 with a pointer for a wrong type.
     """
     try:
-        return msgspec.json.decode(body, type=type_)
+        value: T = _decoder(cast(Hashable, type_)).decode(body)
     except msgspec.ValidationError as error:
         raise validation_problem(error, pointer, getattr(type_, "__struct_fields__", ())) from None
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
@@ -78,6 +80,12 @@ def decode_json(body: bytes | msgspec.Raw, type_: type[T], pointer: str = "") ->
         ) from None
     except RecursionError:
         raise RequestProblem(MALFORMED_BODY, "the body is nested too deeply", pointer) from None
+    return value
+
+
+@cache
+def _decoder(type_: Hashable) -> msgspec.json.Decoder[Any]:
+    return msgspec.json.Decoder(type_)
 
 
 def _reason(body: bytes, error: Exception) -> str:

@@ -260,6 +260,7 @@ def respond(
     rows: Sequence[Mapping[str, Any]] | None = None,
     status: int = 200,
     headers: Mapping[str, str] | None = None,
+    short: bool = False,
 ) -> Response:
     """The answer in the wanted form.
 
@@ -270,7 +271,10 @@ def respond(
         rows: What CSV holds: a table, with the columns of its first row.
         status: HTTP status.
         headers: Further headers.
+        short: Whether the payload is known to hold a few numbers only.
     """
+    if short and wanted == JSON:
+        return Response(_dumps(payload), status, headers, JSON)
     if wanted == TEXT:
         content = render_text(payload).encode()
         return Response(content, status, dict(headers or {}), "text/plain; charset=utf-8")

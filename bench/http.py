@@ -30,7 +30,7 @@ from app.access.keys import Scope, new_key
 from app.main import create_app
 from app.operations.base import Answer
 from app.operations.forward import FK
-from app.routes.compute import _Handlers
+from app.routes.compute import _Computations, _Handlers
 from app.settings import Settings
 from bench.pairs import Row, paired, seconds
 from kinematics.forward import fk
@@ -95,9 +95,10 @@ def application() -> FastAPI:
     async def route(robot_id: str, request: Request) -> Response:  # noqa: ARG001
         return await bare(request)
 
-    for name, endpoint in (("idle", idle.post), ("bare", bare)):
-        path = f"/v1/robots/{{robot_id}}/{name}"
-        app.router.routes.insert(0, Route(path, endpoint, methods=["POST"]))
+    path = "/v1/robots/{robot_id}/"
+    app.router.routes.insert(0, Route(f"{path}bare", bare, methods=["POST"]))
+    (computations,) = (one for one in app.router.routes if isinstance(one, _Computations))
+    computations.on_stored["idle"] = [Route(f"{path}idle", idle.post, methods=["POST"])]
     return app
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -114,7 +115,12 @@ def to_rpy(R: Matrix) -> tuple[float, float, float]:
     Pitch by ``atan2(-R31, hypot(R11, R21))``: the arcsine loses half the digits near ±90°. Roll
     and yaw are read off ``R`` with yaw taken out, so that near ±90° the product is still ``R``.
     """
-    (r11, r12, r13), (r21, r22, r23), (r31, _, _) = R.tolist()
+    return rows_to_rpy(R.tolist())
+
+
+def rows_to_rpy(rows: Sequence[Sequence[float]]) -> tuple[float, float, float]:
+    """The same of a rotation, or of a placement, as rows of numbers."""
+    (r11, r12, r13, *_), (r21, r22, r23, *_), (r31, *_) = rows[:3]
     yaw = math.atan2(r21, r11) if math.hypot(r11, r21) > GIMBAL else 0.0
     cos, sin = math.cos(yaw), math.sin(yaw)
     pitch = math.atan2(-r31, cos * r11 + sin * r21)

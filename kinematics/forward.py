@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
+from dh_to_urdf.poses import rows_to_rpy
 from kinematics.chain import chain_of
 from kinematics.compiled import COMPILED, writable
 from kinematics.configuration import configuration
@@ -33,25 +35,70 @@ def fk(robot: Robot, q: FloatArray, frames: Sequence[str] | None = None) -> dict
         UnknownFrame: The robot has no such frame.
         WrongConfiguration: q has a wrong shape or is not finite.
     """
-    names = (robot.tip_frame,) if frames is None else tuple(frames)
-    for index, name in enumerate(names):
-        robot.frame_id(name, f"/frames/{index}")
+    ids = _frame_ids(robot, frames)
     q = configuration(robot, q)
     if q.ndim == 1:
-        return _one(robot, q, names)
+        found = _placements(robot, q, ids)
+        return {name: placement.homogeneous for name, placement in found.items()}
     if not COMPILED:
-        single = [_one(robot, row, names) for row in q]
-        return {name: np.array([poses[name] for poses in single]) for name in names}
-    return {name: _many(robot, q, name) for name in names}
+        single = [fk(robot, row, frames) for row in q]
+        return {name: np.array([found[name] for found in single]) for name in ids}
+    return {name: _many(robot, q, name) for name in ids}
 
 
-def _one(robot: Robot, q: FloatArray, names: tuple[str, ...]) -> dict[str, FloatArray]:
+class Pose(NamedTuple):
+    """One pose in plain numbers.
+
+    Attributes:
+        matrix: The four rows of the homogeneous matrix.
+        position: x, y, z.
+        quaternion_xyzw: Unit quaternion with w ≥ 0.
+        rpy: URDF's roll, pitch, yaw, rad.
+    """
+
+    matrix: list[list[float]]
+    position: tuple[float, ...]
+    quaternion_xyzw: tuple[float, ...]
+    rpy: tuple[float, ...]
+
+
+def poses(robot: Robot, q: FloatArray, frames: Sequence[str] | None = None) -> dict[str, Pose]:
+    """What :func:`fk` gives at one q, without arrays: small ones cost more than the kinematics.
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,), as :func:`kinematics.configuration.configuration` gave it.
+        frames: Frame names; default the tip.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+    """
+    found = _placements(robot, q, _frame_ids(robot, frames))
+    return {name: _pose(placement) for name, placement in found.items()}
+
+
+def _pose(placement: Any) -> Pose:
+    rows = placement.homogeneous.tolist()
+    numbers = pin.SE3ToXYZQUATtuple(placement)
+    quaternion = numbers[3:]
+    if quaternion[3] < 0.0:
+        quaternion = tuple(-value for value in quaternion)
+    return Pose(rows, numbers[:3], quaternion, rows_to_rpy(rows))
+
+
+def _frame_ids(robot: Robot, frames: Sequence[str] | None) -> dict[str, int]:
+    names = (robot.tip_frame,) if frames is None else frames
+    return {name: robot.frame_id(name, f"/frames/{k}") for k, name in enumerate(names)}
+
+
+def _placements(robot: Robot, q: FloatArray, ids: dict[str, int]) -> dict[str, Any]:
     data = robot.data()
     pin.framesForwardKinematics(robot.model, data, robot.configuration(q))
-    base = data.oMf[robot.frame_id(robot.base_frame)]
-    if base.isIdentity(0.0):
-        return {name: data.oMf[robot.frame_id(name)].homogeneous for name in names}
-    return {name: base.actInv(data.oMf[robot.frame_id(name)]).homogeneous for name in names}
+    frames = data.oMf
+    if robot.base_is_fixed:
+        return {name: frames[number] for name, number in ids.items()}
+    base = frames[robot.frame_id(robot.base_frame)]
+    return {name: base.actInv(frames[number]) for name, number in ids.items()}
 
 
 def _many(robot: Robot, q: FloatArray, name: str) -> FloatArray:

@@ -199,7 +199,7 @@ def analytic_map(R: FloatArray, sequence: str) -> FloatArray:
 def quaternion_xyzw(R: FloatArray) -> FloatArray:
     """Unit quaternions x, y, z, w with w ≥ 0; shape (..., 3, 3) -> (..., 4)."""
     if R.ndim == 2:
-        single: FloatArray = pin.Quaternion(np.ascontiguousarray(R)).coeffs()
+        single: FloatArray = pin.Quaternion(R).coeffs()
         return -single if single[3] < 0.0 else single
     shape, flat = R.shape[:-2], R.reshape(-1, 3, 3)
     quaternions = np.empty((len(flat), 4))

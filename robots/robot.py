@@ -104,8 +104,20 @@ class Robot:
         ids = [self.model.getJointId(joint.name) for joint in self.joints]
         return np.array([self.model.joints[i].idx_v for i in ids])
 
+    @cached_property
+    def _in_model_order(self) -> bool:
+        return np.array_equal(self.velocity_columns, np.arange(self.model.nq))
+
+    @cached_property
+    def base_is_fixed(self) -> bool:
+        """Whether the base frame is Pinocchio's world, at every q."""
+        frame = self.model.frames[self.frame_id(self.base_frame)]
+        return bool(frame.parentJoint == 0 and frame.placement.isIdentity(0.0))
+
     def configuration(self, q: FloatArray) -> FloatArray:
-        """Pinocchio's configuration vector of q; shape (dof,) -> (model.nq,)."""
+        """Pinocchio's configuration vector of q; shape (dof,) -> (model.nq,); may be q itself."""
+        if self._in_model_order:
+            return q
         configuration = np.empty(self.model.nq)
         configuration[self.velocity_columns] = q
         return configuration

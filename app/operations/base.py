@@ -87,8 +87,7 @@ Numbers: TypeAlias = list[Any]
 """In answers: nested lists of numbers, with a leading axis n for batches."""
 
 
-@dataclass(frozen=True)
-class Context:
+class Context(msgspec.Struct, frozen=True):
     """What a computation knows besides robot and request.
 
     Attributes:
@@ -109,8 +108,7 @@ class Context:
         return self.symbolic
 
 
-@dataclass(frozen=True)
-class Answer:
+class Answer(msgspec.Struct, frozen=True):
     """What a computation gives: a payload for JSON and text, and what npy and CSV hold.
 
     A ``listing`` is the whole answer in any other form than JSON, a ``picture`` draws it as SVG,
@@ -199,8 +197,9 @@ def is_light(robot: Robot, request: Any) -> bool:
     raw = request.q
     if isinstance(raw, np.ndarray):
         return raw.ndim == 1 and robot.dof <= LIGHT_DOF
-    batch = memoryview(raw)[1:64].tobytes().lstrip()[:1] == b"["
-    return not batch and robot.dof <= LIGHT_DOF and len(robot.frames) <= LIGHT_FRAMES
+    if bytes(raw)[1:64].lstrip()[:1] == b"[":
+        return False
+    return robot.dof <= LIGHT_DOF and len(robot.frames) <= LIGHT_FRAMES
 
 
 def check_size(q: FloatArray, numbers: int, pointer: str = "/q") -> None:
@@ -235,11 +234,10 @@ def read_configuration(
     most = context.settings.max_batch
     q = raw if isinstance(raw, np.ndarray) else _from_json(raw, robot, pointer, most)
     q = configuration(robot, q, pointer)
-    if q.ndim == 2 and not 1 <= len(q) <= context.settings.max_batch:
+    if q.ndim == 2 and not 1 <= len(q) <= most:
         raise RequestProblem(
             INVALID_REQUEST,
-            f"{pointer.rsplit('/', 1)[-1]} holds {len(q)} rows; give 1 to"
-            f" {context.settings.max_batch}",
+            f"{pointer.rsplit('/', 1)[-1]} holds {len(q)} rows; give 1 to {most}",
             pointer,
         )
     return context.units.joints_in(robot, q)

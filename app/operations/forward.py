@@ -21,7 +21,8 @@ from app.operations.base import (
 from app.operations.schema import EULER
 from app.problems import INVALID_REQUEST, RequestProblem
 from app.units import Units
-from kinematics.forward import fk
+from app.wire import JSON
+from kinematics.forward import fk, poses
 from kinematics.orientation import euler_angles, parse_sequence, quaternion_xyzw, rpy
 from robots.robot import FloatArray, Robot
 
@@ -102,15 +103,33 @@ def _frames(robot: Robot, asked: list[str] | str | None) -> Sequence[str]:
     return [asked] if isinstance(asked, str) else list(dict.fromkeys(asked))
 
 
+def _plain(
+    robot: Robot, q: FloatArray, frames: Sequence[str], context: Context
+) -> dict[str, dict[str, Any]]:
+    """Poses at one q, of which JSON can be written at once."""
+    units = context.units
+    return {
+        name: {
+            "matrix": pose.matrix,
+            "position": pose.position,
+            "quaternion_xyzw": pose.quaternion_xyzw,
+            "rpy": units.angles_out(np.array(pose.rpy)) if units.degrees else pose.rpy,
+        }
+        for name, pose in poses(robot, q, frames).items()
+    }
+
+
 def _run(robot: Robot, request: FKRequest, context: Context) -> Answer:
     frames = _frames(robot, request.frames)
     if request.euler is not None:
         parse_sequence(request.euler)
     q = read_configuration(request.q, robot, context)
     check_size(q, NUMBERS_A_POSE * len(frames))
-    poses = fk(robot, q, frames)
-    views = {name: pose_view(T, context.units, request.euler) for name, T in poses.items()}
-    array = next(iter(poses.values())) if len(poses) == 1 else np.stack(list(poses.values()), -3)
+    if q.ndim == 1 and request.euler is None and context.form == JSON:
+        return Answer({"units": context.units.named, "poses": _plain(robot, q, frames, context)})
+    found = fk(robot, q, frames)
+    views = {name: pose_view(T, context.units, request.euler) for name, T in found.items()}
+    array = next(iter(found.values())) if len(found) == 1 else np.stack(list(found.values()), -3)
     return Answer({"units": context.units.named, "poses": views}, array)
 
 
