@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from dh_to_urdf.cells.notation import number_text
 from dh_to_urdf.errors import quoted
 from robots.errors import InvalidURDF
 from robots.urdf.description import URDFJoint
@@ -49,8 +50,8 @@ def read_mimics(joints: Sequence[URDFJoint], elements: Sequence[Element]) -> tup
         if moves[joint.name]:
             warnings.append(
                 f"joint {joint.name!r} mimics another; it is treated as independent: give it"
-                f" {factor:g} times the value of {quoted(other, 64)}"
-                + (f" plus {offset:g}" if offset else "")
+                f" {number_text(factor)} times the value of {quoted(other, 64)}"
+                + (f" plus {number_text(offset)}" if offset else "")
             )
     _refuse_loops(followed)
     return tuple(warnings)

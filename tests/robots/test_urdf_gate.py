@@ -242,6 +242,12 @@ def test_a_mimicking_joint_is_independent_and_a_warning_says_so(arm_urdf):
     )
 
 
+def test_the_relation_of_a_mimic_is_told_with_all_digits(arm_urdf):
+    mimic = '<mimic joint="turn" multiplier="-0.7320508075688772"/></joint>\n</robot>'
+    (warning,) = read_urdf(re.sub(r"</joint>\s*</robot>", mimic, arm_urdf)).warnings
+    assert "give it -0.7320508075688772 times the value of 'turn'" in warning
+
+
 def test_the_canonical_text_is_its_own_canonical_text(arm_urdf):
     canonical = read_urdf(arm_urdf).canonical
     assert read_urdf(canonical).canonical == canonical
