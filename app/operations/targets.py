@@ -30,8 +30,9 @@ class EulerField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
 class Target(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """A pose: a matrix, or a position with one orientation; what the task ignores may be left out.
 
-    For the task xy the position may be [x, y]; phi is an angle about z;
-    direction is that of the frame's z axis, for tasks that leave the turn about it open.
+    For the task xy the position may be [x, y]. phi is an angle about z: a frame that follows a
+    path turns to it with whatever tilt it has. direction is that of the frame's z axis, for tasks
+    that leave the turn about it open.
     """
 
     matrix: Annotated[list[list[float]] | None, MATRIX] = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -226,6 +227,8 @@ class _Piece:
         turn = np.zeros(3)
         if task.own_axes:
             turn = _turn_onto(start[:3, 2], end[:3, 2], start[:3, 0])
+        elif task.rotations == (2,):
+            turn[2] = _turn_about_z(start, end)
         elif task.rotations:
             turn = rotation_vector(end[:3, :3] @ start[:3, :3].T)
         return cls(start, shift, turn)
@@ -236,6 +239,18 @@ class _Piece:
         if self.turn.any():
             poses[:, :3, :3] = rotations(self.turn, r) @ self.start[:3, :3]
         return poses
+
+
+def _turn_about_z(start: FloatArray, end: FloatArray) -> float:
+    """By what the horizontal part of an axis of the frame turns, in [-π, π].
+
+    However the frame is tilted: one that points down has an angle about z too, where the shortest
+    rotation to an upright end has none. Of x and y, the axis that is less upright counts.
+    """
+    flat = np.minimum(*(np.hypot(T[0, :2], T[1, :2]) for T in (start, end)))
+    k = int(np.argmax(flat))
+    before, after = (np.arctan2(T[1, k], T[0, k]) for T in (start, end))
+    return math.remainder(after - before, 2 * math.pi)
 
 
 def _shares(pieces: Sequence[_Piece], intervals: int) -> list[int]:

@@ -288,7 +288,7 @@ def test_work_stops_where_nobody_asks_for_more_and_at_the_time_limit(ten):
     work = follow(problem, METHODS["qp"], EASY)
     assert next(work).last < 50
     work.close()
-    result = run(problem, "qp", seconds=0.01)
+    result = run(problem, "qp", seconds=0.1)
     assert result.verdict.reason is Reason.TIMEOUT
     assert 1 < len(result.q) < 2001
     assert result.verdict.tracked < 1

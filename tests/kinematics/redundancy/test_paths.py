@@ -53,6 +53,19 @@ def test_a_line_turns_by_slerp():
         assert not path.closed
 
 
+def test_a_frame_that_points_down_turns_about_z_like_any_other():
+    """What an angle about z alone asks of it: its tilt stays, its heading becomes the angle."""
+    task = task_from("xy_phi")
+    for heading, wanted, turn in ((0.4, -0.9, -1.3), (3.0, -3.0, 2 * np.pi - 6.0)):
+        start, goal = np.eye(4), np.eye(4)
+        start[:3, :3] = Rotation.from_euler("ZX", (heading, np.pi)).as_matrix()
+        goal[:3, :3] = Rotation.from_euler("z", wanted).as_matrix()
+        path = polyline(start, [goal], task, Sampling(samples=11))
+        T = path.targets.reshape(-1, 3, 4)
+        expected = Rotation.from_euler("z", turn * path.r[:, None]) * Rotation.from_matrix(start[:3, :3])
+        np.testing.assert_allclose(T[:, :, :3], expected.as_matrix(), atol=1e-12)
+
+
 def test_waypoints_are_samples_and_a_loop_is_closed():
     corners = [np.eye(4) for _ in range(4)]
     for T, xy in zip(corners, [(1, 0), (1, 2), (0, 2), (0, 0)], strict=True):
