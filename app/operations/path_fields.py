@@ -156,7 +156,10 @@ class MethodOptions(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     ] = 0.0
     margin: Annotated[
         float,
-        msgspec.Meta(description="sqp, qp, whole_path: kept on top of d_safe, m."),
+        msgspec.Meta(
+            description="sqp, qp, whole_path: kept on top of d_safe where the path leaves room for"
+            " it, m."
+        ),
         within(0, 1e3),
     ] = 1e-3
     secondary: Annotated[

@@ -168,6 +168,20 @@ def test_limits_and_speeds_hold(planar, line):
     assert "velocity" in fast.verdict.violations
 
 
+@pytest.mark.parametrize("method", CONSTRAINED)
+@pytest.mark.parametrize("margin", [1e-3, 0.02])
+def test_the_margin_gives_way_where_the_path_leaves_no_room_for_it(planar, line, method, margin):
+    robot = planar([0.5, 0.4, 0.3], [(-150, 150)] * 3)
+    q = np.deg2rad([110, -88, -96])
+    start = fk(robot, q)["tool"][:3, 3]
+    # the way of the tool passes the disc at d_safe and a third of the margin
+    ball = CircleObstacle((start[0] + 0.15, start[1] - 0.12 - margin / 3), 0.08)
+    problem = line(robot, q, (0.3, 0, 0), "xy", [ball], link_radius=0.02, d_safe=0.02, samples=41)
+    result = run(problem, method, margin=margin)
+    holds(result)
+    check_against_the_model(result)
+
+
 def test_an_infeasible_passage_is_named_with_how_far_it_got(planar, line):
     robot = planar([0.5, 0.4, 0.3], [(-150, 150)] * 3)
     q = np.deg2rad([110, -88, -96])
