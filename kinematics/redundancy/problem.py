@@ -95,8 +95,8 @@ class Problem:
         if outside[worst] > TOUCH:
             raise WrongConfiguration(
                 f"q of joint {self.arm.names[worst]} is {q[worst]:.6g}, outside its limits"
-                f" [{chain.lower[worst]:.6g}, {chain.upper[worst]:.6g}] (rad or m); start within"
-                " them",
+                f" [{chain.lower[worst]:.6g}, {chain.upper[worst]:.6g}]"
+                f" {'rad' if chain.turns[worst] else 'm'}; start within them",
                 f"/q/{int(chain.columns[worst])}",
             )
 

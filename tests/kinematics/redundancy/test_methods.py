@@ -199,6 +199,20 @@ def test_an_infeasible_passage_is_named_with_how_far_it_got(planar, line):
     assert "start itself" in verdict.message
 
 
+def test_samples_that_are_lost_only_on_the_way_are_counted(planar, line):
+    problem = line(planar([0.5, 0.4, 0.3]), (0.4, 0.9, -0.7), (-0.3, 0.1, 0), "xy", samples=21)
+    result = run(problem, "pseudo_inverse")
+    error = result.measures.position_error
+    lost = error > 1e-4
+    assert lost.any()
+    assert not lost[-1]
+    message = result.verdict.message
+    assert f"at {lost.sum()} of 21 samples, the first of them {np.argmax(lost)}" in message
+    assert f"up to {error.max():.4g} m" in message
+    open_loop = run(problem, "pseudo_inverse", closed_loop=False)
+    assert f"from sample {open_loop.verdict.first_lost} on" in open_loop.verdict.message
+
+
 @pytest.mark.parametrize("method", ["damped", "null_space", "sqp", "qp", "whole_path"])
 def test_a_perturbed_start_leaves_the_singularity(planar, line, method):
     problem = line(planar([0.5, 0.4, 0.3], [(-150, 150)] * 3), np.zeros(3), (-0.3, 0, 0), "xy")
