@@ -16,7 +16,7 @@ from kinematics.redundancy.problem import TOUCH, Problem
 from robots.robot import FloatArray
 
 JUMP = 1.0
-"""A joint that moves farther than this in one sample while the path is lost has diverged."""
+"""A joint that moves farther than this in one sample has diverged, if the path stays lost."""
 STUCK = 1e-6
 """An arm that moved less than this, rad or m, has not left its start."""
 REACH_SECONDS = 0.2
@@ -151,7 +151,8 @@ def _reason(
                 " such as 0.05"
             )
         away = _unreachable(problem, first_lost)
-        if stop is not None or (not constrained and measures.largest_step > JUMP):
+        jumped = not constrained and measures.largest_step > JUMP
+        if stop is not None or (jumped and _beyond(problem, measures)[-1]):
             beyond = "" if away is None else f"; sample {away} is out of reach within the limits"
             return Reason.DIVERGED, (
                 f"the steps grew without bound after sample {first_lost}: up to"

@@ -223,6 +223,14 @@ def test_a_perturbed_start_leaves_the_singularity(planar, line, method):
     assert run(problem, method, perturb=0.05).verdict.success
 
 
+def test_one_large_step_from_which_the_path_is_found_again_is_no_divergence(planar, line):
+    problem = line(planar([0.5, 0.4, 0.3]), np.zeros(3), (-0.3, 0, 0), "xy", samples=41)
+    result = run(problem, "pseudo_inverse", perturb=1.0)
+    assert result.measures.largest_step > 1
+    assert result.measures.position_error[-1] < 1e-4
+    assert result.verdict.reason is Reason.TRACKING
+
+
 def test_a_task_that_the_arm_never_can_do_is_said_so(line):
     problem = line(shipped_robot("planar_3r"), [0.3, 0.4, 0.5], (-0.1, 0, 0), "pose")
     refused = run(problem, "pseudo_inverse").verdict
