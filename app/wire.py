@@ -237,8 +237,11 @@ def json_lines(rows: Iterable[Mapping[str, Any]]) -> bytes:
     return b"".join(_dumps(row) + b"\n" for row in rows)
 
 
-_CELLS = {None: "", True: "true", False: "false"}
-"""Values of a table that CSV writes otherwise than Python."""
+def _cell(value: object) -> object:
+    """A value of a table, as CSV writes it; 1 and 0 are numbers, though Python has True == 1."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return "" if value is None else value
 
 
 def csv_bytes(rows: Sequence[Mapping[str, Any]]) -> bytes:
@@ -248,7 +251,7 @@ def csv_bytes(rows: Sequence[Mapping[str, Any]]) -> bytes:
     if rows:
         writer.writerow(rows[0])
     for row in rows:
-        writer.writerow([_CELLS.get(value, value) for value in row.values()])
+        writer.writerow([_cell(value) for value in row.values()])
     return stream.getvalue().encode()
 
 

@@ -92,8 +92,12 @@ TASKS = {name: Task(name, rows, name in _OWN_AXES) for name, rows in _NAMED.item
 POSE = TASKS["pose"]
 
 
-def task_from(value: str | Sequence[bool | int | float]) -> Task:
+def task_from(value: str | Sequence[bool | int | float], pointer: str = "/task") -> Task:
     """A task by name, or by a mask of six (1: the row counts).
+
+    Args:
+        value: Name or mask.
+        pointer: JSON pointer to it.
 
     Raises:
         UnknownTask: Neither.
@@ -103,12 +107,12 @@ def task_from(value: str | Sequence[bool | int | float]) -> Task:
             raise UnknownTask(
                 f"task {value[:32]!r} is unknown; {hint(value, tuple(TASKS))}, or give a mask of"
                 " six 0 or 1 for vx, vy, vz, wx, wy, wz",
-                "/task",
+                pointer,
             )
         return TASKS[value]
     if len(value) != 6 or any(item not in (0, 1) for item in value) or not any(value):
         raise UnknownTask(
-            "a task mask is six 0 or 1 for vx, vy, vz, wx, wy, wz with at least one 1", "/task"
+            "a task mask is six 0 or 1 for vx, vy, vz, wx, wy, wz with at least one 1", pointer
         )
     rows = tuple(row for row, item in enumerate(value) if item)
     named = (task for task in TASKS.values() if task.rows == rows and not task.own_axes)

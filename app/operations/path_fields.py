@@ -156,7 +156,10 @@ class MethodOptions(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     ] = 0.0
     margin: Annotated[
         float,
-        msgspec.Meta(description="sqp, qp, whole_path: kept on top of d_safe, m."),
+        msgspec.Meta(
+            description="sqp, qp, whole_path: kept on top of d_safe where the path leaves room for"
+            " it, m."
+        ),
         within(0, 1e3),
     ] = 1e-3
     secondary: Annotated[
@@ -351,7 +354,7 @@ def read_options(
     if len(request.secondary) > MAX_SECONDARY:
         raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", "/secondary")
     gains = request.gains
-    return PathOptions(
+    options = PathOptions(
         closed_loop=request.closed_loop,
         damping=request.damping,
         iterations=request.iterations,
@@ -368,13 +371,16 @@ def read_options(
         perturb=request.perturb,
         seconds=seconds,
     )
+    options.reach_of_obstacles(problem)  # Refused here, before another method has run.
+    return options
 
 
 def _secondary(
     robot: Robot, field: SecondaryField, k: int, problem: Problem, context: Context
 ) -> SecondaryTask:
     pointer = f"/secondary/{k}"
-    arm = Arm.of(robot, field.frame, task_from(field.task), f"{pointer}/frame")
+    task = task_from(field.task, f"{pointer}/task")
+    arm = Arm.of(robot, field.frame, task, f"{pointer}/frame")
     if field.target is None:
         pose = fk(robot, problem.start, [arm.frame])[arm.frame]
     else:

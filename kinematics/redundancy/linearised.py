@@ -117,7 +117,9 @@ class Linearised:
         high: Likewise.
         e: Task error at the last configuration, shape (m,).
         J: Task Jacobian, shape (m, K).
+        need: Clearance to keep at a sample, with the margin, m.
         in_between: Clearance to keep between samples, m.
+        least: Clearance to keep, m, where the path leaves no room for the margin.
         parts: Parts of the way from the sample before at which clearances are kept, 1 at first.
         used: Task rows of the QP.
         count: Near pairs.
@@ -138,6 +140,7 @@ class Linearised:
         self._W = workspace(K, len(problem.links))
         self.e, self.J = np.empty(m), np.empty((m, K))
         self.in_between = problem.d_safe + 0.25 * options.margin + 2 * RESOLUTION
+        self.least = problem.d_safe + 2 * RESOLUTION
         self._pairs = pairs
         self._memory(1)
         self.parts = np.ones(1)
@@ -170,8 +173,8 @@ class Linearised:
         self.parts = np.r_[1.0, parts]
 
     def needs(self, need: float) -> FloatArray:
-        """The clearance to keep at each of the parts, m; ``need`` at the sample itself."""
-        wanted = np.full(len(self.parts), self.in_between)
+        """The clearance to keep at each of the parts, m: at most ``need``, at the sample itself."""
+        wanted = np.full(len(self.parts), min(self.in_between, need))
         wanted[0] = need
         return wanted
 

@@ -82,9 +82,9 @@ def _fill(row: FloatArray, obstacle: Obstacle, where: str) -> None:
         row[0], row[1:4] = SPHERE, _vector(obstacle.center, "center", where)
         row[4] = _length(obstacle.radius, "radius", where)
     elif isinstance(obstacle, CircleObstacle):
-        flat = list(obstacle.center)
-        flat = [*flat, 0.0] if len(flat) == 2 else flat
-        row[0], row[1:4] = CIRCLE, _vector(flat, "center", where)
+        row[0] = CIRCLE
+        flat = 2 if len(obstacle.center) < 3 else 3
+        row[1 : 1 + flat] = _vector(obstacle.center, "center", where, flat, "2 or 3")
         row[4] = _length(obstacle.radius, "radius", where)
     elif isinstance(obstacle, Capsule):
         row[0], row[1:4] = CAPSULE, _vector(obstacle.start, "start", where)
@@ -101,15 +101,21 @@ def _fill(row: FloatArray, obstacle: Obstacle, where: str) -> None:
         row[0], row[1:4] = BOX, _vector(obstacle.center, "center", where)
         size = _vector(obstacle.size, "size", where)
         if not size.min() > 0:
-            raise InvalidOption("the size holds no positive number; give edges", f"{where}/size")
+            raise InvalidOption(
+                "the size has a value that is not positive; give lengths of edges", f"{where}/size"
+            )
         row[4:7] = size / 2
         R = np.eye(3) if obstacle.rotation is None else obstacle.rotation
         row[7:16] = R.T.reshape(9)
 
 
-def _vector(values: Sequence[float], name: str, where: str, size: int = 3) -> FloatArray:
+def _vector(
+    values: Sequence[float], name: str, where: str, size: int = 3, sizes: str = ""
+) -> FloatArray:
     if len(values) != size:
-        raise InvalidOption(f"{name} has {len(values)} values; give {size}", f"{where}/{name}")
+        raise InvalidOption(
+            f"{name} has {len(values)} values; give {sizes or size}", f"{where}/{name}"
+        )
     if not all(-MAX_VALUE <= value <= MAX_VALUE for value in values):
         raise InvalidOption(
             f"{name} has a value that is not finite or beyond ±1e6", f"{where}/{name}"

@@ -95,8 +95,8 @@ class Problem:
         if outside[worst] > TOUCH:
             raise WrongConfiguration(
                 f"q of joint {self.arm.names[worst]} is {q[worst]:.6g}, outside its limits"
-                f" [{chain.lower[worst]:.6g}, {chain.upper[worst]:.6g}] (rad or m); start within"
-                " them",
+                f" [{chain.lower[worst]:.6g}, {chain.upper[worst]:.6g}]"
+                f" {'rad' if chain.turns[worst] else 'm'}; start within them",
                 f"/q/{int(chain.columns[worst])}",
             )
 
@@ -172,7 +172,8 @@ class PathOptions:
         posture_q: Wanted posture of the chain, shape (K,); None: the start.
         influence: Clearance from which on an obstacle repels, m; None: from the arm's size.
         obstacle_weight: w of ``sqp``: weight of the repulsion in its objective.
-        margin: Of ``sqp``, ``qp`` and ``whole_path``: kept on top of d_safe, m.
+        margin: Of ``sqp``, ``qp`` and ``whole_path``: kept on top of d_safe where the path leaves
+            room for it, m.
         secondary: Of ``task_priority``, the highest priority first.
         perturb: Joint values by which the arm leaves the start, rad or m; 0: not.
         seconds: Longest computation.

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinematics.inverse import IKOptions, IKStatus, Tolerance, solve_ik
 from kinematics.redundancy.kernel import RANK_TOLERANCE
@@ -15,7 +16,7 @@ from kinematics.redundancy.problem import TOUCH, Problem
 from robots.robot import FloatArray
 
 JUMP = 1.0
-"""A joint that moves farther than this in one sample while the path is lost has diverged."""
+"""A joint that moves farther than this in one sample has diverged, if the path stays lost."""
 STUCK = 1e-6
 """An arm that moved less than this, rad or m, has not left its start."""
 REACH_SECONDS = 0.2
@@ -89,11 +90,8 @@ def judge(
         stop: Why the method stopped before the end, or did less than it is there for.
         constrained: Whether the method keeps limits and clearance where it can.
     """
-    N, tolerance = problem.path.samples, problem.tolerance
-    lost = (measures.position_error > tolerance.position) | (
-        measures.orientation_error > tolerance.orientation
-    )
-    failing = np.flatnonzero(lost)
+    N = problem.path.samples
+    failing = np.flatnonzero(_beyond(problem, measures))
     first_lost = int(failing[0]) if failing.size else (len(Q) if len(Q) < N else None)
     violations = _violations(problem, measures, first_lost, len(Q) < N)
     told = ""
@@ -153,7 +151,8 @@ def _reason(
                 " such as 0.05"
             )
         away = _unreachable(problem, first_lost)
-        if stop is not None or (not constrained and measures.largest_step > JUMP):
+        jumped = not constrained and measures.largest_step > JUMP
+        if stop is not None or (jumped and _beyond(problem, measures)[-1]):
             beyond = "" if away is None else f"; sample {away} is out of reach within the limits"
             return Reason.DIVERGED, (
                 f"the steps grew without bound after sample {first_lost}: up to"
@@ -161,8 +160,9 @@ def _reason(
             )
         if away is not None:
             return Reason.UNREACHABLE, (
-                f"sample {away} is out of reach within the limits; the path is lost from sample"
-                f" {first_lost} on, the end is missed by {_missed(measures)}"
+                f"sample {away} is out of reach within the limits; the path is lost"
+                f" {_where(problem, measures, first_lost)}; the end is missed by"
+                f" {_missed(measures)}"
             )
     if constrained:
         return Reason.INFEASIBLE, _conflict(problem, Q, measures, violations, first_lost)
@@ -174,8 +174,8 @@ def _reason(
         return Reason.LIMITS, _limits(problem, Q)
     if first_lost is not None:
         return Reason.TRACKING, (
-            f"the error is over the tolerance from sample {first_lost} on; the end is missed by"
-            f" {_missed(measures)}"
+            f"the error is over the tolerance {_where(problem, measures, first_lost)}, up to"
+            f" {_largest(measures)}; the end is missed by {_missed(measures)}"
         )
     return Reason.VELOCITY, _velocity(problem, Q)
 
@@ -210,6 +210,28 @@ def _unreachable(problem: Problem, first_lost: int) -> int | None:
     return next((k for k in (first_lost, last) if not _reachable(problem, k)), None)
 
 
+def _beyond(problem: Problem, measures: Measures) -> NDArray[np.bool_]:
+    """Which samples are beyond the tolerance, shape (n,)."""
+    tolerance = problem.tolerance
+    return np.asarray(
+        (measures.position_error > tolerance.position)
+        | (measures.orientation_error > tolerance.orientation)
+    )
+
+
+def _where(problem: Problem, measures: Measures, first_lost: int) -> str:
+    """Which samples are lost: all from the first on, or so many, the path being found again."""
+    lost, N = _beyond(problem, measures), problem.path.samples
+    count = int(lost.sum()) + N - len(lost)
+    if first_lost + count == N:
+        return f"from sample {first_lost} on"
+    return f"at {count} of {N} samples, the first of them {first_lost}"
+
+
+def _largest(measures: Measures) -> str:
+    return f"{measures.position_error.max():.4g} m, {measures.orientation_error.max():.4g} rad"
+
+
 def _missed(measures: Measures) -> str:
     return f"{measures.position_error[-1]:.4g} m, {measures.orientation_error[-1]:.4g} rad"
 
@@ -226,8 +248,9 @@ def _conflict(
     parts = []
     if first_lost is not None:
         parts.append(
-            f"every target is within reach, but from sample {first_lost} on not together with"
-            f" limits, speeds and clearance; the end is missed by {_missed(measures)}"
+            f"every target is within reach, but {_where(problem, measures, first_lost)}, not"
+            " together with limits, speeds and clearance; the end is missed by"
+            f" {_missed(measures)}"
         )
     if "clearance" in violations:
         parts.append(_clearance(problem, measures))
@@ -251,8 +274,9 @@ def _limits(problem: Problem, Q: FloatArray) -> str:
     chain = problem.arm.chain
     outside = np.maximum(chain.lower - Q, Q - chain.upper)
     at, joint = np.unravel_index(int(np.argmax(outside)), outside.shape)
+    unit = "rad" if chain.turns[joint] else "m"
     return (
-        f"joint {problem.arm.names[joint]} is {outside[at, joint]:.4g} rad or m outside its limits"
+        f"joint {problem.arm.names[joint]} is {outside[at, joint]:.4g} {unit} outside its limits"
         f" at sample {at}"
     )
 

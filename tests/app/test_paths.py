@@ -226,6 +226,7 @@ def test_compare_as_json_text_and_csv(client):
     assert [line["method"] for line in lines] == list(rows)
     assert lines[2]["success"] == "true"
     assert lines[2]["reason"] == lines[2]["drift"] == ""
+    assert (float(lines[2]["tracked"]), float(lines[2]["max_orientation_error"])) == (1, 0)
     assert float(lines[2]["sum_dq"]) == pytest.approx(rows["qp"]["sum_dq"])
 
 
@@ -307,6 +308,7 @@ def test_spatial_paths_with_every_obstacle(client):
         ({"damping": 0}, "/damping"),
         ({"tolerance": {"position": -1}}, "/tolerance/position"),
         ({"secondary": [{"frame": "no"}]}, "/secondary/0/frame"),
+        ({"secondary": [{}, {"task": "magic"}]}, "/secondary/1/task"),
         ({"method": "task_priority"}, "/secondary"),
         ({"posture": [0, 0]}, "/posture"),
         ({"gains": {"limits": -1}}, "/gains/limits"),
@@ -541,6 +543,12 @@ def test_bad_limits_and_links_name_their_field(client, change, pointer, words):
         ({"methods": ["qp", {"method": "qp", "margin": -1}]}, "/methods/1/margin", "margin is -1"),
         ({"methods": [{"method": "null_space", "gains": {"limits": -1}}]},
          "/methods/0/gains/limits", "give 0"),
+        ({"d_safe": 0.02, "methods": ["qp", {"method": "null_space", "influence": 0.01}]},
+         "/methods/1/influence", "give more than d_safe, 0.02"),
+        ({"obstacles": [{"type": "box", "center": [9, 9, 0], "size": [1, 0, 1]}]},
+         "/obstacles/0/size", "the size has a value that is not positive"),
+        ({"obstacles": [{"type": "circle", "center": [9], "radius": 1}]},
+         "/obstacles/0/center", "center has 1 values; give 2 or 3"),
     ],
 )  # fmt: skip
 def test_refusals_name_the_field_as_it_was_given(client, change, pointer, words):
@@ -563,6 +571,9 @@ def test_a_step_of_a_frame_that_no_joint_moves(client):
     second = {**body, "frame": "tool", "secondary": [lower]}
     answer = client.post("/v1/robots/planar_3r/step", json=second)
     assert answer.json()["errors"][0]["pointer"] == "/secondary/0/frame"
+    second["secondary"] = [{**lower, "frame": "tool", "task": "magic"}]
+    answer = client.post("/v1/robots/planar_3r/step", json=second)
+    assert answer.json()["errors"][0]["pointer"] == "/secondary/0/task"
     whole = {"q": [0.5, -0.7, 1], "delta_x": [0] * 6, "task": "pose"}
     words = client.post("/v1/robots/planar_3r/step", json=whole).json()["detail"]
     assert "choose another (xy, x, y, xy_phi)" in words

@@ -2,9 +2,9 @@
 
 ``min ½ ‖θ + δ − θ_prev‖²`` with ``J δ = ΔX``, joint limits and speeds as bounds, and the clearance
 of every near pair of link and obstacle linearised, ``∇d δ ≥ d_safe + margin − d``; linearised
-anew until path and clearance are reached as measured. Solved by DAQP (Arnström, Bemporad and
-Axehill, IEEE Trans. Automatic Control 67(8), 2022). Where nothing is feasible, see
-:mod:`kinematics.redundancy.best_effort`.
+anew until path and clearance are reached as measured. Where the path leaves no room for the margin,
+it is given up. Solved by DAQP (Arnström, Bemporad and Axehill, IEEE Trans. Automatic Control 67(8),
+2022). Where nothing is feasible, see :mod:`kinematics.redundancy.best_effort`.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def follow_from(problem: Problem, options: PathOptions, Q: FloatArray, first: in
 def advance(
     model: Linearised, previous: FloatArray, target: FloatArray, solve: Solve
 ) -> FloatArray:
-    """The next sample: solved, else the best effort.
+    """The next sample: solved, with the margin if there is room for it, else the best effort.
 
     Where the arm is swept too near on its way, the clearance is kept there as well, and the sample
     is solved again.
@@ -76,28 +76,38 @@ def advance(
     need, d_safe = model.need, model.problem.d_safe
     between: list[float] = []
     while True:
-        found = solve(model, previous, target, need)
-        q = _otherwise(model, previous, target, need) if found is None else found
+        q, reached = _sample(model, previous, target, solve, need)
+        if not reached and need > model.least:
+            close, reached = _sample(model, previous, target, solve, model.least)
+            if reached:
+                q, need = close, model.least
         if not len(model.problem.obstacles) or len(between) == MOST_BETWEEN:
             return q
         # A sample before that is too near itself cannot be helped.
         if model.swept(previous, q) >= min(d_safe, model.clearance(previous)):
             return q
         between.append(model.nearest_between(q))
-        need = max(need, model.in_between)
+        if need != model.least:
+            need = max(need, model.in_between)
         model.look_between(np.array(between))
 
 
-def _otherwise(
-    model: Linearised, previous: FloatArray, target: FloatArray, need: float
-) -> FloatArray:
-    """The best effort; from there the path, where it is near after all."""
+def _sample(
+    model: Linearised, previous: FloatArray, target: FloatArray, solve: Solve, need: float
+) -> tuple[FloatArray, bool]:
+    """The next sample, and whether it is on the path.
+
+    Where it is not solved it is the best effort; from there the path, where it is near after all.
+    """
+    found = solve(model, previous, target, need)
+    if found is not None:
+        return found, True
     q = best_effort(model, previous, target, need)
     model.at(q, target, need)
     if model.error > NEARLY * NEARLY:
-        return q
+        return q, False
     found = _from(model, previous, target, need, q)
-    return q if found is None else found
+    return (q, False) if found is None else (found, True)
 
 
 def step(

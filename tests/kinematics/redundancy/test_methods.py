@@ -168,6 +168,20 @@ def test_limits_and_speeds_hold(planar, line):
     assert "velocity" in fast.verdict.violations
 
 
+@pytest.mark.parametrize("method", CONSTRAINED)
+@pytest.mark.parametrize("margin", [1e-3, 0.02])
+def test_the_margin_gives_way_where_the_path_leaves_no_room_for_it(planar, line, method, margin):
+    robot = planar([0.5, 0.4, 0.3], [(-150, 150)] * 3)
+    q = np.deg2rad([110, -88, -96])
+    start = fk(robot, q)["tool"][:3, 3]
+    # the way of the tool passes the disc at d_safe and a third of the margin
+    ball = CircleObstacle((start[0] + 0.15, start[1] - 0.12 - margin / 3), 0.08)
+    problem = line(robot, q, (0.3, 0, 0), "xy", [ball], link_radius=0.02, d_safe=0.02, samples=41)
+    result = run(problem, method, margin=margin)
+    holds(result)
+    check_against_the_model(result)
+
+
 def test_an_infeasible_passage_is_named_with_how_far_it_got(planar, line):
     robot = planar([0.5, 0.4, 0.3], [(-150, 150)] * 3)
     q = np.deg2rad([110, -88, -96])
@@ -185,6 +199,20 @@ def test_an_infeasible_passage_is_named_with_how_far_it_got(planar, line):
     assert "start itself" in verdict.message
 
 
+def test_samples_that_are_lost_only_on_the_way_are_counted(planar, line):
+    problem = line(planar([0.5, 0.4, 0.3]), (0.4, 0.9, -0.7), (-0.3, 0.1, 0), "xy", samples=21)
+    result = run(problem, "pseudo_inverse")
+    error = result.measures.position_error
+    lost = error > 1e-4
+    assert lost.any()
+    assert not lost[-1]
+    message = result.verdict.message
+    assert f"at {lost.sum()} of 21 samples, the first of them {np.argmax(lost)}" in message
+    assert f"up to {error.max():.4g} m" in message
+    open_loop = run(problem, "pseudo_inverse", closed_loop=False)
+    assert f"from sample {open_loop.verdict.first_lost} on" in open_loop.verdict.message
+
+
 @pytest.mark.parametrize("method", ["damped", "null_space", "sqp", "qp", "whole_path"])
 def test_a_perturbed_start_leaves_the_singularity(planar, line, method):
     problem = line(planar([0.5, 0.4, 0.3], [(-150, 150)] * 3), np.zeros(3), (-0.3, 0, 0), "xy")
@@ -193,6 +221,14 @@ def test_a_perturbed_start_leaves_the_singularity(planar, line, method):
     assert "rank(J) = 1 < 2" in stuck.message
     assert "perturb" in stuck.message
     assert run(problem, method, perturb=0.05).verdict.success
+
+
+def test_one_large_step_from_which_the_path_is_found_again_is_no_divergence(planar, line):
+    problem = line(planar([0.5, 0.4, 0.3]), np.zeros(3), (-0.3, 0, 0), "xy", samples=41)
+    result = run(problem, "pseudo_inverse", perturb=1.0)
+    assert result.measures.largest_step > 1
+    assert result.measures.position_error[-1] < 1e-4
+    assert result.verdict.reason is Reason.TRACKING
 
 
 def test_a_task_that_the_arm_never_can_do_is_said_so(line):
