@@ -195,6 +195,8 @@ TEXTS: dict[str, tuple[str, str, bytes | str, tuple[str, ...]]] = {
                                           "type,alpha,a,d\n\n\nR,0,0\n", ("line 4",)),
     "csv decimal middle dot": (CSV, f"name={MINE}&convention=dh",
                                "type,alpha,a,d\nR,0,0·4,0\n", ("joint 1", "·", "product")),
+    "csv uncertainty": (CSV, f"name={MINE}&convention=dh",
+                        "type,alpha,a,d\nR,0,0.4318(2),0\n", ("joint 1", "parentheses")),
     "csv thousands in values": (CSV, f"name={MINE}&convention=dh&values=L1:1,234",
                                 "type,alpha,a,d\nR,0,L1,0\n", ("L1", "two numbers")),
     "csv nan": (CSV, f"name={MINE}&convention=dh", "type,alpha,a,d\nR,nan,0,0\n", ("alpha",)),
@@ -207,6 +209,15 @@ TEXTS: dict[str, tuple[str, str, bytes | str, tuple[str, ...]]] = {
                              "r={0,0}\ntheta={t1,t2}\nant={0,1}\n", ()),
     "par a loop": (PAR, f"name={MINE}", "NL=2\nNJ=2\nsigma={0,0}\nalpha={0,0}\nd={0,0}\nr={0,0}\n"
                    "theta={t1,t2}\nant={2,1}\n", ()),
+    "par mu 2": (PAR, f"name={MINE}", "NL=1\nNJ=1\nsigma={0}\nalpha={0}\nd={0}\nr={0}\ntheta={t1}\n"
+                 "ant={0}\nmu={2}\n", ("mu", "'2'")),
+    "par comments that differ": (PAR, f"name={MINE}", "(* Joint 1: lower = -1, upper = 1 *)\n"
+                                 "(* Joint 1: upper = 2 *)\nNL=1\nNJ=1\nsigma={0}\nalpha={0}\n"
+                                 "d={0}\nr={0}\ntheta={t1}\nant={0}\n",
+                                 ("joint 1", "upper twice")),
+    "par a name twice": (PAR, f"name={MINE}", "(* Joint 1: name = 'a', name = 'b' *)\nNL=1\nNJ=1\n"
+                         "sigma={0}\nalpha={0}\nd={0}\nr={0}\ntheta={t1}\nant={0}\n",
+                         ("joint 1", "name twice")),
     "par code": (PAR, f"name={MINE}", "NL=1\nNJ=1\nsigma={0}\nalpha={Run[id]}\nd={0}\nr={0}\n"
                  "theta={t1}\nant={0}\n", ()),
     "pasted nothing": (PASTED, f"name={MINE}&convention=dh", "", ()),
