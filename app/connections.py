@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
 import resource
 import secrets
 import sys
@@ -45,6 +46,11 @@ SPARE_FILES = 100
 """File descriptors that are left for robots and worker processes."""
 LINGER = 2.0
 """Seconds in which a client may read why it was refused."""
+UNREAD = (
+    "this is no HTTP request that is read here; check its first line (in an address, blanks and"
+    " letters beyond ASCII are written as %20, %C2%B0, …), its headers and its lengths"
+)
+_UPGRADE = re.compile(rb"(?<=\n)upgrade(?=[ \t]*:)", re.IGNORECASE)
 FIRST = ("/health/live", "/health/ready", "/metrics")
 """Begun at once, however many wait."""
 
@@ -178,7 +184,8 @@ class GuardedProtocol(HttpToolsProtocol):
         self._unread_since: float | None = None
         self._unread = -1
         self._raw = self._payload = self._head = self._count = 0
-        self._refusal = (400, "malformed-request", "this is no HTTP request that is read here")
+        self._refusal = (400, "malformed-request", UNREAD)
+        self._head_end = b""
         self._running: RequestResponseCycle | None = None
         self._parting = False
 
@@ -203,6 +210,8 @@ class GuardedProtocol(HttpToolsProtocol):
         if self.phase is Phase.IDLE:
             self._enter(Phase.HEAD, self.guard.limits.head_seconds)
             self._raw = 0
+        if self.phase is Phase.HEAD:
+            data = self._without_upgrade(data)
         self._raw += len(data)
         super().data_received(data)
         if self.phase is Phase.HEAD and self._raw > MAX_HEAD_BYTES:
@@ -210,6 +219,19 @@ class GuardedProtocol(HttpToolsProtocol):
         elif self.phase is Phase.BODY and self._raw > 16 * self._payload + MAX_OVERHEAD:
             self._refusal = (400, "malformed-request", "the body has more framing than content")
             self.send_400_response("")
+
+    def _without_upgrade(self, data: bytes) -> bytes:
+        """Renames the header Upgrade, which is refused here by going on as if it were not there.
+
+        The parser would take what follows the head for another protocol, and lose the body that
+        clients send with an offer of HTTP/2.
+        """
+        before = b"" if self._raw == 0 else self._head_end
+        end = (before + data).find(b"\r\n\r\n")
+        head = data if end < 0 else data[: max(0, end - len(before))]
+        self._head_end = (before + data)[-3:]
+        renamed = _UPGRADE.sub(b"x-upgra", head)
+        return data if renamed == head else renamed + data[len(head) :]
 
     def eof_received(self) -> None:
         """The client sends no more; uvicorn takes it for gone, and so do its computations."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from robots.robot import FloatArray
 MAX_HEADER = 4096
 """Bytes; a header of numbers takes 128."""
 MAX_VALUES = 16_000_000
+_KEYS = re.compile(rb"""['"](?:descr|fortran_order|shape)['"]\s*:""")
 
 
 def decode_npy(body: bytes, pointer: str = "") -> FloatArray:
@@ -34,6 +36,8 @@ def decode_npy(body: bytes, pointer: str = "") -> FloatArray:
             else np.lib.format.read_array_header_2_0
         )
         shape, fortran, dtype = reader(stream, max_header_size=MAX_HEADER)
+        if len(_KEYS.findall(body, 0, stream.tell())) != 3:
+            raise ValueError  # a key stands twice, of which the reader takes the last
     except Exception:  # numpy's header reader lets errors of its tokenizer and parser through
         raise RequestProblem(
             MALFORMED_BODY, "the body is no npy file of numbers; write it with np.save", pointer

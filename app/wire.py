@@ -61,6 +61,7 @@ FORMATS = {
 } | {name: form.media_type for name, form in TABLE_TEXTS.items()}
 """Names of media types in ``?format=``."""
 _WEIGHT = re.compile(r"0(\.\d{0,3})?|1(\.0{0,3})?", re.ASCII)
+_CODED = re.compile(rb"gzip|compress|deflate|br|zstd", re.IGNORECASE)
 _UTF8 = re.compile(rb"charset\s*=\s*\"?(utf-?8|us-ascii)\b", re.IGNORECASE)
 
 
@@ -140,11 +141,14 @@ async def read_body(request: Request, limit: int) -> bytes:
                 raise RequestProblem(
                     UNSUPPORTED_TYPE, "the body has another charset; send UTF-8 and say so"
                 )
-        elif name == b"content-encoding" and value.strip().lower() not in (b"", b"identity"):
+        elif (name == b"content-encoding" and value.strip().lower() not in (b"", b"identity")) or (
+            name == b"transfer-encoding" and _CODED.search(value)
+        ):
             raise RequestProblem(
                 UNSUPPORTED_TYPE,
                 "compressed bodies are not read here; send the body as it is, without"
-                " Content-Encoding (large batches as application/x-npy)",
+                " Content-Encoding (large batches as application/x-npy) and with no other"
+                " Transfer-Encoding than chunked",
                 headers={"Accept-Encoding": "identity"},
             )
     parts: list[bytes] = []

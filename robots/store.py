@@ -212,6 +212,7 @@ class RobotStore:
         *,
         create_only: bool = False,
         if_match: tuple[str, ...] = (),
+        if_none_match: tuple[str, ...] = (),
     ) -> tuple[StoredRobot, bool]:
         """Stores a robot durably.
 
@@ -220,6 +221,7 @@ class RobotStore:
             robot: The robot.
             create_only: Refuse to replace a robot.
             if_match: Revisions one of which must be stored now, ``ANY`` for any; empty: no matter.
+            if_none_match: Revisions none of which may be stored now, ``ANY`` for any.
 
         Returns:
             The stored robot, and True where the id is new.
@@ -228,37 +230,45 @@ class RobotStore:
             InvalidRobotId: The id has other characters than letters, digits and ``. _ -``.
             ReadOnlyRobot: The id belongs to the shipped library.
             RobotExists: ``create_only`` and the id is taken.
-            RevisionMismatch: ``if_match`` does not hold.
+            RevisionMismatch: ``if_match`` or ``if_none_match`` does not hold.
             QuotaReached: It would exceed a quota.
             StorageError: The disk does not take it; what was stored before is intact.
         """
         self.check_id(robot_id)
         content = encode(robot)
-        self._warm(robot_id, if_match)
+        named = _revisions(if_match, if_none_match)
+        self._warm(robot_id, named)
         with self._directory.turn() as turn:
-            current = self._state(robot_id, if_match)
+            current = self._state(robot_id, named)
             if create_only and current is not None:
                 raise RobotExists(robot_id)
-            _check_revision(robot_id, current, if_match)
+            _check_revision(robot_id, current, if_match, if_none_match)
             turn.write(robot_id, content)
         return StoredRobot(robot_id, robot, False, robot.name), current is None
 
-    def delete(self, robot_id: str, *, if_match: tuple[str, ...] = ()) -> None:
+    def delete(
+        self,
+        robot_id: str,
+        *,
+        if_match: tuple[str, ...] = (),
+        if_none_match: tuple[str, ...] = (),
+    ) -> None:
         """Removes an uploaded robot, and what was moved to quarantine from its id.
 
         Raises:
             ReadOnlyRobot: The robot is shipped.
             RobotNotFound: No robot has this id.
-            RevisionMismatch: ``if_match`` does not hold.
+            RevisionMismatch: ``if_match`` or ``if_none_match`` does not hold.
             StorageError: The directory cannot be written to.
         """
         if is_shipped(robot_id):
             raise ReadOnlyRobot(robot_id)
-        self._warm(robot_id, if_match)
+        named = _revisions(if_match, if_none_match)
+        self._warm(robot_id, named)
         with self._directory.turn() as turn:
-            current = self._state(robot_id, if_match)
+            current = self._state(robot_id, named)
             if current is not None:
-                _check_revision(robot_id, current, if_match)
+                _check_revision(robot_id, current, if_match, if_none_match)
                 turn.remove(robot_id)
         self._memory.forget(robot_id)
         self._summaries.pop(robot_id, None)
@@ -353,20 +363,20 @@ class RobotStore:
         except OSError:
             return None
 
-    def _warm(self, robot_id: str, if_match: tuple[str, ...]) -> None:
+    def _warm(self, robot_id: str, named: tuple[str, ...]) -> None:
         """Loads the robot whose revision is asked for, so that others need not wait for that."""
-        if _names_a_revision(if_match):
+        if named:
             with suppress(BrokenFile, UnusableFile):
                 self._current(robot_id)
 
     def _current(self, robot_id: str) -> StoredRobot | None:
         return self.in_memory(robot_id) or self._load(robot_id)
 
-    def _state(self, robot_id: str, if_match: tuple[str, ...]) -> str | None:
-        """What is stored now: a revision, where ``if_match`` asks for one; None for nothing."""
+    def _state(self, robot_id: str, named: tuple[str, ...]) -> str | None:
+        """What is stored now: a revision, where ``named`` asks for one; None for nothing."""
         if self._directory.signature(robot_id) is None:
             return DAMAGED if self._directory.quarantine.of(robot_id) else None
-        if not _names_a_revision(if_match):
+        if not named:
             return ANY
         try:
             stored = self._current(robot_id)
@@ -381,12 +391,19 @@ class RobotStore:
         return RobotNotFound(robot_id, sorted({*near, *shipped_ids()}), len(ids))
 
 
-def _names_a_revision(if_match: tuple[str, ...]) -> bool:
-    return bool(if_match) and ANY not in if_match
+def _revisions(*conditions: tuple[str, ...]) -> tuple[str, ...]:
+    """The revisions that conditions name; none where it is enough to know whether there is one."""
+    return tuple(one for condition in conditions for one in condition if one != ANY)
 
 
-def _check_revision(robot_id: str, current: str | None, if_match: tuple[str, ...]) -> None:
-    if not if_match or (ANY in if_match and current is not None):
-        return
-    if current not in if_match:
+def _check_revision(
+    robot_id: str,
+    current: str | None,
+    if_match: tuple[str, ...],
+    if_none_match: tuple[str, ...],
+) -> None:
+    found = current is not None
+    if if_match and current not in if_match and not (ANY in if_match and found):
+        raise RevisionMismatch(robot_id, current)
+    if found and (current in if_none_match or ANY in if_none_match):
         raise RevisionMismatch(robot_id, current)

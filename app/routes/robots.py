@@ -19,7 +19,7 @@ from app.units import Units
 from app.wire import JSON, TEXT, media_type, read_body, respond, wanted_type
 from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.robot import Robot
-from robots.store import StoredRobot
+from robots.store import ANY, StoredRobot
 
 DEFAULT_PAGE, MAX_PAGE = 100, 1000
 """Written forms of a table by media type."""
@@ -152,12 +152,22 @@ def not_modified(request: Request, tag: str) -> Response | None:
 
 def _if_match(request: Request) -> tuple[str, ...]:
     """The revisions that a request insists on; empty for any or none."""
-    given = request.headers.get("if-match")
-    if given is None:
-        return ()
-    tags = (item.strip() for item in given.split(","))
-    # A star in quotes is a tag that no robot has; stripped, it would stand for any.
-    return tuple(tag if tag in ("*", '"*"') else tag.strip('"') for tag in tags)
+    return tuple(_revision(tag) for tag in _tags(request, "if-match"))
+
+
+def _if_none_match(request: Request) -> tuple[str, ...]:
+    """The revisions that a request must not meet; empty for none."""
+    return tuple(_revision(tag.removeprefix("W/")) for tag in _tags(request, "if-none-match"))
+
+
+def _tags(request: Request, header: str) -> list[str]:
+    return [item.strip() for line in request.headers.getlist(header) for item in line.split(",")]
+
+
+def _revision(tag: str) -> str:
+    # A star in quotes is a tag that no robot has; without them, it would stand for any.
+    quoted = len(tag) > 1 and tag[0] == tag[-1] == '"' and tag != '"*"'
+    return tag[1:-1] if quoted else tag
 
 
 def build_router(max_body: int) -> APIRouter:
@@ -230,7 +240,7 @@ def build_router(max_body: int) -> APIRouter:
         name = request.query_params.get("name")
 
         robot = await services.loaded(lambda: robot_from_body(request, body, default_name=None))
-        robot_id = id_from_name(name or robot.name)
+        robot_id = id_from_name(robot.name if name is None else name)
         stored, _ = await services.stored(
             lambda: services.store.put(robot_id, robot, create_only=True)
         )
@@ -253,7 +263,7 @@ def build_router(max_body: int) -> APIRouter:
     ) -> Response:
         services.store.check_id(robot_id)
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
-        replace = request.headers.get("if-none-match", "").strip() != "*"
+        unless = _if_none_match(request)
 
         def read() -> Robot:
             robot = robot_from_body(request, body, default_name=robot_id)
@@ -263,7 +273,11 @@ def build_router(max_body: int) -> APIRouter:
         def put() -> tuple[StoredRobot, bool]:
             try:
                 return services.store.put(
-                    robot_id, robot, create_only=not replace, if_match=_if_match(request)
+                    robot_id,
+                    robot,
+                    create_only=ANY in unless,
+                    if_match=_if_match(request),
+                    if_none_match=unless,
                 )
             except RobotExists:
                 raise RevisionMismatch(robot_id, "another") from None
@@ -280,8 +294,10 @@ def build_router(max_body: int) -> APIRouter:
         request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
     ) -> Response:
         check_query(request)
-        if_match = _if_match(request)
-        await services.stored(lambda: services.store.delete(robot_id, if_match=if_match))
+        if_match, unless = _if_match(request), _if_none_match(request)
+        await services.stored(
+            lambda: services.store.delete(robot_id, if_match=if_match, if_none_match=unless)
+        )
         return Response(status_code=204)
 
     @router.get("/{robot_id}/urdf", summary="The URDF of a robot", response_class=Response,
@@ -317,9 +333,14 @@ def _created(request: Request, stored: StoredRobot, wanted: str) -> Response:
 
 def _check_name(request: Request, robot: Robot, robot_id: str) -> None:
     """A table's own name must be the path's id; a URDF keeps the name that it has."""
-    if robot.table is None:
-        return
-    if id_from_name(robot.name) != robot_id:
+    named = request.query_params.get("name")
+    if named is not None and robot_id not in (named, id_from_name(named)):
+        raise RequestProblem(
+            INVALID_REQUEST,
+            f"name is {named[:64]!r} but the path says {robot_id!r}; leave name out",
+            "/name",
+        )
+    if robot.table is not None and robot_id not in (robot.name, id_from_name(robot.name)):
         text = media_type(request) in (*PAR_TYPES, *PASTED_TYPES)
         remedy = f"give name={robot_id} in the query" if text else "leave name out"
         raise RequestProblem(

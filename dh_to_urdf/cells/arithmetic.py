@@ -178,9 +178,17 @@ class _Parser:
                     raise CellError("divides by zero")
                 result = result.divided(divisor.plain)
             elif self.peek()[0] == "word" or self.peek() == ("symbol", "("):
+                self._refuse_uncertainty()
                 result = self._times(result, self.signed())
             else:
                 return result
+
+    def _refuse_uncertainty(self) -> None:
+        """``0.4318(2)`` is 0.4318 ± 0.0002 in a paper, and could be a product."""
+        near = self.tokens[self.position - 1 : self.position + 3]
+        kinds = [kind for kind, _ in near]
+        if kinds == ["number", "symbol", "number", "symbol"] and near[3][1] == ")":
+            raise CellError("has a number in parentheses after a number; write * or leave it out")
 
     @staticmethod
     def _times(left: Sum, right: Sum) -> Sum:

@@ -23,8 +23,10 @@ MAX_CELL_LENGTH = 64
 MAX_MAGNITUDE = 1e6
 
 _SIGNS = str.maketrans({"−": "-", "–": "-", "×": "*", "·": "*", "⋅": "*", "\u00a0": " "})
-DECIMAL_COMMA = re.compile(r"(?<![\d.,])([0-9]+),([0-9]+)(?![\d.,])")
+_DECIMAL_COMMA = re.compile(r"(?<![\d.,])([0-9]+),([0-9]+)(?![\d.,])")
 _THOUSANDS = re.compile(r"(?<![\d.,])[1-9][0-9]{0,2},[0-9]{3}(?![\d.,])")
+_MIDDLE_DOT = re.compile(r"[0-9]\s*·\s*[0-9]")
+_ANGLE_UNIT = re.compile(r"deg|°|rad", re.IGNORECASE)
 _RADIANS_AFTER_PI = re.compile(r"^([^a-z]*(?:pi|π)[^a-z]*?)\s*rad\s*$", re.IGNORECASE)
 
 
@@ -34,6 +36,13 @@ class Quantity(Enum):
     ANGLE = "angle"
     LENGTH = "length"
     NUMBER = "number"
+
+
+_NEEDED = {
+    Quantity.ANGLE: "an angle",
+    Quantity.LENGTH: "a length",
+    Quantity.NUMBER: "a number without unit",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +107,20 @@ def parse_cell(
     return _checked(Cell(_in_si(number, quantity, unit), plain=number, text=str(raw)), raw)
 
 
+def ascii_numbers(text: str) -> str:
+    """A text with signs in ASCII and decimal points for commas, for ``parse_sum``.
+
+    Raises:
+        CellError: A number in it can be read in two ways.
+    """
+    if _MIDDLE_DOT.search(text):
+        raise CellError("has a · that is a decimal point or a product; write . or *")
+    text = text.translate(_SIGNS)
+    if _THOUSANDS.search(text):
+        raise CellError("reads as two numbers; write a decimal point")
+    return _DECIMAL_COMMA.sub(r"\1.\2", text)
+
+
 def _in_si(number: float, quantity: Quantity, unit: float) -> float:
     if quantity is Quantity.ANGLE and unit != 1.0:
         return math.radians(number)
@@ -127,20 +150,19 @@ def _parse_text(
         raise CellError("is empty; give a number")
     if raw.strip().lstrip("+-").lower() in {"nan", "inf", "infinity", ".nan", ".inf"}:
         raise CellError(f"is {shown}; give a finite number")
-    text = raw.translate(_SIGNS)
-    if _THOUSANDS.search(text):
-        raise CellError(f"is {shown}, which reads as two numbers; write a decimal point")
-    text = _RADIANS_AFTER_PI.sub(r"\1", text)
     try:
-        total = parse_sum(DECIMAL_COMMA.sub(r"\1.\2", text), values, angle)
+        total = parse_sum(_RADIANS_AFTER_PI.sub(r"\1", ascii_numbers(raw)), values, angle)
     except CellError as error:
         raise CellError(f"is {shown}, which {error}") from None
     except (OverflowError, RecursionError):
         raise CellError(f"is {shown}, which is not a finite number") from None
     if quantity is not Quantity.LENGTH and total.has_length:
-        raise CellError(f"is {shown}, a length; an {quantity.value} is needed")
-    if quantity is Quantity.LENGTH and total.has_angle:
-        raise CellError(f"is {shown}, an angle; a length is needed")
+        raise CellError(f"is {shown}, a length; {_NEEDED[quantity]} is needed")
+    of_angles = quantity is Quantity.ANGLE or (
+        quantity is Quantity.NUMBER and _ANGLE_UNIT.search(raw) is None
+    )
+    if total.has_angle and not of_angles:
+        raise CellError(f"is {shown}, an angle; {_NEEDED[quantity]} is needed")
     if quantity is Quantity.ANGLE and unit != 1.0 and total.has_angle and total.plain != 0.0:
         raise CellError(f"is {shown}, which mixes π or an explicit unit with plain degrees")
     value = _in_si(total.plain, quantity, unit) + total.angle + total.length

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from dh_to_urdf.cells.arithmetic import FUNCTIONS, CellError, Sum, parse_sum, variable_of
-from dh_to_urdf.cells.expressions import DECIMAL_COMMA, MAX_CELL_LENGTH, MAX_MAGNITUDE
+from dh_to_urdf.cells.expressions import MAX_CELL_LENGTH, MAX_MAGNITUDE, ascii_numbers
 from dh_to_urdf.documents.checks import Report
 from dh_to_urdf.errors import DHError, escaped, quoted
 
@@ -148,9 +148,7 @@ def _value(item: Any, values: Values) -> Sum:
     if isinstance(item, str) and len(item) > MAX_CELL_LENGTH:
         raise CellError(f"is longer than {MAX_CELL_LENGTH} characters")
     total = (
-        parse_sum(DECIMAL_COMMA.sub(r"\1.\2", item.replace("−", "-")), values)
-        if isinstance(item, str)
-        else Sum(plain=float(item))
+        parse_sum(ascii_numbers(item), values) if isinstance(item, str) else Sum(plain=float(item))
     )
     if total.variable is not None:
         raise CellError("holds a joint variable; give a number")

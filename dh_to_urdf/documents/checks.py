@@ -10,7 +10,8 @@ from typing import Any
 from dh_to_urdf.cells.expressions import Quantity
 from dh_to_urdf.errors import DHError, Problem, escaped, quoted
 
-NAME = re.compile(r"\w(?:[\w .:+-]{0,62}[\w.+-])?", re.UNICODE)
+NAME = re.compile(r"(?!.*[\u115f\u1160\u3164\uffa0])\w(?:[\w .:+-]{0,62}[\w.+-])?", re.UNICODE)
+"""The four letters that it excludes are fillers, which look like nothing."""
 NAME_RULE = "use letters, digits and . _ - + : (at most 64, starting with a letter or digit)"
 
 

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError
-from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent
+from ruamel.yaml.events import (
+    AliasEvent,
+    CollectionEndEvent,
+    CollectionStartEvent,
+    DocumentStartEvent,
+    ScalarEvent,
+)
 
 from dh_to_urdf.documents.mapping import DEFAULT_NAME, read_mapping
 from dh_to_urdf.documents.rows import LIMIT_FIELDS
@@ -22,6 +29,8 @@ MAX_YAML_BYTES = 64_000
 MAX_YAML_DEPTH = 16
 MAX_YAML_EVENTS = 12_000
 """Keys, values, lists and mappings; a table of 300 full rows has fewer."""
+_NO_NUMBER = re.compile(r"[-+]?(?:0b[01_]+|[0-9][0-9a-fox.+-]*_[0-9a-fox_.+-]*)", re.IGNORECASE)
+"""What the parser takes for a number as in YAML 1.1, and is none in 1.2: 1_000, 0b11."""
 
 
 def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHTable:
@@ -102,12 +111,34 @@ def _refuse_costly_yaml(text: str) -> None:
             raise DHError.single("", f"the YAML text has over {MAX_YAML_EVENTS} keys and values")
         if isinstance(event, AliasEvent):
             raise DHSyntaxError.single("", "the YAML text has an alias (*name); write it out")
+        _refuse_other_yaml(event)
         if isinstance(event, CollectionStartEvent):
             depth += 1
         elif isinstance(event, CollectionEndEvent):
             depth -= 1
         if depth > MAX_YAML_DEPTH:
             raise DHSyntaxError.single("", "the YAML text is nested too deeply")
+
+
+def _refuse_other_yaml(event: object) -> None:
+    """Refuses what another version of YAML reads as another table."""
+    if isinstance(event, DocumentStartEvent) and event.version not in (None, (1, 2)):
+        raise DHSyntaxError.single(
+            "", "the text says that it is YAML 1.1, but YAML 1.2 is read here; remove %YAML 1.1"
+        )
+    if not isinstance(event, ScalarEvent) or (event.style and event.tag is None):
+        return
+    line = event.start_mark.line + 1
+    if event.value == "<<":
+        raise DHSyntaxError.single(
+            "", f"line {line} of the YAML text merges keys (<<); write them out"
+        )
+    if _NO_NUMBER.fullmatch(event.value):
+        raise DHSyntaxError.single(
+            "",
+            f"line {line} of the YAML text has {quoted(event.value)}, which is no number in YAML"
+            " 1.2; write it in digits 0 to 9 without _, or a text in quotes",
+        )
 
 
 def read_csv(
@@ -139,16 +170,11 @@ def read_csv(
             text = text.decode("utf-8-sig")
         except UnicodeDecodeError:
             raise DHError.single("", "the CSV text is not UTF-8") from None
-    lines = [line for line in text.lstrip("\ufeff").splitlines() if line.strip()]
+    numbered = enumerate(text.lstrip("\ufeff").splitlines(), start=1)
+    lines = {number: line for number, line in numbered if line.strip()}
     if not lines:
         raise DHError.single("", "the CSV text is empty; its first line names the columns")
-    separator = max(",;\t", key=lines[0].count)
-    try:
-        header, *records = csv.reader(
-            lines, delimiter=separator, strict=True, skipinitialspace=True
-        )
-    except csv.Error as error:
-        raise DHSyntaxError.single("", f"the text is not CSV: {_printable(str(error))}") from None
+    header, *records = _records(lines)
     columns = [column.strip().lower() for column in header]
     if len(columns) > MAX_COLUMNS:
         raise DHError.single("", f"the CSV header has {len(columns)} columns; see README for them")
@@ -156,11 +182,11 @@ def read_csv(
     if count > 1:
         raise DHError.single("", f"the CSV header names {quoted(twice)} twice")
     rows = []
-    for number, record in enumerate(records):
+    for number, (line, record) in enumerate(zip(list(lines)[1:], records, strict=True)):
         if len(record) != len(columns):
             raise DHError.single(
                 f"/joints/{number}",
-                f"line {number + 2} has {len(record)} cells under {len(columns)} columns; quote a"
+                f"line {line} has {len(record)} cells under {len(columns)} columns; quote a"
                 " cell with a decimal comma, or separate cells by semicolons",
             )
         cells = zip(columns, (cell.strip() for cell in record), strict=True)
@@ -177,6 +203,26 @@ def read_csv(
     if name:
         document["name"] = name
     return read_mapping(document, None if name == "" else DEFAULT_NAME, tuple(columns))
+
+
+def _records(lines: Mapping[int, str]) -> list[list[str]]:
+    """The cells of each line; a quoted cell that goes on in the next one would hide a row."""
+    numbers, texts = list(lines), list(lines.values())
+    separator = max(",;\t", key=texts[0].count)
+    reader = csv.reader(texts, delimiter=separator, strict=True, skipinitialspace=True)
+    records: list[list[str]] = []
+    try:
+        for record in reader:
+            if reader.line_num > len(records) + 1:
+                raise DHSyntaxError.single(
+                    "",
+                    f"the text is not CSV: line {numbers[len(records)]} has a quoted cell that goes"
+                    " on in the next line; write each row on one line",
+                )
+            records.append(record)
+    except csv.Error as error:
+        raise DHSyntaxError.single("", f"the text is not CSV: {_printable(str(error))}") from None
+    return records
 
 
 def _decapitalised(text: str) -> str:

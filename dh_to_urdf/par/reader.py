@@ -9,6 +9,7 @@ file cannot say (names, limits, which frame is the tool) stands in comments such
 
 from __future__ import annotations
 
+import copy
 import re
 from collections.abc import Mapping
 from dataclasses import replace
@@ -125,6 +126,9 @@ def _check_loops(
     par: ParText, links: int, joints: int, frames: int, cut_loops: bool, warnings: list[str]
 ) -> None:
     sigma, mu = par.lists["sigma"], par.lists.get("mu", ["1"] * frames)
+    for k, text in enumerate(mu, start=1):
+        if text not in ("0", "1"):
+            raise DHError.single("/mu", f"entry {k} of mu is {quoted(text)}; give 1 (moved) or 0")
     passive = [k for k in range(1, links + 1) if mu[k - 1] == "0" and sigma[k - 1] in ("0", "1")]
     if joints == links:
         if passive:
@@ -191,17 +195,21 @@ def _notes(par: ParText) -> tuple[dict[int, dict[str, Any]], list[int]]:
         if not match:
             continue
         items = [_ITEM.fullmatch(item.strip()) for item in match[2].split(",")]
-        note: dict[str, Any] = {}
+        note = copy.deepcopy(notes.get(int(match[1]), {}))
         for item in items:
             if item is None or item[1] not in ("name", "type", "visual", *_LIMITS):
                 break
+            if item[1] in (note | note.get("limits", {})):
+                raise DHError.single(
+                    "", f"the comments on joint {match[1]} say {item[1]} twice; keep one"
+                )
             word = item[2] if item[2] is not None else item[3].strip()
             if item[1] in _LIMITS:
                 note.setdefault("limits", {})[item[1]] = word
             else:
                 note[item[1]] = _TRUTH.get(word, word) if item[1] == "visual" else word
         else:
-            notes.setdefault(int(match[1]), {}).update(note)
+            notes[int(match[1])] = note
     return notes, tool_frames
 
 

@@ -28,6 +28,8 @@ _SPACES = {
 }  # fmt: skip
 _FRACTIONS = {"frac", "dfrac", "tfrac", "cfrac", "nicefrac", "sfrac"}
 _QUANTITIES = {"SI", "qty"}
+_MARKS, _THIN = "_%&#*|", ",;:!>/()[]"
+"""Signs that a backslash stands before: meant as they are, and spaces or marks of mathematics."""
 _BARE = re.compile(r"[\w.]+")
 _CHARACTERS = {
     **{ord("₀") + n: str(n) for n in range(10)},
@@ -38,6 +40,8 @@ _CHARACTERS = {
     ord("π"): "pi", ord("ϑ"): "θ", ord("√"): "sqrt",
 }  # fmt: skip
 _STARRED = re.compile(r"((?:theta|th|θ|q|d|r|t)_?\d*)\s*\*(?=\s*(?:$|[-+−)]))")
+_FOOTNOTE = re.compile("(?<=[0-9.])(?=[₀-₉])")
+"""Between a number and a subscript, which is no digit of it."""
 _BOLD = re.compile(r"^\*\*(.*)\*\*$")
 _CALLED = re.compile(r"(?<![^\W_])(theta|θ|q)\s?\(\s?(\d{1,3})\s?\)")
 _GENERIC = re.compile(r"(?<![^\W_])(theta|θ|q|d|r)_[ijk](?!\w)")
@@ -45,7 +49,8 @@ _GENERIC = re.compile(r"(?<![^\W_])(theta|θ|q|d|r)_[ijk](?!\w)")
 
 def plain_cell(text: str) -> str:
     """A typeset cell as plain text; linear in its length, which the caller bounds."""
-    text = "".join(_plain_letter(c) for c in text.translate(_CHARACTERS))
+    text = _FOOTNOTE.sub("_", text).translate(_CHARACTERS)
+    text = "".join(_plain_letter(c) for c in text)
     converted, _ = _Converter(_TOKEN.findall(text)).group(0)
     converted = _BOLD.sub(r"\1", " ".join(converted.split()))
     converted = _CALLED.sub(r"\1\2", converted)
@@ -72,7 +77,7 @@ class _Converter:
             return "".join(self.tokens[position:]), len(self.tokens)
         while position < len(self.tokens):
             token = self.tokens[position]
-            if token == "}":
+            if token == "}" and self.depth > 1:
                 position += 1
                 break
             part, position = self.item(position)
@@ -130,7 +135,8 @@ class _Converter:
         if name in _SPACES:
             return " ", position
         if not name.isalpha():
-            return (name if name in "_%&#*|" else " "), position
+            kept = name if name in _MARKS else f"\\{name}"
+            return (" " if name in _THIN or name.isspace() else kept), position
         return f"\\{name}", position
 
     def argument(self, position: int) -> tuple[str, int]:

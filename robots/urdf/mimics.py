@@ -47,7 +47,12 @@ def read_mimics(joints: Sequence[URDFJoint], elements: Sequence[Element]) -> tup
         factor = number(mimic, "multiplier", where, "1")
         offset = number(mimic, "offset", where, "0")
         followed[joint.name] = other
-        if moves[joint.name]:
+        if moves[joint.name] and not moves[other]:
+            warnings.append(
+                f"joint {joint.name!r} mimics {quoted(other, 64)}, which does not move; it is"
+                f" treated as independent: give it {number_text(offset)}"
+            )
+        elif moves[joint.name]:
             warnings.append(
                 f"joint {joint.name!r} mimics another; it is treated as independent: give it"
                 f" {number_text(factor)} times the value of {quoted(other, 64)}"

@@ -55,7 +55,7 @@ def decode(document: str | bytes) -> str:
     size = len(document) if isinstance(document, bytes) else _size(document)
     if size > MAX_BYTES:
         raise RobotTooLarge(f"the URDF has {size} bytes; at most {MAX_BYTES} are read")
-    text = document if isinstance(document, str) else _decoded(document)
+    text = document.removeprefix("\ufeff") if isinstance(document, str) else _decoded(document)
     stray = _NO_XML_CHARACTER.search(text)
     if stray is not None:
         line = text.count("\n", 0, stray.start()) + 1
@@ -63,11 +63,17 @@ def decode(document: str | bytes) -> str:
             f"the text is not well-formed XML: line {line} holds the character"
             f" U+{ord(stray[0]):04X}, which XML does not have; remove it"
         )
-    text = text.removeprefix("\ufeff").strip(_BLANKS)
+    if text.startswith("\ufeff"):
+        raise InvalidURDF(
+            "the text is not well-formed XML: it starts with two byte order marks; keep one"
+        )
+    text = text.strip(_BLANKS)
     declaration = _DECLARATION.match(text)
     if declaration is not None:
         # Line ends in its place keep the line numbers of errors.
         text = "\n" * declaration[0].count("\n") + text[declaration.end() :]
+        if _DECLARED.match(text.lstrip(_BLANKS)):
+            raise InvalidURDF("the text is not well-formed XML: <?xml stands twice; keep the first")
     elif _DECLARED.match(text):
         raise InvalidURDF('the XML declaration is none of XML 1.0; write <?xml version="1.0"?>')
     if _DOCTYPE.match(text):

@@ -87,7 +87,12 @@ def test_conditional_requests(client, arm):
         assert client.get(path, headers={"If-None-Match": tag}).status_code == 304
     changed = TABLE | {"joints": TABLE["joints"][:1]}
     assert client.put(arm, json=changed, headers={"If-None-Match": "*"}).status_code == 412
-    for tag_of_none in ('"old"', '"*"', f"W/{tag}", "W/*"):
+    for met in (tag, f"W/{tag}", f'"old", {tag}', '"old", *'):
+        headers = {"If-None-Match": met}
+        assert client.put(arm, json=changed, headers=headers).status_code == 412
+        assert client.delete(arm, headers=headers).status_code == 412
+    assert client.put(arm, json=TABLE, headers={"If-None-Match": '"old", "*"'}).status_code == 200
+    for tag_of_none in ('"old"', '"*"', '""*""', f"W/{tag}", "W/*", tag[:-1], f'"{tag}"'):
         headers = {"If-Match": tag_of_none}
         assert client.put(arm, json=changed, headers=headers).status_code == 412
     answer = client.put(arm, json=changed, headers={"If-Match": f'"other", {tag}'})
@@ -114,6 +119,19 @@ def test_name_must_be_the_id_of_the_path(client):
     assert client.put("/v1/robots/other", json=unnamed).status_code == 201
     assert client.post("/v1/robots", json=unnamed).status_code == 422
     assert client.delete("/v1/robots/other").status_code == 204
+    urdf = {"content": URDF, "headers": {"Content-Type": "application/xml"}}
+    for answer in (client.put("/v1/robots/other?name=this", json=unnamed | {"name": "other"}),
+                   client.put("/v1/robots/other?name=this", **urdf)):  # fmt: skip
+        assert answer.status_code == 422
+        assert "'this' but the path says 'other'" in answer.json()["detail"]
+    assert client.post("/v1/robots?name=", **urdf).status_code == 422
+
+
+def test_an_id_may_end_with_a_point(client):
+    unnamed = {key: value for key, value in TABLE.items() if key != "name"}
+    assert client.put("/v1/robots/arm.", json=unnamed).status_code == 201
+    assert client.get("/v1/robots/arm.").json()["id"] == "arm."
+    assert client.delete("/v1/robots/arm.").status_code == 204
 
 
 @pytest.mark.parametrize("robot_id", ["a b", "é", "%2e%2e", ".hidden", "a" * 65, "a%0ab"])

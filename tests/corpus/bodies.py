@@ -217,6 +217,8 @@ NO_NPY: dict[str, bytes] = {
     "no order": header("{'descr': '<f8', 'shape': (1, 2), }", bytes(16)),
     "a key more": header("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 2), 'x': 1}",
                          bytes(16)),
+    "a type twice": header("{'descr': '<f8', " + described("'<i8'", "(1, 2)")[1:], bytes(16)),
+    "a shape twice": header("{'shape': (2,), " + described("'<f8'", "(1, 2)")[1:], bytes(16)),
     "code": header("__import__('os').system('id')", bytes(16)),
     "brackets": header("(" * 4000),
     "a tower of powers": header(described("'<f8'", "(9**9**9, 2)"), bytes(16)),

@@ -84,6 +84,10 @@ CHANGES: dict[str, tuple[tuple[Any, ...], Any, tuple[str, ...]]] = {
     "name universe": (("joints", 1, "name"), "universe", ("universe",)),
     "name too long": (("joints", 1, "name"), "j" * 5000, ("joint 2", "name")),
     "name with direction": (("joints", 1, "name"), "j\u202e2", ("joint 2", "name")),
+    "name of a filler": (("joints", 1, "name"), "\u3164", ("joint 2", "name")),
+    "effort an angle": (("joints", 0, "limits", "effort"), "90deg", ("joint 1", "effort", "angle")),
+    "mass an angle": (("joints", 0, "inertial"), {"mass": "90°"}, ("joint 1", "mass", "angle")),
+    "values with thousands": (("values",), {"L1": "1,234"}, ("L1", "two numbers")),
     "name a number": (("joints", 1, "name"), 2, ("joint 2", "name")),
     "no joints": (("joints",), [], ("joints", "empty")),
     "joints a text": (("joints",), "none", ("joints", "list")),
@@ -149,6 +153,17 @@ TEXTS: dict[str, tuple[str, str, bytes | str, tuple[str, ...]]] = {
                  ("joint 1", "alpha")),
     "yaml base 60": (YAML, "", "convention: dh\njoints: [{type: R, alpha: 1:30, a: 0, d: 0}]\n",
                      ("joint 1", "alpha")),
+    "yaml underscores": (YAML, "", "convention: dh\njoints:\n"
+                         "- {type: R, alpha: 0, a: 1_000, d: 0}\n", ("line 3", "1_000")),
+    "yaml underscores by a tag": (YAML, "", "convention: dh\njoints:\n"
+                                  "- {type: R, alpha: 0, a: !!int '1_0', d: 0}\n",
+                                  ("line 3", "1_0")),
+    "yaml binary": (YAML, "", "convention: dh\njoints: [{type: R, alpha: 0, a: 0b11, d: 0}]\n",
+                    ("line 2", "0b11")),
+    "yaml 1.1": (YAML, "", "%YAML 1.1\n---\nconvention: dh\njoints:\n"
+                 "- {type: R, alpha: 1:30, a: 010, d: 0}\n", ("YAML 1.1", "remove")),
+    "yaml merge in place": (YAML, "", "convention: dh\njoints:\n"
+                            "- {<<: {type: R, alpha: 0, a: 1}, a: 2, d: 0}\n", ("line 3", "<<")),
     "yaml date": (YAML, "", "convention: dh\nname: 2001-01-01\njoints: []\n", ()),
     "yaml list": (YAML, "", "- a\n- b\n", ()),
     "yaml number": (YAML, "", "3", ()),
@@ -172,6 +187,18 @@ TEXTS: dict[str, tuple[str, str, bytes | str, tuple[str, ...]]] = {
                     "type,alpha,a,d\nR,=HYPERLINK(1),0,0\n", ("alpha",)),
     "csv NUL": (CSV, f"name={MINE}&convention=dh", "type,alpha,a,d\nR,\0,0,0\n", ()),
     "csv open quote": (CSV, f"name={MINE}&convention=dh", 'type,alpha,a,d\nR,"0,0,0\n', ()),
+    "csv a line end in a cell": (CSV, f"name={MINE}&convention=dh",
+                                 'type,alpha,a,d\nR,0,"1\n5",0\n', ("line 2", "one line")),
+    "csv a blank line in a cell": (CSV, f"name={MINE}&convention=dh",
+                                   'type,alpha,a,d\n\nR,0,"0.\r\n\r\n5",0\n', ("line 3",)),
+    "csv a cell less below blank lines": (CSV, f"name={MINE}&convention=dh",
+                                          "type,alpha,a,d\n\n\nR,0,0\n", ("line 4",)),
+    "csv decimal middle dot": (CSV, f"name={MINE}&convention=dh",
+                               "type,alpha,a,d\nR,0,0·4,0\n", ("joint 1", "·", "product")),
+    "csv uncertainty": (CSV, f"name={MINE}&convention=dh",
+                        "type,alpha,a,d\nR,0,0.4318(2),0\n", ("joint 1", "parentheses")),
+    "csv thousands in values": (CSV, f"name={MINE}&convention=dh&values=L1:1,234",
+                                "type,alpha,a,d\nR,0,L1,0\n", ("L1", "two numbers")),
     "csv nan": (CSV, f"name={MINE}&convention=dh", "type,alpha,a,d\nR,nan,0,0\n", ("alpha",)),
     "csv UTF-16": (CSV, f"name={MINE}&convention=dh",
                    "type,alpha,a,d\nR,0,0,0\n".encode("utf-16"), ()),
@@ -182,6 +209,15 @@ TEXTS: dict[str, tuple[str, str, bytes | str, tuple[str, ...]]] = {
                              "r={0,0}\ntheta={t1,t2}\nant={0,1}\n", ()),
     "par a loop": (PAR, f"name={MINE}", "NL=2\nNJ=2\nsigma={0,0}\nalpha={0,0}\nd={0,0}\nr={0,0}\n"
                    "theta={t1,t2}\nant={2,1}\n", ()),
+    "par mu 2": (PAR, f"name={MINE}", "NL=1\nNJ=1\nsigma={0}\nalpha={0}\nd={0}\nr={0}\ntheta={t1}\n"
+                 "ant={0}\nmu={2}\n", ("mu", "'2'")),
+    "par comments that differ": (PAR, f"name={MINE}", "(* Joint 1: lower = -1, upper = 1 *)\n"
+                                 "(* Joint 1: upper = 2 *)\nNL=1\nNJ=1\nsigma={0}\nalpha={0}\n"
+                                 "d={0}\nr={0}\ntheta={t1}\nant={0}\n",
+                                 ("joint 1", "upper twice")),
+    "par a name twice": (PAR, f"name={MINE}", "(* Joint 1: name = 'a', name = 'b' *)\nNL=1\nNJ=1\n"
+                         "sigma={0}\nalpha={0}\nd={0}\nr={0}\ntheta={t1}\nant={0}\n",
+                         ("joint 1", "name twice")),
     "par code": (PAR, f"name={MINE}", "NL=1\nNJ=1\nsigma={0}\nalpha={Run[id]}\nd={0}\nr={0}\n"
                  "theta={t1}\nant={0}\n", ()),
     "pasted nothing": (PASTED, f"name={MINE}&convention=dh", "", ()),
@@ -190,6 +226,16 @@ TEXTS: dict[str, tuple[str, str, bytes | str, tuple[str, ...]]] = {
     "pasted evil link": (PASTED, f"name={MINE}&convention=dh", "L = [Link(__import__('os'))]", ()),
     "pasted without units": (PASTED, f"name={MINE}&convention=dh", "| a | b |\n|---|---|\n|1|2|",
                              ()),
+    "pasted footnote as a subscript": (PASTED, f"name={MINE}&convention=dh",
+                                       "α a d θ\n90° 0 0.4₁ θ_1\n", ("line 2", "0.4")),
+    "pasted stray brace": (PASTED, f"name={MINE}&convention=dh",
+                           "|α|a|d|θ|\n|90°|0|2}3|θ_1|\n", ("line 2", "2}3")),
+    "pasted brace at the end": (PASTED, f"name={MINE}&convention=dh",
+                                "|α|a|d|θ|\n|90°|0|0.4}|θ_1|\n", ("line 2", "0.4}")),
+    "pasted backslash before a digit": (PASTED, f"name={MINE}&convention=dh",
+                                        "|α|a|d|θ|\n|90°|0|2\\3|θ_1|\n", ("line 2",)),
+    "pasted backslash before a minus": (PASTED, f"name={MINE}&convention=dh",
+                                        "|α|a|d|θ|\n|90°|0|\\-0.4|θ_1|\n", ("line 2",)),
     "a wrong parameter": (CSV, f"name={MINE}&convention=dh&tip=x", "type,alpha,a,d\nR,0,0,0\n",
                           ("tip",)),
     "no type at all": ("", "", json.dumps(TABLE), ("--json",)),
@@ -207,6 +253,8 @@ RIGHT: dict[str, tuple[str, str, bytes | str]] = {
                            "- {type: P, alpha: π/2, a: 0, theta: 0}\n"),
     "yaml with a mark": (YAML, "", b"\xef\xbb\xbfconvention: dh\njoints: [{type: R, alpha: 0, a: 1,"
                          b" d: 0}]\n"),
+    "yaml 1.2": (YAML, "", "%YAML 1.2\n---\nconvention: dh\njoints:\n"
+                 "- {type: R, alpha: 0, a: -1.5e-1, d: 010}\n"),
     "csv": (CSV, f"name={MINE}&convention=dh", "type,alpha,a,d\nR,pi/2,0,0.1\nR,0,0,0\n"),
     "csv with CRLF and a mark": (CSV, f"name={MINE}&convention=dh",
                                  b"\xef\xbb\xbftype,alpha,a,d\r\nR,0,1,0\r\n"),

@@ -140,6 +140,9 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "line separator in a name": ('name="wrist"', 'name="wr\u2028ist"', ("cannot be seen",)),
     "tag letters in a name": ('name="wrist"', 'name="wrist\U000e0041"', ("cannot be seen",)),
     "private letters in a name": ('name="wrist"', 'name="wr\ue000ist"', ("cannot be seen",)),
+    "filler for a name": ('name="wrist"', 'name="\u3164"', ("cannot be seen",)),
+    "selector in a name": ('name="wrist"', 'name="slide\ufe0f"', ("cannot be seen",)),
+    "joiner in a name": ('name="wrist"', 'name="sl\u034fide"', ("cannot be seen",)),
     "decomposed accents": ('name="wrist"', 'name="wri\u0301st"', ("NFC",)),
     "blank at the end": ('name="wrist"', 'name="wrist "', ("blanks at its ends",)),
     "long name": ('name="wrist"', f'name="{"w" * 129}"', ("over 128 characters",)),
@@ -252,6 +255,9 @@ WHOLE: dict[str, tuple[bytes, tuple[str, ...]]] = {
                           ("DOCTYPE",)),
     "half": (ARM.encode()[: len(ARM) // 2], ("line",)),
     "without its end": (ARM.strip().removesuffix("</robot>").encode(), ("line", "closed")),
+    "declared twice": (b'<?xml version="1.0"?>' + ARM.encode(), ("<?xml stands twice",)),
+    "declared twice, apart": (b'<?xml version="1.0"?>\n' + ARM.encode(), ("<?xml stands twice",)),
+    "two marks": (b"\xef\xbb\xbf" * 2 + ARM.encode(), ("two byte order marks",)),
     "only a declaration": (b'<?xml version="1.0"?>', ("no element",)),
     "no links": (b'<robot name="a"/>', ("no <link>",)),
     "one link": (b'<robot name="a"><link name="l"/></robot>', ("no joint that moves",)),
@@ -344,6 +350,9 @@ ODD_BUT_RIGHT: dict[str, tuple[bytes, tuple[str, ...]]] = {
               ' multiplier="-1" offset="0"/>').encode(), ("mimics another", "-1 times")),
     "mimic before its joint": (ARM.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/>'
                                '<mimic joint="wrist"/>').encode(), ("mimics another",)),
+    "mimic of a fixed joint": (ARM.replace("continuous", "fixed").replace(
+        '<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><mimic joint="wrist" offset="0.25"/>').encode(),
+        ("mimics 'wrist', which does not move", "give it 0.25")),
     "continuous with limits": (ARM.replace('<child link="hand"/>', '<child link="hand"/><limit'
                                ' effort="5" velocity="1" lower="0" upper="0"/>').encode(), ()),
     "fixed with a zero axis": (ARM.replace("continuous", "fixed").replace(

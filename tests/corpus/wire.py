@@ -9,6 +9,7 @@ from dataclasses import dataclass
 HEAD = b"Host: denavit\r\n"
 LIVE = b"GET /health/live HTTP/1.1\r\n" + HEAD
 FK = b"POST /v1/robots/planar_2r/fk HTTP/1.1\r\n" + HEAD + b"Content-Type: application/json\r\n"
+UPGRADE = b"Upgrade: h2c\r\nConnection: Upgrade, HTTP2-Settings\r\nHTTP2-Settings: AAMAAABk\r\n"
 BODY = b'{"q": [0, 0]}'
 WHOLE = FK + b"Content-Length: 13\r\n\r\n" + BODY
 CHUNKED = FK + b"Transfer-Encoding: chunked\r\n\r\n"
@@ -67,6 +68,7 @@ CASES = (
     one("a tab", b"GET\t/health/live\tHTTP/1.1\r\n" + HEAD + b"\r\n"),
     one("NUL in the target", b"GET /health/\0live HTTP/1.1\r\n" + HEAD + b"\r\n"),
     one("raw bytes in the target", b"GET /v1/\xff\xfe HTTP/1.1\r\n" + HEAD + b"\r\n", 400, 404),
+    one("a degree sign", "GET /v1/robots/ur5/fk?q=90° HTTP/1.1\r\n".encode() + HEAD + b"\r\n"),
     one("a fragment", b"GET /health/live#x HTTP/1.1\r\n" + HEAD + b"\r\n", 200, 400, 404),
     one("an absolute target", b"GET http://denavit/health/live HTTP/1.1\r\n" + HEAD + b"\r\n",
         200, 400, 404),
@@ -130,6 +132,8 @@ CASES = (
         + b"\r\n0\r\n\r\n", 400, 200),
     one("chunked, then identity", FK + b"Transfer-Encoding: chunked, identity\r\n\r\nd\r\n" + BODY
         + b"\r\n0\r\n\r\n"),
+    one("gzip and chunked", FK + b"Transfer-Encoding: gzip, chunked\r\n\r\nd\r\n" + BODY
+        + b"\r\n0\r\n\r\n", 400, 415),
     one("an unknown coding", FK + b"Transfer-Encoding: xchunked\r\n\r\nd\r\n" + BODY
         + b"\r\n0\r\n\r\n"),
     one("a coding with a tab", FK + b"Transfer-Encoding:\x0bchunked\r\n\r\nd\r\n" + BODY
@@ -155,6 +159,14 @@ CASES = (
     one("an extension", CHUNKED + b"d;name=value\r\n" + BODY + b"\r\n0\r\n\r\n", 200),
     one("trailers", CHUNKED + b"d\r\n" + BODY + b"\r\n0\r\nX-A: b\r\n\r\n", 200),
     one("a size in capitals with zeros", CHUNKED + b"000D\r\n" + BODY + b"\r\n0\r\n\r\n", 200),
+    one("an offer of HTTP/2 with a body", FK + UPGRADE + b"Content-Length: 13\r\n\r\n" + BODY, 200),
+    one("an offer of HTTP/2 with chunks", chunks(BODY).replace(HEAD, HEAD + UPGRADE), 200),
+    Wire("an offer of HTTP/2, then the body",
+         (FK + UPGRADE + b"Content-Length: 13\r\n", b"\r\n", BODY, WHOLE), ((200,), (200,))),
+    Wire("an offer of HTTP/2 inside a body", (
+        FK + UPGRADE + b"Content-Length: 70\r\n\r\n"
+        + (b'{"q": [0, 0],\r\n\r\n"\\nupgrade:": "\nUpgrade: h2c"').ljust(70), WHOLE),
+        ((400, 422), (200,))),
     one("100-continue", FK + b"Expect: 100-continue\r\nContent-Length: 13\r\n\r\n" + BODY,
         100, 200),
     one("HTTP/1.0", b"GET /health/live HTTP/1.0\r\n\r\n", 200),

@@ -240,6 +240,12 @@ def test_a_robot_is_replaced_only_at_the_revision_that_was_read(store, make_robo
     store.put("probe", first)
     with pytest.raises(RevisionMismatch):
         store.delete("probe", if_match=(second.revision,))
+    for met in ((first.revision,), (ANY,)):
+        with pytest.raises(RevisionMismatch):
+            store.put("probe", second, if_match=(ANY,), if_none_match=met)
+        with pytest.raises(RevisionMismatch):
+            store.delete("probe", if_none_match=met)
+    store.put("probe", first, if_none_match=(second.revision,))
     store.delete("probe", if_match=(first.revision,))
     with pytest.raises(RobotNotFound):
         store.delete("probe")
