@@ -29,7 +29,11 @@ MAX_YAML_BYTES = 64_000
 MAX_YAML_DEPTH = 16
 MAX_YAML_EVENTS = 12_000
 """Keys, values, lists and mappings; a table of 300 full rows has fewer."""
-_NO_NUMBER = re.compile(r"[-+]?(?:0b[01_]+|[0-9][0-9a-fox.+-]*_[0-9a-fox_.+-]*)", re.IGNORECASE)
+_NO_NUMBER = re.compile(
+    r"(?=.*_|[-+]?0b)[-+]?"
+    r"(?:0b[01_]+|0o[0-7_]+|0x[0-9a-f_]+|[0-9][0-9_]*(?:\.[0-9_]*)?(?:e[-+]?[0-9_]+)?)",
+    re.IGNORECASE,
+)
 """What the parser takes for a number as in YAML 1.1, and is none in 1.2: 1_000, 0b11."""
 
 

@@ -496,6 +496,20 @@ def test_yaml_aliases_are_refused():
         assert "alias" in message
 
 
+@pytest.mark.parametrize("name", ["3_dof", "2_a", "pa_10", "arm_1e5", "6r_0x"])
+def test_names_that_only_look_like_numbers_are_names(name):
+    row = "joints: [{type: R, a: 1, alpha: 0, d: 0}]"
+    table = read_yaml(f"name: {name}\nconvention: standard\n{row}\n")
+    assert table.name == name
+
+
+@pytest.mark.parametrize("number", ["1_000", "-1_0.5", "1e1_0", "0x1_f", "0o1_7", "0b11"])
+def test_numbers_of_an_older_yaml_are_refused(number):
+    row = f"joints: [{{type: R, a: {number}, alpha: 0, d: 0}}]"
+    with pytest.raises(DHError, match=r"line 2 .* no number in YAML 1\.2"):
+        read_yaml(f"convention: standard\n{row}\n")
+
+
 def test_yaml_is_version_1_2():
     table = read_yaml("name: no\nconvention: dh\njoints: [{type: R, alpha: 0, a: 1e2, d: 010}]")
     assert (table.name, table.rows[0].a, table.rows[0].d) == ("no", 100, 10)
