@@ -241,6 +241,13 @@ def build_router(max_body: int) -> APIRouter:
 
         robot = await services.loaded(lambda: robot_from_body(request, body, default_name=None))
         robot_id = id_from_name(robot.name if name is None else name)
+        if not robot_id:
+            raise RequestProblem(
+                INVALID_REQUEST,
+                f"no id can be made of the name {(robot.name if name is None else name)[:64]!r};"
+                " give one in the query, such as ?name=my-arm",
+                "/name",
+            )
         stored, _ = await services.stored(
             lambda: services.store.put(robot_id, robot, create_only=True)
         )

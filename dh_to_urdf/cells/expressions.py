@@ -25,6 +25,7 @@ MAX_MAGNITUDE = 1e6
 _SIGNS = str.maketrans({"−": "-", "–": "-", "×": "*", "·": "*", "⋅": "*", "\u00a0": " "})
 _DECIMAL_COMMA = re.compile(r"(?<![\d.,])([0-9]+),([0-9]+)(?![\d.,])")
 _THOUSANDS = re.compile(r"(?<![\d.,])[1-9][0-9]{0,2},[0-9]{3}(?![\d.,])")
+_DATE = re.compile(r"\s*(?:[0-9]{4}-[0-9]{2}-[0-9]{2}|[0-9]{1,2}/[0-9]{1,2}/[0-9]{4})\s*")
 _MIDDLE_DOT = re.compile(r"[0-9]\s*·\s*[0-9]")
 _ANGLE_UNIT = re.compile(r"deg|°|rad", re.IGNORECASE)
 _RADIANS_AFTER_PI = re.compile(r"^([^a-z]*(?:pi|π)[^a-z]*?)\s*rad\s*$", re.IGNORECASE)
@@ -113,6 +114,8 @@ def ascii_numbers(text: str) -> str:
     Raises:
         CellError: A number in it can be read in two ways.
     """
+    if _DATE.fullmatch(text):
+        raise CellError("looks like a date, as spreadsheets make of 1/2; write the number as 0.5")
     if _MIDDLE_DOT.search(text):
         raise CellError("has a · that is a decimal point or a product; write . or *")
     text = text.translate(_SIGNS)

@@ -6,7 +6,7 @@ Every refusal carries a JSON pointer to the cell, the joint's name and what to w
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from dh_to_urdf.cells.values import read_values, refuse_unused
@@ -14,10 +14,11 @@ from dh_to_urdf.documents.checks import NAME, NAME_RULE, Report, Units, refuse_u
 from dh_to_urdf.documents.placements import read_placement
 from dh_to_urdf.documents.rows import RowReader, check_names, check_tree
 from dh_to_urdf.errors import DHError, quoted
-from dh_to_urdf.table import Convention, DHTable
+from dh_to_urdf.table import Convention, DHRow, DHTable
 
 MAX_ROWS = 300
 DEFAULT_NAME = "robot"
+TURN = 2 * math.pi * (1 + 1e-9)
 
 CONVENTION_ALIASES = {
     "standard": Convention.STANDARD,
@@ -100,7 +101,28 @@ def read_mapping(
     report.raise_if_any()
     refuse_unused(values, report)
     report.raise_if_any()
+    if not _says_angle_unit(data.get("units")):
+        warnings += _wide_angles(rows)
     return DHTable(name, convention, tuple(rows), base, tool, tuple(warnings))
+
+
+def _says_angle_unit(units: object) -> bool:
+    return isinstance(units, Mapping) and "angle" in units
+
+
+def _wide_angles(rows: Sequence[DHRow]) -> list[str]:
+    """A warning where an angle is over a turn, as degrees without a word of it are."""
+    for row in rows:
+        angles = {"alpha": row.alpha, "theta": row.theta, "gamma": row.gamma}
+        if row.type.turns:
+            angles["offset"] = row.offset
+        for field, angle in angles.items():
+            if abs(angle) > TURN:
+                return [
+                    f"{field} of joint {row.name} is {angle:g} rad, over a turn; if that means"
+                    " degrees, give units: {angle: deg}"
+                ]
+    return []
 
 
 def _convention(data: Mapping[Any, Any], report: Report) -> Convention | None:

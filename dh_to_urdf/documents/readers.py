@@ -56,6 +56,10 @@ def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
             ) from None
     if not text.strip():
         raise DHSyntaxError.single("", "the text is not JSON: it is empty; send a table")
+    if text.startswith("\ufeff"):
+        raise DHSyntaxError.single(
+            "", "the text is not JSON: it starts with a byte order mark too many; remove it"
+        )
     try:
         data = json.loads(text, object_pairs_hook=_no_duplicates)
     except DHError:

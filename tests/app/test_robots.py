@@ -1,6 +1,7 @@
 """Robots as resources: upload in every form, read, replace, delete, list."""
 
 import io
+import re
 
 import numpy as np
 import pinocchio as pin
@@ -198,6 +199,18 @@ def test_the_urdf_is_the_same_robot_elsewhere(client, name):
         )
         theirs = other.get_transform(frame, "base_link")
         np.testing.assert_allclose(pose["matrix"], theirs, atol=1e-12, rtol=0)
+
+
+def test_a_name_that_gives_no_id_is_refused_with_what_to_write(client):
+    urdf = client.get("/v1/robots/planar_2r/urdf").text
+    urdf = re.sub(r'<robot name="[^"]*"', '<robot name="Ρομπότ"', urdf, count=1)
+    headers = {"Content-Type": "application/xml"}
+    refused = client.post("/v1/robots", content=urdf.encode(), headers=headers)
+    assert refused.status_code == 422
+    assert "?name=" in refused.json()["detail"]
+    named = client.post("/v1/robots?name=greek-arm", content=urdf.encode(), headers=headers)
+    assert named.status_code == 201
+    assert client.delete("/v1/robots/greek-arm").status_code == 204
 
 
 def test_stateless_conversion(client):

@@ -510,6 +510,26 @@ def test_numbers_of_an_older_yaml_are_refused(number):
         read_yaml(f"convention: standard\n{row}\n")
 
 
+def test_angles_over_a_turn_without_a_word_of_their_unit_get_a_warning():
+    text = "{unit}convention: standard\njoints: [{{type: R, a: 1, alpha: {alpha}, d: 0}}]"
+    (warning,) = read_yaml(text.format(unit="", alpha=90)).warnings
+    assert warning.startswith("alpha of joint j1 is 90 rad, over a turn; if that means degrees")
+    said = "units: {angle: rad}\n"
+    for unit, alpha in ((said, 90), ("", "90°"), ("", "2*pi"), (said.replace("rad", "deg"), 90)):
+        assert read_yaml(text.format(unit=unit, alpha=alpha)).warnings == ()
+
+
+@pytest.mark.parametrize("date", ["2026-01-02", "1/2/2026", " 01/02/2026"])
+def test_what_spreadsheets_make_of_a_fraction_is_no_sum(date):
+    with pytest.raises(DHError, match="looks like a date"):
+        read_csv(f"type,alpha,a,d\nR,{date},1,0\n", "standard")
+
+
+def test_a_second_byte_order_mark_is_named():
+    with pytest.raises(DHError, match="a byte order mark too many"):
+        read_json(b"\xef\xbb\xbf\xef\xbb\xbf{}")
+
+
 def test_yaml_is_version_1_2():
     table = read_yaml("name: no\nconvention: dh\njoints: [{type: R, alpha: 0, a: 1e2, d: 010}]")
     assert (table.name, table.rows[0].a, table.rows[0].d) == ("no", 100, 10)
