@@ -9,8 +9,8 @@ import msgspec
 import numpy as np
 from fastapi import FastAPI, Request, Response
 from fastapi.responses import StreamingResponse
-from starlette.routing import BaseRoute, Match, Route
-from starlette.types import Receive, Scope, Send
+from starlette.routing import Match, Route
+from starlette.types import Scope
 
 from app.admission import SMALL_BODY, Held, Lane, while_connected
 from app.dependencies import Services, services_of
@@ -56,50 +56,39 @@ TARGET_BYTES = 1_000
 def add_routes(app: FastAPI, max_body: int) -> None:
     """Adds the routes of all computations.
 
-    They are plain Starlette routes, before all others: a solve takes 20 µs, which would be lost
+    They are plain Starlette routes, first in the list: a solve takes 20 µs, which would be lost
     behind FastAPI's resolution of dependencies. ``app.openapi`` adds what the docs say of them.
 
     Args:
         app: The application.
         max_body: Largest body in bytes.
     """
-    app.router.routes.append(_Computations(max_body))
+    for operation in OPERATIONS:
+        handlers = _Handlers(operation, max_body)
+        path = f"/v1/robots/{{robot_id}}/{operation.name}"
+        app.router.routes += [
+            ByEnding(path, handlers.post, methods=["POST"]),
+            ByEnding(path, handlers.get, methods=["GET"]),
+            ByEnding(f"/v1/{operation.name}", handlers.inline, methods=["POST"]),
+        ]
 
 
-class _Computations(BaseRoute):
-    """The routes of all computations, found by name: asking one after the other takes 50 µs."""
+class ByEnding(Route):
+    """A route that looks at the end of a path first.
 
-    def __init__(self, max_body: int) -> None:
-        self.on_stored: dict[str, list[Route]] = {}
-        self.on_inline: dict[str, list[Route]] = {}
-        for operation in OPERATIONS:
-            name, handlers = operation.name, _Handlers(operation, max_body)
-            path = f"/v1/robots/{{robot_id}}/{name}"
-            self.on_stored[name] = [
-                Route(path, handlers.post, methods=["POST"]),
-                Route(path, handlers.get, methods=["GET"]),
-            ]
-            self.on_inline[name] = [Route(f"/v1/{name}", handlers.inline, methods=["POST"])]
+    There are some eighty, and each request asks one after the other: this takes a quarter of the
+    time of a regular expression.
+    """
+
+    def __init__(self, path: str, endpoint: Callable[..., Any], *, methods: list[str]) -> None:
+        super().__init__(path, endpoint, methods=methods)
+        self.ending = path[path.rindex("/") :]
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
-        """The match of the route that fits best, which goes into the scope."""
-        if scope["type"] != "http":
+        """What Starlette's route says, where the ending fits."""
+        if not scope["path"].endswith(self.ending):
             return Match.NONE, {}
-        path = scope["path"].removeprefix(scope.get("root_path", ""))
-        if path.startswith("/v1/robots/"):
-            routes = self.on_stored.get(path[len("/v1/robots/") :].partition("/")[2], ())
-        else:
-            routes = self.on_inline.get(path.removeprefix("/v1/"), ())
-        best: tuple[Match, Scope] = Match.NONE, {}
-        for route in routes:
-            match, found = route.matches(scope)
-            if match.value > best[0].value:
-                best = match, {**found, "route": route}
-        return best
-
-    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Hands over to the route that was found."""
-        await scope["route"].handle(scope, receive, send)
+        return super().matches(scope)
 
 
 class _Handlers:
