@@ -240,7 +240,7 @@ class _Program:
         by_target: dict[str, Link] = {}
         for link in self.links:
             if link.target in by_target:
-                raise DHError.single("", f"line {link.line}: {link.target} is made twice; keep one")
+                raise DHError.single("", f"line {link.line}: {quoted(link.target)} is made twice; keep one")
             if link.target:
                 by_target[link.target] = link
         order = self._order(by_target)
