@@ -240,7 +240,8 @@ class _Program:
         by_target: dict[str, Link] = {}
         for link in self.links:
             if link.target in by_target:
-                raise DHError.single("", f"line {link.line}: {quoted(link.target)} is made twice; keep one")
+                twice = quoted(link.target)
+                raise DHError.single("", f"line {link.line}: {twice} is made twice; keep one")
             if link.target:
                 by_target[link.target] = link
         order = self._order(by_target)
