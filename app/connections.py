@@ -227,9 +227,10 @@ class GuardedProtocol(HttpToolsProtocol):
         clients send with an offer of HTTP/2.
         """
         before = b"" if self._raw == 0 else self._head_end
-        end = (before + data).find(b"\r\n\r\n")
+        joined = before + data
+        end = joined.find(b"\r\n\r\n")
         head = data if end < 0 else data[: max(0, end - len(before))]
-        self._head_end = (before + data)[-3:]
+        self._head_end = joined[-3:]
         renamed = _UPGRADE.sub(b"x-upgra", head)
         return data if renamed == head else renamed + data[len(head) :]
 

@@ -38,10 +38,9 @@ def fk(robot: Robot, q: FloatArray, frames: Sequence[str] | None = None) -> dict
     ids = _frame_ids(robot, frames)
     q = configuration(robot, q)
     if q.ndim == 1:
-        found = _placements(robot, q, ids)
-        return {name: placement.homogeneous for name, placement in found.items()}
+        return _matrices(robot, q, ids)
     if not COMPILED:
-        single = [fk(robot, row, frames) for row in q]
+        single = [_matrices(robot, row, ids) for row in q]
         return {name: np.array([found[name] for found in single]) for name in ids}
     return {name: _many(robot, q, name) for name in ids}
 
@@ -99,6 +98,11 @@ def _placements(robot: Robot, q: FloatArray, ids: dict[str, int]) -> dict[str, A
         return {name: frames[number] for name, number in ids.items()}
     base = frames[robot.frame_id(robot.base_frame)]
     return {name: base.actInv(frames[number]) for name, number in ids.items()}
+
+
+def _matrices(robot: Robot, q: FloatArray, ids: dict[str, int]) -> dict[str, FloatArray]:
+    found = _placements(robot, q, ids)
+    return {name: placement.homogeneous for name, placement in found.items()}
 
 
 def _many(robot: Robot, q: FloatArray, name: str) -> FloatArray:

@@ -237,14 +237,13 @@ def build_router(max_body: int) -> APIRouter:
                  responses={201: view[200]}, openapi_extra=document)  # fmt: skip
     async def create_robot(request: Request, services: ServicesDep) -> Response:
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
-        name = request.query_params.get("name")
-
         robot = await services.loaded(lambda: robot_from_body(request, body, default_name=None))
-        robot_id = id_from_name(robot.name if name is None else name)
+        name = request.query_params.get("name", robot.name)
+        robot_id = id_from_name(name)
         if not robot_id:
             raise RequestProblem(
                 INVALID_REQUEST,
-                f"no id can be made of the name {(robot.name if name is None else name)[:64]!r};"
+                f"no id can be made of the name {name[:64]!r};"
                 " give one in the query, such as ?name=my-arm",
                 "/name",
             )

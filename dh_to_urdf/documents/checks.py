@@ -10,8 +10,12 @@ from typing import Any
 from dh_to_urdf.cells.expressions import Quantity
 from dh_to_urdf.errors import DHError, Problem, escaped, quoted
 
-NAME = re.compile(r"(?!.*[\u115f\u1160\u3164\uffa0])\w(?:[\w .:+-]{0,62}[\w.+-])?", re.UNICODE)
-"""The four letters that it excludes are fillers, which look like nothing."""
+UNSEEN = (
+    "[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164"
+    "\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]"
+)
+"""Fillers, selectors and blanks that Unicode counts among letters, marks and signs."""
+NAME = re.compile(rf"(?!.*{UNSEEN})\w(?:[\w .:+-]{{0,62}}[\w.+-])?", re.UNICODE)
 NAME_RULE = "use letters, digits and . _ - + : (at most 64, starting with a letter or digit)"
 
 

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from kinematics.compiled import jit
 from kinematics.deadline import checkpoint
 from kinematics.kernels import Array
-from kinematics.redundancy.distances import clearances, near_pairs
+from kinematics.redundancy.distances import near_pairs
 from kinematics.redundancy.kernel import task_at, workspace
+from kinematics.redundancy.measure import clearances_at
 from kinematics.redundancy.problem import PathOptions, Problem
 from kinematics.redundancy.sweep import RESOLUTION, swept_clearance
 from robots.robot import FloatArray
@@ -24,8 +25,6 @@ VISITS = 2000
 """Configurations looked at between two samples, at most."""
 EQUAL, SOFT = 5, 8
 FREE = 1e30
-LOOKS = np.linspace(0.0, 1.0, 33)[1:-1]
-"""Parts of the way between two samples, among which the nearest to an obstacle is sought."""
 
 
 @jit
@@ -218,16 +217,5 @@ class Linearised:
 
     def clearance(self, q: FloatArray) -> float:
         """The least clearance at q, less what a swept one may be below it, m."""
-        return float(self._clearances(q[None])[0]) - RESOLUTION
-
-    def nearest_between(self, q: FloatArray) -> float:
-        """The part of the way from the sample before to q where the arm comes nearest."""
-        Q = self.previous + LOOKS[:, None] * (q - self.previous)
-        return float(LOOKS[int(np.argmin(self._clearances(Q)))])
-
-    def _clearances(self, Q: FloatArray) -> FloatArray:
-        problem = self.problem
-        C, turns, *_ = problem.arm.constants
-        found, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
-        clearances(C, turns, Q, problem.obstacles, problem.links.rows, self._W, found, whose)
-        return found
+        found, _ = clearances_at(self.problem, q[None])
+        return float(found[0]) - RESOLUTION

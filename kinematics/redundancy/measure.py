@@ -15,10 +15,12 @@ from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.distances import clearances
 from kinematics.redundancy.kernel import workspace
 from kinematics.redundancy.link_points import link_ends
-from kinematics.redundancy.problem import Problem
+from kinematics.redundancy.problem import PathTolerance, Problem
 from kinematics.redundancy.sweep import RESOLUTION, swept_clearances
 from robots.robot import FloatArray
 
+LOOKS = np.linspace(0.0, 1.0, 33)[1:-1]
+"""Parts of the way between two samples, among which the nearest to an obstacle is sought."""
 SWEPT = 16
 """Intervals that are swept between two checkpoints."""
 
@@ -51,6 +53,13 @@ class Measures:
     step: FloatArray
     largest_step: float
 
+    def off_path(self, tolerance: PathTolerance) -> NDArray[np.bool_]:
+        """Which samples are beyond the tolerance, shape (n,)."""
+        return np.asarray(
+            (self.position_error > tolerance.position)
+            | (self.orientation_error > tolerance.orientation)
+        )
+
     @property
     def min_swept(self) -> float:
         """Least clearance at samples and between, m; inf without obstacles."""
@@ -79,6 +88,12 @@ def clearances_at(problem: Problem, Q: FloatArray) -> tuple[FloatArray, NDArray[
     Q = np.ascontiguousarray(Q)
     clearances(C, turns, Q, problem.obstacles, problem.links.rows, W, found, whose)
     return found, whose
+
+
+def nearest_part(problem: Problem, a: FloatArray, b: FloatArray) -> float:
+    """The part of the way from a to b, shape (K,), at which the arm comes nearest."""
+    found, _ = clearances_at(problem, a + LOOKS[:, None] * (b - a))
+    return float(LOOKS[int(np.argmin(found))])
 
 
 def ends_of_links(problem: Problem, Q: FloatArray) -> FloatArray:

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kinematics.inverse import IKOptions, IKStatus, Tolerance, solve_ik
+from kinematics.inverse import IKStatus
 from kinematics.redundancy.kernel import RANK_TOLERANCE
 from kinematics.redundancy.measure import Measures
 from kinematics.redundancy.methods.stop import Stop, StopReason
 from kinematics.redundancy.problem import TOUCH, Problem
+from kinematics.redundancy.reach import reach
 from robots.robot import FloatArray
 
 JUMP = 1.0
@@ -91,7 +91,7 @@ def judge(
         constrained: Whether the method keeps limits and clearance where it can.
     """
     N = problem.path.samples
-    failing = np.flatnonzero(_beyond(problem, measures))
+    failing = np.flatnonzero(measures.off_path(problem.tolerance))
     first_lost = int(failing[0]) if failing.size else (len(Q) if len(Q) < N else None)
     violations = _violations(problem, measures, first_lost, len(Q) < N)
     told = ""
@@ -152,7 +152,7 @@ def _reason(
             )
         away = _unreachable(problem, first_lost)
         jumped = not constrained and measures.largest_step > JUMP
-        if stop is not None or (jumped and _beyond(problem, measures)[-1]):
+        if stop is not None or (jumped and measures.off_path(problem.tolerance)[-1]):
             beyond = "" if away is None else f"; sample {away} is out of reach within the limits"
             return Reason.DIVERGED, (
                 f"the steps grew without bound after sample {first_lost}: up to"
@@ -193,14 +193,7 @@ def _never(problem: Problem) -> bool:
 
 
 def _reachable(problem: Problem, sample: int) -> bool:
-    arm = problem.arm
-    pose = np.eye(4)
-    pose[:3] = problem.path.targets[sample].reshape(3, 4)
-    tolerance = Tolerance(problem.tolerance.position, problem.tolerance.orientation)
-    options = IKOptions(tolerance, REACH_RESTARTS, 100, 0, REACH_SECONDS)
-    found = solve_ik(
-        arm.robot, pose, frame=arm.frame, task=arm.task, seed=problem.start, options=options
-    )
+    found = reach(problem, sample, problem.start, restarts=REACH_RESTARTS, seconds=REACH_SECONDS)
     return found.status is IKStatus.CONVERGED
 
 
@@ -210,18 +203,9 @@ def _unreachable(problem: Problem, first_lost: int) -> int | None:
     return next((k for k in (first_lost, last) if not _reachable(problem, k)), None)
 
 
-def _beyond(problem: Problem, measures: Measures) -> NDArray[np.bool_]:
-    """Which samples are beyond the tolerance, shape (n,)."""
-    tolerance = problem.tolerance
-    return np.asarray(
-        (measures.position_error > tolerance.position)
-        | (measures.orientation_error > tolerance.orientation)
-    )
-
-
 def _where(problem: Problem, measures: Measures, first_lost: int) -> str:
     """Which samples are lost: all from the first on, or so many, the path being found again."""
-    lost, N = _beyond(problem, measures), problem.path.samples
+    lost, N = measures.off_path(problem.tolerance), problem.path.samples
     count = int(lost.sum()) + N - len(lost)
     if first_lost + count == N:
         return f"from sample {first_lost} on"

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from lxml import etree
 
+from dh_to_urdf.documents.checks import UNSEEN
 from dh_to_urdf.errors import quoted
 from robots.errors import InvalidURDF
 from robots.urdf.caps import MAX_MAGNITUDE, MAX_NAME, MAX_NUMBER
@@ -19,10 +20,6 @@ _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _BLANKS = re.compile(r"[ \t\r\n]+")
 _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp", "Zs"})
 """Categories of characters that cannot be seen, turn the text round, end a line or look blank."""
-_UNSEEN = re.compile(
-    "[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]"
-)
-"""Fillers, selectors and blanks that Unicode counts among letters, marks and signs."""
 
 
 def name_of(element: Element, where: str) -> str:
@@ -46,7 +43,7 @@ def checked_name(name: str, where: str) -> str:
     if len(name) > MAX_NAME:
         raise InvalidURDF(f"{where} has a name of over {MAX_NAME} characters; shorten it")
     hidden = any(unicodedata.category(c) in _HIDDEN for c in name if c != " ")
-    if hidden or _UNSEEN.search(name):
+    if hidden or re.search(UNSEEN, name):
         raise InvalidURDF(
             f"{where} has the name {quoted(name)}, with control characters or others that cannot"
             " be seen; remove them"

@@ -17,6 +17,7 @@ import numpy as np
 
 from kinematics.redundancy.best_effort import best_effort, merit
 from kinematics.redundancy.linearised import Linearised
+from kinematics.redundancy.measure import nearest_part
 from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import PathOptions, Problem, departure
 from robots.robot import FloatArray
@@ -86,7 +87,7 @@ def advance(
         # A sample before that is too near itself cannot be helped.
         if model.swept(previous, q) >= min(d_safe, model.clearance(previous)):
             return q
-        between.append(model.nearest_between(q))
+        between.append(nearest_part(model.problem, previous, q))
         if need != model.least:
             need = max(need, model.in_between)
         model.look_between(np.array(between))

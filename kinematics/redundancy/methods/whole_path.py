@@ -15,15 +15,15 @@ import numpy as np
 
 from kinematics.deadline import Deadline, current
 from kinematics.errors import InvalidOption, MethodUnavailable
-from kinematics.inverse import IKOptions, IKStatus, Tolerance, solve_ik
+from kinematics.inverse import IKStatus
 from kinematics.redundancy.kernel import RANK_TOLERANCE
-from kinematics.redundancy.linearised import LOOKS
 from kinematics.redundancy.link_points import OFFSET, RADIUS, WHOLE
-from kinematics.redundancy.measure import clearances_at, measure, swept_between
+from kinematics.redundancy.measure import clearances_at, measure, nearest_part, swept_between
 from kinematics.redundancy.methods import damped, null_space, qp
 from kinematics.redundancy.methods.stop import Stop, StopReason
 from kinematics.redundancy.obstacles import BOX, CAPSULE, CIRCLE, HALF_SPACE, SPHERE
 from kinematics.redundancy.problem import TOUCH, PathOptions, Problem, departure
+from kinematics.redundancy.reach import reach
 from kinematics.redundancy.sweep import RESOLUTION
 from robots.robot import FloatArray
 
@@ -106,10 +106,9 @@ def kept_until(problem: Problem, Q: FloatArray) -> int:
 
     Error, clearance (swept from the sample before), limits and speeds, as the verdict sees them.
     """
-    measures, tolerance = measure(problem, Q), problem.tolerance
+    measures = measure(problem, Q)
     bad = (
-        (measures.position_error > tolerance.position)
-        | (measures.orientation_error > tolerance.orientation)
+        measures.off_path(problem.tolerance)
         | (measures.clearance < problem.d_safe)
         | (measures.limit_margin < -TOUCH)
     )
@@ -156,16 +155,12 @@ def _exhausted(work: Generator[int, None, Stop | None]) -> Stop | None:
 def _ends(problem: Problem) -> list[FloatArray]:
     """Configurations that reach the end and keep clear there, far from each other."""
     arm, rng = problem.arm, np.random.default_rng(0)
-    pose = np.eye(4)
-    pose[:3] = problem.path.targets[-1].reshape(3, 4)
-    tolerance = Tolerance(problem.tolerance.position, problem.tolerance.orientation)
-    options = IKOptions(tolerance, 0, 100, 0, 0.02)
     low, high = arm.chain.lower, arm.chain.upper
     found: list[FloatArray] = []
     for k in range(SEEDS):
         off = rng.normal(0.0, 0.5, arm.K) if k else np.zeros(arm.K)
         seed = arm.expanded(np.clip(problem.first + off, low, high)[None], problem.start)[0]
-        end = solve_ik(arm.robot, pose, frame=arm.frame, task=arm.task, seed=seed, options=options)
+        end = reach(problem, -1, seed, restarts=0, seconds=0.02)
         if end.status is IKStatus.CONVERGED:
             q = arm.reduced(end.q)
             clearance, _ = clearances_at(problem, q[None])
@@ -197,16 +192,10 @@ def _solved(
         clearance, _ = clearances_at(problem, solved)
         if not near.size or clearance[1:].min() < problem.d_safe or limit.deadline.left <= 0:
             break
-        between += [(int(k), _nearest_part(problem, solved[k], solved[k + 1])) for k in near]
+        between += [(int(k), nearest_part(problem, solved[k], solved[k + 1])) for k in near]
         program = _Program(casadi, problem, options, len(guess), tuple(between))
         solved = program.solve(solved, limit)
     return solved
-
-
-def _nearest_part(problem: Problem, a: FloatArray, b: FloatArray) -> float:
-    """The part of the way between two samples where the arm comes nearest."""
-    found, _ = clearances_at(problem, a + LOOKS[:, None] * (b - a))
-    return float(LOOKS[int(np.argmin(found))])
 
 
 class _Program:

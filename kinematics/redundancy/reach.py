@@ -1,0 +1,29 @@
+"""Inverse kinematics of a target of the path, apart from the way there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinematics.inverse import IKOptions, IKResult, Tolerance, solve_ik
+from kinematics.redundancy.problem import Problem
+from robots.robot import FloatArray
+
+
+def reach(
+    problem: Problem, sample: int, seed: FloatArray, *, restarts: int, seconds: float
+) -> IKResult:
+    """Solves for the target of a sample, within the limits and without its obstacles.
+
+    Args:
+        problem: With the path.
+        sample: Number of the target; -1 for the end.
+        seed: All joint values of the robot to start from, shape (dof,).
+        restarts: From other seeds, at most.
+        seconds: For all of it.
+    """
+    arm = problem.arm
+    pose = np.eye(4)
+    pose[:3] = problem.path.targets[sample].reshape(3, 4)
+    tolerance = Tolerance(problem.tolerance.position, problem.tolerance.orientation)
+    options = IKOptions(tolerance, restarts, 100, 0, seconds)
+    return solve_ik(arm.robot, pose, frame=arm.frame, task=arm.task, seed=seed, options=options)
