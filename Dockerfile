@@ -27,8 +27,8 @@ RUN --mount=type=cache,target=/var/cache/pip \
 # The page, in a layer that changes with its own sources only; the wheel takes it as it is.
 COPY hatch_build.py ./
 COPY web web
-RUN --mount=type=cache,target=/root/.npm \
-    mkdir app && python hatch_build.py
+RUN --mount=type=cache,target=/var/cache/npm \
+    mkdir app && npm_config_cache=/var/cache/npm python hatch_build.py
 
 COPY LICENSE README.md ./
 COPY dh_to_urdf dh_to_urdf

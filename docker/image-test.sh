@@ -185,11 +185,12 @@ PY
 
 # The same for npm: its registry, and the machine's certificates.
 make_npmrc() {
+  local home=~root
   {
     if command -v npm >/dev/null; then echo "registry=$(npm config get registry)"; fi
     echo cafile=/etc/ssl/certs/ca-certificates.crt
   } >"$work/npmrc"
-  mounts+=(--volume "$work/npmrc:/root/.npmrc:ro")
+  mounts+=(--volume "$work/npmrc:$home/.npmrc:ro")
 }
 
 # --- The tests ----------------------------------------------------------------------------------

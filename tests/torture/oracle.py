@@ -6,6 +6,7 @@ import io
 import json
 import os
 import re
+from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
@@ -35,7 +36,7 @@ LEAKS = (
     "uvicorn",
     "/home/",
     "/tmp/",
-    "/root/",
+    f"{Path('~root').expanduser()}/",
     '.py"',
     "object at 0x",
     "Expected `",
