@@ -12,10 +12,10 @@ from pydantic import ValidationError
 
 from app.access.keys import InvalidKeys, Scope, new_key
 from app.access.rates import InvalidRate
-from app.query import number
+from app.http.query import number
+from app.http.text import render_text
+from app.http.units import Units
 from app.settings import Settings
-from app.text import render_text
-from app.units import Units
 from dh_to_urdf import DHError, read_json, read_par, read_yaml
 from kinematics.errors import KinematicsError
 from robots.errors import RobotError, StorageError

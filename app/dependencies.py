@@ -11,14 +11,15 @@ from typing import Annotated, Any, TypeVar
 import msgspec
 from fastapi import Depends, Request
 
-from app.admission import Buffers, Lane, while_connected
+from app.admission.buffers import Buffers
+from app.admission.thread_pool import ThreadPool, while_connected
 from app.documents import robot_from_inline
-from app.problems import INVALID_REQUEST, TOO_LARGE, RequestProblem
+from app.http.problems import INVALID_REQUEST, TOO_LARGE, RequestProblem
+from app.http.strict_json import decode_json, refuse_doubled_keys
 from app.settings import Settings
-from app.strict_json import decode_json, refuse_doubled_keys
 from kinematics.symbolic import SymbolicWorkers
 from robots.robot import Robot
-from robots.storage.ledger import Quotas
+from robots.storage.usage_record import Quotas
 from robots.store import RobotStore, StoredRobot
 
 T = TypeVar("T")
@@ -88,16 +89,18 @@ class Services:
         self._stopping = threading.Event()
         self.buffers = Buffers(settings.max_buffered_bytes)
         queue = settings.max_waiting, settings.max_wait_seconds
-        self.compute = Lane("compute", settings.compute_threads, *queue)
-        self.load = Lane("load", LOADING_THREADS, *queue)
-        self.writing = Lane("writing", STORING_THREADS, *queue)
-        self.apart = Lane("apart", settings.symbolic_workers + WAITING_THREADS, *queue)
+        self.compute = ThreadPool("compute", settings.compute_threads, *queue)
+        self.load = ThreadPool("load", LOADING_THREADS, *queue)
+        self.writing = ThreadPool("writing", STORING_THREADS, *queue)
+        self.out_of_process = ThreadPool(
+            "out_of_process", settings.symbolic_workers + WAITING_THREADS, *queue
+        )
 
     def close(self) -> None:
         """Ends what still runs, and what goes on besides requests."""
         self._stopping.set()
-        for lane in (self.compute, self.load, self.writing, self.apart):
-            lane.close()
+        for pool in (self.compute, self.load, self.writing, self.out_of_process):
+            pool.close()
         self.symbolic.close()
 
     async def computed(self, call: Callable[[], T], request: Request) -> T:
@@ -105,14 +108,17 @@ class Services:
 
         Raises:
             RequestProblem: 503, too many are at work or wait.
-            Unwanted: The client went away.
+            Cancelled: The client went away.
         """
         seconds = self.settings.max_request_seconds
-        async with self.compute.visit(seconds) as visit, while_connected(request, visit):
-            return await visit.run(call)
+        async with (
+            self.compute.admission(seconds) as admission,
+            while_connected(request, admission),
+        ):
+            return await admission.run(call)
 
     async def loaded(self, call: Callable[[], T]) -> T:
-        """Reads robots in a thread: a lane of its own, not held up by computations.
+        """Reads robots in a thread: a pool of its own, not held up by computations.
 
         Raises:
             RequestProblem: 503, too many are at work or wait.

@@ -8,9 +8,9 @@ from typing import Any
 
 from fastapi import Request
 
-from app.problems import INVALID_REQUEST, RequestProblem
-from app.query import check_query
-from app.wire import media_type, unsupported
+from app.http.negotiation import media_type, unsupported
+from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.query import check_query
 from dh_to_urdf import (
     DHError,
     Problem,

@@ -12,15 +12,17 @@ from typing import Any
 from anyio.to_thread import run_sync
 from fastapi import FastAPI
 
-from app import admission, docs, page, problems
+from app import docs, page
 from app.access.wiring import describe, protect
-from app.connections import STATE, ConnectionGuard, ConnectionLimits
+from app.admission import thread_pool as admission
 from app.dependencies import Services
-from app.openapi import build_openapi
+from app.http import problems
+from app.middleware.request_line import RequestLine
+from app.openapi.document import build_openapi
 from app.readiness import Readiness, ReadinessReport
-from app.rehearsal import rehearse
-from app.request_line import RequestLine
 from app.routes import compute, convert, diff, health, meshes, metrics, robots, tables
+from app.serving.connections import STATE, ConnectionGuard, ConnectionLimits
+from app.serving.warm_up import rehearse
 from app.settings import Settings
 from app.telemetry.metrics import Metrics, shared_directory
 from app.telemetry.observed import Observed

@@ -10,7 +10,7 @@ from importlib.resources.abc import Traversable
 from fastapi import FastAPI, Request, Response
 from starlette.exceptions import HTTPException
 
-from app.wire import HTML
+from app.http.negotiation import HTML
 
 TYPES = {
     ".html": f"{HTML}; charset=utf-8",

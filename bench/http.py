@@ -219,7 +219,7 @@ def cold_starts() -> list[Row]:
 def serving(workers: int) -> Iterator[None]:
     command = [sys.executable, "-m", "uvicorn", "--factory", "bench.http:application"]
     options = ["--port", str(PORT), "--workers", str(workers), "--log-level", "warning"]
-    guarded = ["--http", "app.connections:GuardedProtocol", "--ws", "none"]
+    guarded = ["--http", "app.serving.connections:GuardedProtocol", "--ws", "none"]
     server = subprocess.Popen([*command, *options, *guarded], env={**os.environ, **PROTECTED})
     try:
         wait()

@@ -12,10 +12,10 @@ import numpy as np
 from bench.pairs import Row
 from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.clearance.obstacles import CircleObstacle, encoded
 from kinematics.redundancy.follow import followed
 from kinematics.redundancy.methods import METHODS
-from kinematics.redundancy.obstacles import CircleObstacle, encoded
-from kinematics.redundancy.path import Sampling, polyline
+from kinematics.redundancy.path.geometry import Sampling, polyline
 from kinematics.redundancy.problem import PathOptions, Problem
 from kinematics.task import task_from
 from robots.shipped import shipped_robot

@@ -38,7 +38,7 @@ def link_matrix(row: DHRow, convention: Convention, v: ArrayLike) -> Matrix:
         Shape S + (4, 4).
     """
     v = np.asarray(v, dtype=np.float64)
-    theta = v if row.type.turns else np.full(v.shape, row.theta)
+    theta = v if row.type.is_revolute else np.full(v.shape, row.theta)
     d = v if row.type is JointType.PRISMATIC else np.full(v.shape, row.d)
     ct, st = np.cos(theta), np.sin(theta)
     ca, sa = np.cos(row.alpha), np.sin(row.alpha)

@@ -38,7 +38,7 @@ class JointType(StrEnum):
     FIXED = "fixed"
 
     @property
-    def turns(self) -> bool:
+    def is_revolute(self) -> bool:
         """True where the joint variable is an angle."""
         return self in (JointType.REVOLUTE, JointType.CONTINUOUS)
 

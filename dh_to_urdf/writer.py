@@ -143,13 +143,13 @@ class _Writer:
 
     def _radius(self) -> float:
         lengths = [abs(x) for row in self.table.rows for x in (row.a, row.d, row.b)]
-        lengths += [abs(row.offset) for row in self.table.rows if not row.type.turns]
+        lengths += [abs(row.offset) for row in self.table.rows if not row.type.is_revolute]
         total = sum(lengths) + float(np.linalg.norm(self.table.tool[:3, 3]))
         return 0.025 * total / max(1, len(self.table.rows)) + 0.005 * total or 0.01
 
     def _draw_standard(self, link: ET.Element, row: DHRow) -> None:
         """In link_k: up z_{k-1} by d, then along x_k by a."""
-        theta = row.offset if row.type.turns else row.theta
+        theta = row.offset if row.type.is_revolute else row.theta
         d = row.offset if row.type is JointType.PRISMATIC else row.d
         self._draw_joint(link, row, np.eye(4))
         self._draw_rod(link, "d", from_xyz_rpy((0, 0, 0), (0, 0, 0)), d)
@@ -179,7 +179,7 @@ class _Writer:
         self._draw_rod(link, "a", from_xyz_rpy((0, 0, 0), (0, pitch, yaw)), length)
 
     def _draw_joint(self, link: ET.Element, row: DHRow, T: Matrix) -> None:
-        if row.type.turns:
+        if row.type.is_revolute:
             self._cylinder(link, "joint", T, 1.6 * self.radius, 3.0 * self.radius)
 
     def _draw_rod(self, link: ET.Element, label: str, T: Matrix, length: float) -> None:

@@ -27,14 +27,14 @@ class Chain:
     Attributes:
         placements: C_0 … C_K, each the upper three rows of a 4x4 matrix, row by row; shape
             (K + 1, 12).
-        turns: True for an angle, False for a length; shape (K,).
+        is_revolute: True for an angle, False for a length; shape (K,).
         columns: Entry of q of each joint; shape (K,).
         lower: Lower limits, -inf where none; shape (K,).
         upper: Upper limits, inf where none; shape (K,).
     """
 
     placements: FloatArray
-    turns: NDArray[np.bool_]
+    is_revolute: NDArray[np.bool_]
     columns: NDArray[np.intp]
     lower: FloatArray
     upper: FloatArray
@@ -52,7 +52,7 @@ class Chain:
         infinite where a prismatic joint has no limit.
         """
         links = np.linalg.norm(self.placements[1:, [3, 7, 11]], axis=1).sum()
-        extents = np.maximum(np.abs(self.lower), np.abs(self.upper))[~self.turns].sum()
+        extents = np.maximum(np.abs(self.lower), np.abs(self.upper))[~self.is_revolute].sum()
         return float(links + extents)
 
 
@@ -93,7 +93,7 @@ def _build(robot: Robot, tree: Tree, frame: str) -> Chain:
     columns = np.array([tree.joints[index].column for index in indices], dtype=np.intp)
     return Chain(
         placements=np.array([T[:3].reshape(12) for T in placements]),
-        turns=np.array([tree.joints[index].turns for index in indices], dtype=bool),
+        is_revolute=np.array([tree.joints[index].is_revolute for index in indices], dtype=bool),
         columns=columns,
         lower=robot.lower[columns],
         upper=robot.upper[columns],

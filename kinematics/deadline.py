@@ -23,7 +23,7 @@ SVD_NUMBERS = 50_000
 """Numbers of the matrices that are decomposed between two checkpoints."""
 
 
-class Unwanted(Exception):
+class Cancelled(Exception):
     """Nobody waits for the result."""
 
 
@@ -60,16 +60,16 @@ class Deadline:
         """Goes on where somebody waits, whatever the time.
 
         Raises:
-            Unwanted: Nobody does.
+            Cancelled: Nobody does.
         """
         if self.is_dropped:
-            raise Unwanted
+            raise Cancelled
 
     def check(self) -> None:
         """Goes on where somebody waits and there is time left.
 
         Raises:
-            Unwanted: Nobody waits.
+            Cancelled: Nobody waits.
             OutOfTime: The time is up.
         """
         self.check_wanted()

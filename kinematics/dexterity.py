@@ -44,7 +44,7 @@ class Dexterity:
 
 def dexterity(
     J: FloatArray,
-    turns: NDArray[np.bool_],
+    is_revolute: NDArray[np.bool_],
     task: Task,
     length: float,
     tolerance: float = RANK_TOLERANCE,
@@ -53,7 +53,7 @@ def dexterity(
 
     Args:
         J: Shape (rows, dof) or (n, rows, dof).
-        turns: True for the columns of joints that turn, shape (dof,).
+        is_revolute: True for the columns of joints that turn, shape (dof,).
         task: Says which rows they are.
         length: L, m.
         tolerance: A singular value below ``tolerance * max(1, largest)`` counts as zero.
@@ -67,7 +67,7 @@ def dexterity(
         )
     scale = np.ones(len(task.rows))
     scale[: len(task.positions)] = 1.0 / length
-    homogeneous = J * scale[:, None] * np.where(turns, 1.0, length)
+    homogeneous = J * scale[:, None] * np.where(is_revolute, 1.0, length)
     sigma: FloatArray = svd(homogeneous, compute_uv=False)
     regular = rank_of(sigma, tolerance) == sigma.shape[-1]
     smallest = np.where(regular, sigma[..., -1], 1.0)
@@ -107,7 +107,7 @@ def _mean_squares(chain: Chain) -> list[float]:
     moments = _moved(moments, chain.placements[-1])
     found = []
     for k in range(chain.length - 1, -1, -1):
-        if chain.turns[k]:
+        if chain.is_revolute[k]:
             square = moments[0, 0] + moments[1, 1]
             found.append(float(square))
             turned = np.diag([square / 2, square / 2, moments[2, 2], 1.0])

@@ -23,11 +23,11 @@ def null_motion_in_words(robot: Robot, motion: FloatArray, J: FloatArray) -> str
     moving = np.flatnonzero(np.abs(motion) > 1e-6 * np.abs(motion).max())
     names = [robot.joints[k].name for k in moving]
     if len(moving) == 1:
-        verb = "turns" if robot.turns[moving[0]] else "slides"
+        verb = "turns" if robot.is_revolute[moving[0]] else "slides"
         return f"joint {names[0]} {verb} alone and does nothing to the task"
-    verb = "turn" if robot.turns[moving].all() else "move"
+    verb = "turn" if robot.is_revolute[moving].all() else "move"
     listed = f"joints {_listed(names)}"
-    if len(moving) == 2 and robot.turns[moving].all():
+    if len(moving) == 2 and robot.is_revolute[moving].all():
         turning = J[3:, moving] * motion[moving]
         if np.linalg.norm(turning.sum(axis=1)) <= 1e-6 * np.linalg.norm(turning[:, 0]):
             return f"{listed} turn against each other and do nothing to the task"

@@ -112,5 +112,5 @@ def _many(robot: Robot, q: FloatArray, name: str) -> FloatArray:
     out = np.empty((len(q), 16))
     memory = np.empty(K), np.empty((K, 6))
     q = writable(q)
-    forward_many(chain.placements, chain.turns, chain.columns, q, *memory, out)
+    forward_many(chain.placements, chain.is_revolute, chain.columns, q, *memory, out)
     return out.reshape(-1, 4, 4)

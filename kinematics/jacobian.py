@@ -146,7 +146,7 @@ def _many(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFra
     poses, J = np.empty((len(q), 16)), np.zeros((len(q), 6, robot.dof))
     memory = np.empty(K), np.empty((K, 6))
     q = writable(q)
-    jacobian_many(chain.placements, chain.turns, chain.columns, q, *memory, poses, J)
+    jacobian_many(chain.placements, chain.is_revolute, chain.columns, q, *memory, poses, J)
     return _expressed(J, poses.reshape(-1, 4, 4), reference_frame)
 
 

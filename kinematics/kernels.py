@@ -50,12 +50,14 @@ def sines_and_cosines(q: Array, sines: Array, cosines: Array) -> None:
 
 
 @jit
-def forward(C: Array, turns: Array, q: Array, trig: Array, Z: Array, O: Array, T: Array) -> None:
+def forward(
+    C: Array, is_revolute: Array, q: Array, trig: Array, Z: Array, O: Array, T: Array
+) -> None:
     """Poses along a chain, in the terms of :class:`kinematics.chain.Chain`.
 
     Args:
         C: Constant placements, shape (K + 1, 12): upper three rows of 4x4 matrices.
-        turns: Nonzero for an angle, shape (K,).
+        is_revolute: Nonzero for an angle, shape (K,).
         q: Joint values, shape (K,).
         trig: Memory, shape (2 K,).
         Z: Filled with the axes of the joints, shape (K, 3).
@@ -69,7 +71,7 @@ def forward(C: Array, turns: Array, q: Array, trig: Array, Z: Array, O: Array, T
     r10, r11, r12, p1 = C[0, 4], C[0, 5], C[0, 6], C[0, 7]
     r20, r21, r22, p2 = C[0, 8], C[0, 9], C[0, 10], C[0, 11]
     for k in range(K):
-        if turns[k]:
+        if is_revolute[k]:
             c, s = cosines[k], sines[k]
             r00, r01 = c * r00 + s * r01, c * r01 - s * r00
             r10, r11 = c * r10 + s * r11, c * r11 - s * r10
@@ -103,13 +105,13 @@ def forward(C: Array, turns: Array, q: Array, trig: Array, Z: Array, O: Array, T
 
 @jit
 def forward_many(
-    C: Array, turns: Array, columns: Array, Q: Array, q: Array, W: Array, out: Array
+    C: Array, is_revolute: Array, columns: Array, Q: Array, q: Array, W: Array, out: Array
 ) -> None:
     """Poses at many configurations.
 
     Args:
         C: Constant placements, shape (K + 1, 12).
-        turns: Shape (K,).
+        is_revolute: Shape (K,).
         columns: Entry of a configuration for each joint, shape (K,).
         Q: Configurations, shape (n, dof).
         q: Memory, shape (K,).
@@ -120,20 +122,20 @@ def forward_many(
     for i in range(len(Q)):
         for k in range(len(columns)):
             q[k] = Q[i, columns[k]]
-        forward(C, turns, q, trig, W[:, 0:3], W[:, 3:6], out[i])
+        forward(C, is_revolute, q, trig, W[:, 0:3], W[:, 3:6], out[i])
         out[i, 12] = out[i, 13] = out[i, 14] = 0.0
         out[i, 15] = 1.0
 
 
 @jit
 def jacobian_many(
-    C: Array, turns: Array, columns: Array, Q: Array, q: Array, W: Array, T: Array, out: Array
+    C: Array, is_revolute: Array, columns: Array, Q: Array, q: Array, W: Array, T: Array, out: Array
 ) -> None:
     """Geometric Jacobians at the frame's origin in base axes, at many configurations.
 
     Args:
         C: Constant placements, shape (K + 1, 12).
-        turns: Shape (K,).
+        is_revolute: Shape (K,).
         columns: Entry of a configuration for each joint, shape (K,).
         Q: Configurations, shape (n, dof).
         q: Memory, shape (K,).
@@ -145,13 +147,13 @@ def jacobian_many(
     for i in range(len(Q)):
         for k in range(len(columns)):
             q[k] = Q[i, columns[k]]
-        forward(C, turns, q, trig, W[:, 0:3], W[:, 3:6], T[i])
+        forward(C, is_revolute, q, trig, W[:, 0:3], W[:, 3:6], T[i])
         T[i, 12] = T[i, 13] = T[i, 14] = 0.0
         T[i, 15] = 1.0
         for k in range(len(columns)):
             j = columns[k]
             zx, zy, zz = W[k, 0], W[k, 1], W[k, 2]
-            if turns[k]:
+            if is_revolute[k]:
                 dx, dy, dz = T[i, 3] - W[k, 3], T[i, 7] - W[k, 4], T[i, 11] - W[k, 5]
                 out[i, 0, j] = zy * dz - zz * dy
                 out[i, 1, j] = zz * dx - zx * dz

@@ -113,7 +113,7 @@ def unit_warnings(robot: Robot, task: Task) -> tuple[str, ...]:
     """What to keep in mind of measures of a robot in a task."""
     found = []
     mixed = bool(task.positions) and bool(task.rotations)
-    if mixed or (robot.turns.any() and not robot.turns.all()):
+    if mixed or (robot.is_revolute.any() and not robot.is_revolute.all()):
         found.append(
             "manipulability and condition number mix metres and radians; compare them only on the"
             " same robot and task, or choose a task such as position"

@@ -24,14 +24,14 @@ class Skeleton:
             goes along the common normal and along the axis, as ``a`` and ``d`` are measured.
         origins: A point on each joint axis, in the order of q, shape (dof, 3), m.
         axes: Unit vectors of the joint axes, shape (dof, 3).
-        turns: True for an angle, shape (dof,).
+        is_revolute: True for an angle, shape (dof,).
     """
 
     frames: dict[str, FloatArray]
     bones: tuple[FloatArray, ...]
     origins: FloatArray
     axes: FloatArray
-    turns: NDArray[np.bool_]
+    is_revolute: NDArray[np.bool_]
 
     @property
     def points(self) -> FloatArray:
@@ -57,7 +57,7 @@ def skeleton_of(robot: Robot, q: FloatArray) -> Skeleton:
     table = robot.table
     bones = _bones_of_table(table, frames) if table else _bones_of_links(robot, frames)
     origins, axes = _joints(robot, q)
-    return Skeleton(frames, bones, origins, axes, robot.turns)
+    return Skeleton(frames, bones, origins, axes, robot.is_revolute)
 
 
 def _bones_of_table(table: DHTable, frames: dict[str, FloatArray]) -> tuple[FloatArray, ...]:
@@ -96,7 +96,7 @@ def _joints(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     poses: list[FloatArray] = []
     for joint in tree.joints:
         parent = poses[joint.parent] if joint.parent >= 0 else np.eye(4)
-        poses.append(parent @ joint.placement @ _motion(joint.turns, float(q[joint.column])))
+        poses.append(parent @ joint.placement @ _motion(joint.is_revolute, float(q[joint.column])))
     base = (poses[index] if index >= 0 else np.eye(4)) @ placement
     inverse = np.linalg.inv(base)
     origins, axes = np.empty((robot.dof, 3)), np.empty((robot.dof, 3))
@@ -106,9 +106,9 @@ def _joints(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     return origins, axes
 
 
-def _motion(turns: bool, value: float) -> FloatArray:
+def _motion(is_revolute: bool, value: float) -> FloatArray:
     T = np.eye(4)
-    if turns:
+    if is_revolute:
         c, s = np.cos(value), np.sin(value)
         T[:2, :2] = [[c, -s], [s, c]]
     else:

@@ -22,13 +22,13 @@ class TreeJoint:
         column: Its entry of q.
         parent: Index of the preceding moving joint in the tree, -1 for the root.
         placement: Placement of the joint, its z along the axis, in the parent's joint, 4x4.
-        turns: True for an angle.
+        is_revolute: True for an angle.
     """
 
     column: int
     parent: int
     placement: FloatArray
-    turns: bool
+    is_revolute: bool
 
 
 @dataclass(frozen=True)
@@ -75,11 +75,11 @@ def build_tree(robot: Robot) -> Tree:
         column = column_of[joint_id]
         motion = pin.computeJointJacobian(model, data, neutral, joint_id).reshape(6, -1)
         subspace = motion[:, model.joints[joint_id].idx_v]
-        turns = bool(robot.turns[column])
-        alignment = _z_onto(subspace[3:] if turns else subspace[:3])
+        is_revolute = bool(robot.is_revolute[column])
+        alignment = _z_onto(subspace[3:] if is_revolute else subspace[:3])
         parent = int(model.parents[joint_id])
         placement = alignments[parent].T @ model.jointPlacements[joint_id].homogeneous @ alignment
-        joints.append(TreeJoint(column, parent - 1, placement, turns))
+        joints.append(TreeJoint(column, parent - 1, placement, is_revolute))
         alignments.append(alignment)
     frames = {}
     for name in robot.frames:

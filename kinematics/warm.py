@@ -11,12 +11,12 @@ from kinematics.inverse.all_solutions import all_solutions
 from kinematics.inverse.bounds import JointBounds
 from kinematics.jacobian import jacobian
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.distances import pair_distance
+from kinematics.redundancy.clearance.distances import pair_distance
+from kinematics.redundancy.clearance.obstacles import Sphere, encoded
 from kinematics.redundancy.follow import followed
 from kinematics.redundancy.measure import ends_of_links
 from kinematics.redundancy.methods import METHODS
-from kinematics.redundancy.obstacles import Sphere, encoded
-from kinematics.redundancy.path import Sampling, polyline
+from kinematics.redundancy.path.geometry import Sampling, polyline
 from kinematics.redundancy.problem import Gains, PathOptions, Problem
 from kinematics.task import POSE
 from robots.robot import Robot

@@ -81,7 +81,7 @@ def drawn_bounds(
         joint = robot.joints[k]
         if math.isfinite(lower[k]) and math.isfinite(upper[k]):
             continue
-        if not joint.type.turns:
+        if not joint.type.is_revolute:
             raise InvalidOption(
                 f"joint {joint.name} slides without limits; give it lower and upper", "/robot"
             )

@@ -94,9 +94,9 @@ class Robot:
         return np.array([np.inf if j.upper is None else j.upper for j in self.joints])
 
     @cached_property
-    def turns(self) -> NDArray[np.bool_]:
+    def is_revolute(self) -> NDArray[np.bool_]:
         """True where an entry of q is an angle; shape (dof,)."""
-        return np.array([joint.type.turns for joint in self.joints])
+        return np.array([joint.type.is_revolute for joint in self.joints])
 
     @cached_property
     def velocity_columns(self) -> NDArray[np.intp]:

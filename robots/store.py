@@ -33,7 +33,6 @@ from robots.robot import Robot
 from robots.shipped import is_shipped, shipped_file, shipped_ids, shipped_robot
 from robots.storage.directory import RobotDirectory
 from robots.storage.durable import storage_errors
-from robots.storage.ledger import Quotas, Usage
 from robots.storage.memory import RobotMemory, weight_of
 from robots.storage.stored_file import (
     FAULTS,
@@ -46,6 +45,7 @@ from robots.storage.stored_file import (
     read_file,
     read_head,
 )
+from robots.storage.usage_record import Quotas, Usage
 
 ANY: Final = "*"
 T = TypeVar("T")
@@ -105,8 +105,11 @@ class RobotStore:
         self._summaries: dict[str, tuple[Signature, RobotSummary]] = {}
         self._unusable: dict[str, int | None] = {}
         self._merged: tuple[tuple[str, ...] | None, tuple[str, ...]] = (None, ())
-        with suppress(StorageError), self._directory.turn(_STARTING_PATIENCE) as turn:
-            turn.recover()
+        with (
+            suppress(StorageError),
+            self._directory.write_transaction(_STARTING_PATIENCE) as transaction,
+        ):
+            transaction.recover()
 
     def ids(self) -> tuple[str, ...]:
         """Ids of all robots, sorted.
@@ -139,8 +142,8 @@ class RobotStore:
         Raises:
             StorageError: The directory cannot be used.
         """
-        with self._directory.turn() as turn:
-            return turn.usage
+        with self._directory.write_transaction() as transaction:
+            return transaction.usage
 
     def summary(self, robot_id: str) -> RobotSummary:
         """What a list shows of a robot, which is not built for it; the file's checksum is verified.
@@ -238,12 +241,12 @@ class RobotStore:
         content = encode(robot)
         named = _revisions(if_match, if_none_match)
         self._warm(robot_id, named)
-        with self._directory.turn() as turn:
+        with self._directory.write_transaction() as transaction:
             current = self._state(robot_id, named)
             if create_only and current is not None:
                 raise RobotExists(robot_id)
             _check_revision(robot_id, current, if_match, if_none_match)
-            turn.write(robot_id, content)
+            transaction.write(robot_id, content)
         return StoredRobot(robot_id, robot, False, robot.name), current is None
 
     def delete(
@@ -265,11 +268,11 @@ class RobotStore:
             raise ReadOnlyRobot(robot_id)
         named = _revisions(if_match, if_none_match)
         self._warm(robot_id, named)
-        with self._directory.turn() as turn:
+        with self._directory.write_transaction() as transaction:
             current = self._state(robot_id, named)
             if current is not None:
                 _check_revision(robot_id, current, if_match, if_none_match)
-                turn.remove(robot_id)
+                transaction.remove(robot_id)
         self._memory.forget(robot_id)
         self._summaries.pop(robot_id, None)
         if current is None:
@@ -347,11 +350,11 @@ class RobotStore:
     def _set_aside(self, robot_id: str, read: Callable[[str], T | None], fault: str) -> T | None:
         """Moves a broken file to quarantine, unless another process was first or replaced it."""
         try:
-            with self._directory.turn(_READERS_PATIENCE) as turn:
+            with self._directory.write_transaction(_READERS_PATIENCE) as transaction:
                 try:
                     return read(robot_id)
                 except BrokenFile as error:
-                    turn.set_aside(robot_id, error.reason)
+                    transaction.set_aside(robot_id, error.reason)
         except StorageError:
             raise UnusableFile(fault) from None
         return None

@@ -8,7 +8,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from app.access.keys import Key, KeyRing
 from app.access.keys import Scope as KeyScope
 from app.access.rates import RateLimits, Standing, network_of
-from app.problems import FORBIDDEN, TOO_MANY, UNAUTHORISED, ProblemType, problem_response
+from app.http.problems import FORBIDDEN, TOO_MANY, UNAUTHORISED, ProblemType, problem_response
 from dh_to_urdf import Problem
 
 OPEN = ("/", "/docs", "/openapi.json", "/favicon.ico")

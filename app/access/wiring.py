@@ -12,9 +12,9 @@ from app.access.control import AccessControl
 from app.access.headers import SafeHeaders
 from app.access.keys import KeyRing, read_keys
 from app.access.rates import RateLimits
-from app.admission import BodyBudget
-from app.middleware import RequestId
-from app.openapi import PROBLEMS
+from app.admission.buffers import BodyBudget
+from app.middleware.request_id import RequestId
+from app.openapi.document import PROBLEMS
 from app.settings import Settings
 
 READABLE = (

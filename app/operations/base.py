@@ -9,12 +9,12 @@ from typing import Annotated, Any, TypeAlias
 import msgspec
 import numpy as np
 
+from app.http.negotiation import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT
+from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.strict_json import PIECE, RowLengthError, decode_json, decode_numbers, decode_rows
+from app.http.units import Units
 from app.operations.schema import TASK, one_of
-from app.problems import INVALID_REQUEST, RequestProblem
 from app.settings import Settings
-from app.strict_json import PIECE, OddRow, decode_json, decode_numbers, decode_rows
-from app.units import Units
-from app.wire import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT
 from dh_to_urdf.errors import escaped, quoted
 from kinematics.configuration import configuration, configuration_by_name
 from kinematics.jacobian import ReferenceFrame
@@ -142,8 +142,8 @@ class Operation:
         rehearsed: Whether to send the example once as the service starts.
         array_field: Field that a body of type npy stands for, if there is one.
         forms: Media types of the answer, the default first, where they are not the usual ones.
-        apart: Whether another process does the work, so that waiting for it takes no compute
-            thread.
+        out_of_process: Whether another process does the work, so that waiting for it takes no
+            compute thread.
         pictured: Whether the answer has a picture.
         tabular: Whether the answer is a table that CSV can hold, and no array.
         extras: Whether part of it needs a package that may not be installed.
@@ -163,7 +163,7 @@ class Operation:
     quick: Callable[[Robot, Any, Context], Answer | None] | None = None
     rehearsed: bool = True
     forms: tuple[str, ...] = ()
-    apart: bool = False
+    out_of_process: bool = False
     tabular: bool = False
     pictured: bool = False
     extras: bool = False
@@ -315,7 +315,7 @@ def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str, most: int) -> Any:
     if text[1:64].lstrip()[:1] == b"[":
         try:
             return decode_rows(text, pointer, robot.dof, most)
-        except OddRow as odd:
+        except RowLengthError as odd:
             return configuration(robot, odd.row, f"{pointer}/{odd.index}")
     return decode_numbers(text, pointer)
 

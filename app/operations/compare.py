@@ -16,9 +16,9 @@ from app.operations.schema import METHOD, items
 from app.pictures.path_figure import path_figure
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.compare import compared
+from kinematics.redundancy.judging.summary import summary
 from kinematics.redundancy.methods import METHODS, method_from
-from kinematics.redundancy.retimed import retimed
-from kinematics.redundancy.summary import summary
+from kinematics.redundancy.timing.result import retimed
 from robots.robot import Robot
 
 MAX_METHODS = 16

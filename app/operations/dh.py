@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
+from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.base import (
     UNITS_SCHEMA,
     Answer,
@@ -14,7 +15,6 @@ from app.operations.base import (
     check_size,
     read_configuration,
 )
-from app.problems import INVALID_REQUEST, RequestProblem
 from dh_to_urdf import dh_matrices
 from robots.robot import Robot
 

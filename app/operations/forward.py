@@ -8,6 +8,9 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 
+from app.http.negotiation import JSON
+from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.units import Units
 from app.operations.base import (
     UNITS_SCHEMA,
     Answer,
@@ -19,9 +22,6 @@ from app.operations.base import (
     read_configuration,
 )
 from app.operations.schema import EULER
-from app.problems import INVALID_REQUEST, RequestProblem
-from app.units import Units
-from app.wire import JSON
 from kinematics.forward import fk, poses
 from kinematics.orientation import euler_angles, parse_sequence, quaternion_xyzw, rpy
 from robots.robot import FloatArray, Robot

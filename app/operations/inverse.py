@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import msgspec
 
+from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.base import (
     LIGHT_DOF,
     NOT_GIVEN,
@@ -29,7 +30,6 @@ from app.operations.schema import (
     within,
 )
 from app.operations.targets import TARGET_QUERY, Target, TargetBatch, read_targets
-from app.problems import INVALID_REQUEST, RequestProblem
 from dh_to_urdf.errors import quoted
 from kinematics.compiled import COMPILED
 from kinematics.inverse import (

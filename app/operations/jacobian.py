@@ -6,6 +6,7 @@ from typing import Annotated
 
 import msgspec
 
+from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.base import (
     UNITS_SCHEMA,
     Answer,
@@ -21,7 +22,6 @@ from app.operations.base import (
     read_reference_frame,
 )
 from app.operations.schema import EULER
-from app.problems import INVALID_REQUEST, RequestProblem
 from kinematics.configuration import joint_names
 from kinematics.jacobian import ReferenceFrame, analytic_jacobian, jacobian
 from kinematics.orientation import parse_sequence

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 import msgspec
 
+from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.base import (
     UNITS_SCHEMA,
     Answer,
@@ -19,7 +20,6 @@ from app.operations.base import (
 )
 from app.operations.schema import items, within
 from app.pictures.map_figure import heat_figure, workspace_figure
-from app.problems import INVALID_REQUEST, RequestProblem
 from kinematics.manipulability_map import MAX_SAMPLES, MIN_SAMPLES, manipulability_map
 from kinematics.task import task_from
 from kinematics.workspace import MAX_POINTS, workspace
@@ -110,10 +110,10 @@ def _map(robot: Robot, request: MapRequest, context: Context) -> Answer:
     task = task_from(request.task)
     first, second = request.joints
     found = manipulability_map(robot, q, (first, second), request.samples, task, request.frame)
-    turns = {joint.name: joint.type.turns for joint in robot.joints}
+    is_revolute = {joint.name: joint.type.is_revolute for joint in robot.joints}
     units = context.units
     x, y = (
-        units.angles_out(values) if turns[name] else values
+        units.angles_out(values) if is_revolute[name] else values
         for name, values in zip(found.joints, (found.x, found.y), strict=True)
     )
     frame = request.frame or robot.tip_frame
@@ -129,7 +129,8 @@ def _map(robot: Robot, request: MapRequest, context: Context) -> Answer:
         "warnings": list(found.assumed),
     }
     names = [
-        f"{name[:40]} [{units.named['angle'] if turns[name] else 'm'}]" for name in found.joints
+        f"{name[:40]} [{units.named['angle'] if is_revolute[name] else 'm'}]"
+        for name in found.joints
     ]
     title = f"{robot.name[:40]}: manipulability, {task.name}"
 

@@ -100,7 +100,7 @@ def _run(robot: Robot, request: NearestSingularityRequest, context: Context) -> 
 
 
 def _view(robot: Robot, one: SingularAlongJoint, context: Context) -> dict[str, Any]:
-    degrees = context.units.degrees and robot.turns[one.column]
+    degrees = context.units.degrees and robot.is_revolute[one.column]
     scale = 180.0 / np.pi if degrees else 1.0
     return {
         "joint": robot.joints[one.column].name,

@@ -12,16 +12,16 @@ import numpy as np
 from app.operations.base import UNITS_SCHEMA, Answer, Context, Numbers, Operation
 from app.operations.path_fields import PathScenario, read_options, read_problem
 from app.operations.path_links import LinkPart, told_of_links
-from app.operations.retime import RetimedMotion, motion_samples, read_retime, told_of_timing
+from app.operations.retime import RetimedMotion, motion_samples, read_retime, timing_view
 from app.operations.schema import METHOD
 from app.operations.targets import TARGET_QUERY
 from app.pictures.path_figure import path_figure
 from kinematics.configuration import joint_names
 from kinematics.redundancy.follow import PathResult, follow, followed
+from kinematics.redundancy.judging.summary import summary
 from kinematics.redundancy.measure import clearances_at, errors_at
 from kinematics.redundancy.methods import METHODS, method_from
-from kinematics.redundancy.retimed import retimed
-from kinematics.redundancy.summary import summary
+from kinematics.redundancy.timing.result import retimed
 from robots.robot import FloatArray, Robot
 
 
@@ -106,7 +106,7 @@ def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
         **told_of_links(problem),
         "retimed": None
         if motion is None
-        else told_of_timing(robot, motion, problem.arm, context)
+        else timing_view(robot, motion, problem.arm, context)
         | motion_samples(robot, motion, context),
     }
     title = f"{robot.name}: {result.method}"
@@ -171,7 +171,7 @@ def _stream(robot: Robot, request: PathRequest, context: Context) -> Iterator[li
     told = {**judged(robot, result, context), **told_of_links(problem), "retimed": None}
     if timing is not None:
         motion = retimed(result, timing)
-        told["retimed"] = told_of_timing(robot, motion, problem.arm, context)
+        told["retimed"] = timing_view(robot, motion, problem.arm, context)
         samples = motion_samples(robot, motion, context)
         if len(motion.t):
             yield [

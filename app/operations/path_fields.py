@@ -6,7 +6,9 @@ from typing import Annotated, TypeAlias
 
 import msgspec
 import numpy as np
+from kinematics.redundancy.path.time_law import TimeLaw
 
+from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.base import (
     NOT_GIVEN,
     Context,
@@ -21,13 +23,12 @@ from app.operations.per_joint import PerJoint
 from app.operations.retime import RetimeField
 from app.operations.schema import coordinates, items, one_of, within
 from app.operations.targets import EulerField, Target, read_target
-from app.problems import INVALID_REQUEST, RequestProblem
 from dh_to_urdf.errors import quoted
 from kinematics.errors import InvalidOption
 from kinematics.forward import fk
-from kinematics.redundancy import obstacles as solids
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.path import Circle, Path, Sampling, circle, polyline
+from kinematics.redundancy.clearance import obstacles as solids
+from kinematics.redundancy.path.geometry import Circle, Path, Sampling, circle, polyline
 from kinematics.redundancy.problem import (
     Gains,
     PathOptions,
@@ -35,7 +36,6 @@ from kinematics.redundancy.problem import (
     Problem,
     SecondaryTask,
 )
-from kinematics.redundancy.time_law import TimeLaw
 from kinematics.task import TASKS, task_from
 from robots.robot import FloatArray, Robot
 

@@ -12,7 +12,7 @@ from app.operations.per_joint import PerJoint, read_per_joint
 from dh_to_urdf.errors import quoted
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.link_geometry import LinkGeometry, link_geometry, too_near
+from kinematics.redundancy.clearance.link_geometry import LinkGeometry, link_geometry, too_near
 from kinematics.redundancy.problem import Problem
 from robots.robot import FloatArray
 

@@ -7,12 +7,12 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 
+from app.http.negotiation import PNG, SVG
+from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.base import Answer, Configuration, Context, Operation, read_configuration
 from app.operations.schema import one_of, within
 from app.pictures.arm_figure import arm_figure, caption_of, letters_of
 from app.pictures.camera import VIEWS
-from app.problems import INVALID_REQUEST, RequestProblem
-from app.wire import PNG, SVG
 from kinematics.forward import fk
 from kinematics.skeleton import skeleton_of
 from robots.robot import FloatArray, Robot
@@ -99,8 +99,8 @@ def _caption(robot: Robot, q: FloatArray, context: Context, width: float) -> lis
     shown = context.units.joints_out(robot, q)
     degrees = context.units.degrees
     values = [
-        f"{value:.4g}" + ("°" if degrees and turns else "" if turns else " m")
-        for value, turns in zip(shown.tolist(), robot.turns.tolist(), strict=True)
+        f"{value:.4g}" + ("°" if degrees and is_revolute else "" if is_revolute else " m")
+        for value, is_revolute in zip(shown.tolist(), robot.is_revolute.tolist(), strict=True)
     ]
     tip = fk(robot, q)[robot.tip_frame][:3, 3]
     place = ", ".join(f"{value + 0.0:.4f}" for value in tip.tolist())

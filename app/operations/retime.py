@@ -11,9 +11,9 @@ from app.operations.base import Context, Numbers
 from app.operations.per_joint import PerJoint, read_per_joint
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.retimed import Retimed
-from kinematics.redundancy.retiming import RetimeOptions, require_toppra
-from kinematics.redundancy.summary import finite
+from kinematics.redundancy.judging.summary import finite
+from kinematics.redundancy.timing.result import Retimed
+from kinematics.redundancy.timing.toppra import RetimeOptions, require_toppra
 from robots.robot import FloatArray, Robot
 
 LEAST, MOST = 1e-6, 1e9
@@ -108,7 +108,7 @@ def _limits(value: PerJoint, arm: Arm, pointer: str, context: Context) -> FloatA
     return arm.reduced(context.units.joints_in(arm.robot, found))
 
 
-def told_of_timing(robot: Robot, motion: Retimed, arm: Arm, context: Context) -> dict[str, Any]:
+def timing_view(robot: Robot, motion: Retimed, arm: Arm, context: Context) -> dict[str, Any]:
     """Verdict and figures of a motion, without its samples."""
     unit = context.units.joints_out(robot, np.ones(robot.dof))
     return {

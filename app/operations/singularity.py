@@ -248,7 +248,7 @@ def _dexterity_view(
 ) -> dict[str, Any]:
     given = request.characteristic_length
     length = characteristic_length(robot, frame) if given is None else given
-    found = dexterity(J, robot.turns, task, length, request.tolerance)
+    found = dexterity(J, robot.is_revolute, task, length, request.tolerance)
     return {
         "characteristic_length": length,
         "chosen": "mean_lever" if given is None else "given",

@@ -9,8 +9,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from app.http.strict_json import RowLengthError, decode_numbers, decode_rows
 from app.operations.base import Context
-from app.strict_json import OddRow, decode_numbers, decode_rows
 from kinematics.spatial_vectors import spatial_vector
 from kinematics.task import Task
 from robots.robot import FloatArray
@@ -49,7 +49,7 @@ def read_vector(
     if text[:1] == b"[" and text[1:64].lstrip()[:1] == b"[":
         try:
             batch = decode_rows(text, pointer, len(rows), context.settings.max_batch)
-        except OddRow as odd:
+        except RowLengthError as odd:
             place = f"{pointer}/{odd.index}" if odd.index else pointer
             return spatial_vector(odd.row, rows, place)
         return spatial_vector(batch, rows, pointer)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 import numpy as np
 
+from app.http.units import Units
 from app.operations.base import (
     UNITS_SCHEMA,
     Answer,
@@ -22,7 +23,6 @@ from app.operations.base import (
     read_reference_frame,
 )
 from app.operations.spatial import WrenchField, read_vector
-from app.units import Units
 from kinematics.configuration import joint_names
 from kinematics.singularity import RANK_TOLERANCE
 from kinematics.spatial_vectors import WRENCH_ROWS

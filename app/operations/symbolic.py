@@ -7,9 +7,9 @@ from typing import Annotated, Any
 
 import msgspec
 
+from app.http.negotiation import C_SOURCE, JSON, LATEX, PYTHON_SOURCE, TEXT
 from app.operations.base import UNITS_SCHEMA, Answer, Context, Operation, TaskField
 from app.operations.schema import any_of, one_of
-from app.wire import C_SOURCE, JSON, LATEX, PYTHON_SOURCE, TEXT
 from dh_to_urdf import Convention, extract
 from kinematics import symbolic
 from kinematics.symbolic.request import (
@@ -205,5 +205,5 @@ SYMBOLIC = Operation(
         "time_budget_ms",
     ),
     forms=(JSON, TEXT, LATEX, PYTHON_SOURCE, C_SOURCE),
-    apart=True,
+    out_of_process=True,
 )

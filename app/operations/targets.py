@@ -7,10 +7,10 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 
+from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.units import Units
 from app.operations.base import Context
 from app.operations.schema import MATRICES, MATRIX, SEQUENCE, batch_of, coordinates, within
-from app.problems import INVALID_REQUEST, RequestProblem
-from app.units import Units
 from kinematics.errors import InvalidTarget
 from kinematics.inverse.target import TargetSpec, target_pose, target_poses
 from kinematics.task import Task

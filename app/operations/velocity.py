@@ -125,7 +125,7 @@ def _joint_velocities(robot: Robot, request: JointVelocitiesRequest, context: Co
         damping=request.damping, tolerance=request.tolerance,
     )  # fmt: skip
     batch = found.qd.ndim == 2
-    null_motions = [units.directions_out(robot.turns, basis) for basis in found.null_motions]
+    null_motions = [units.directions_out(robot.is_revolute, basis) for basis in found.null_motions]
     qd = units.joints_out(robot, found.qd)
     if request.damping:
         status = np.full(found.determined.shape, "damped")
@@ -165,7 +165,7 @@ def _warnings(robot: Robot, task: Task, found: JointVelocities, damping: float) 
         )
     if not np.all(found.within_velocity_limits):
         warnings.append("a joint would be faster than its limit; ask for a slower twist or damp")
-    if robot.turns.any() and not robot.turns.all():
+    if robot.is_revolute.any() and not robot.is_revolute.all():
         warnings.append("the least norm weighs rad/s and m/s alike, as some joints turn and others"
                         " slide")  # fmt: skip
     return warnings

@@ -49,7 +49,7 @@ def arm_figure(
         SVG text.
     """
     shown = skeletons[-1]
-    chosen = view_of(shown.axes, shown.turns) if view == "auto" else view
+    chosen = view_of(shown.axes, shown.is_revolute) if view == "auto" else view
     points = np.concatenate([one.points for one in skeletons])
     extent = float((points.max(axis=0) - points.min(axis=0)).max())
     arrow = 0.11 * max(extent, 1e-6)
@@ -93,12 +93,12 @@ def _arm(canvas: Canvas, camera: Camera, skeleton: Skeleton, opacity: float) -> 
         if np.ptp(bone, axis=0).max() > 1e-9:
             canvas.line(camera.place(bone), BONE, 7.0, opacity=opacity)
     half = 11.0 / camera.scale
-    for origin, axis, turns in zip(
-        skeleton.origins, skeleton.axes, skeleton.turns.tolist(), strict=True
+    for origin, axis, is_revolute in zip(
+        skeleton.origins, skeleton.axes, skeleton.is_revolute.tolist(), strict=True
     ):
         ends = camera.place(np.array([origin - half * axis, origin + half * axis]))
         across = float(np.hypot(*(ends[1] - ends[0])))
-        if not turns:
+        if not is_revolute:
             canvas.line(ends, JOINT, 9.0, opacity=opacity)
             canvas.line(ends, "#ffffff", 5.0, opacity=opacity)
         elif across > 6.0:

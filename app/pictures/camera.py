@@ -39,16 +39,16 @@ class Camera:
         return np.asarray(points @ self.rows[2])
 
 
-def view_of(axes: FloatArray, turns: NDArray[np.bool_]) -> str:
+def view_of(axes: FloatArray, is_revolute: NDArray[np.bool_]) -> str:
     """The plane in which an arm moves whose joints have these axes; iso if it does in none.
 
     Args:
         axes: Unit vectors of the joint axes, shape (n, 3).
-        turns: True where the joint is an angle, shape (n,).
+        is_revolute: True where the joint is an angle, shape (n,).
     """
     for column, plane in ((2, "xy"), (1, "xz"), (0, "yz")):
         along = np.abs(axes[:, column])
-        if np.all(np.where(turns, along > 1 - 1e-9, along < 1e-9)):
+        if np.all(np.where(is_revolute, along > 1 - 1e-9, along < 1e-9)):
             return plane
     return "iso"
 

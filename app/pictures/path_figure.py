@@ -10,11 +10,11 @@ from app.pictures.canvas import COLORS, Canvas
 from app.pictures.chart import Curve, Level, chart
 from app.pictures.scene import SNAPSHOTS, Scene, draw_scene, is_flat, plane_of, skeleton
 from app.pictures.space import bounds_of, draw_space
+from kinematics.redundancy.clearance.link_points import RADIUS
 from kinematics.redundancy.follow import PathResult
-from kinematics.redundancy.link_points import RADIUS
 from kinematics.redundancy.measure import ends_of_links
 from kinematics.redundancy.problem import Problem
-from kinematics.redundancy.retimed import Retimed
+from kinematics.redundancy.timing.result import Retimed
 from robots.robot import FloatArray
 
 SCENE, CHART_WIDTH, CHART_HEIGHT = 330.0, 400.0, 200.0
@@ -121,13 +121,13 @@ def _charts(
     problem = results[0][1].problem
     if len(results) == 1:
         result = results[0][1]
-        for turns, unit in ((True, "rad"), (False, "m")):
+        for is_revolute, unit in ((True, "rad"), (False, "m")):
             joints = [
                 Curve(name, _times(result), _thinned(result.q[:, column]), COLORS[k % len(COLORS)])
                 for k, (name, column) in enumerate(
                     zip(problem.arm.names, problem.arm.chain.columns, strict=True)
                 )
-                if bool(problem.arm.chain.turns[k]) is turns
+                if bool(problem.arm.chain.is_revolute[k]) is is_revolute
             ]
             if joints:
                 made.append((joints, f"joints [{unit}]", False, []))

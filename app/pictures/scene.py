@@ -12,7 +12,7 @@ from app.pictures.chart import Box
 from app.pictures.plane import draw_axes, draw_border, equal_plane
 from kinematics.chain import Chain
 from kinematics.named_singularities.posture import posture
-from kinematics.redundancy.obstacles import BOX, CAPSULE, CIRCLE, HALF_SPACE, SPHERE
+from kinematics.redundancy.clearance.obstacles import BOX, CAPSULE, CIRCLE, HALF_SPACE, SPHERE
 from robots.robot import FloatArray
 
 PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
@@ -28,7 +28,7 @@ class Scene:
         links: Joint origins and tip of each snapshot, shape (n, K + 1, 3), m.
         path: Where the tip should go, shape (N, 3).
         trace: Where it goes, shape (m, 3).
-        obstacles: See :func:`kinematics.redundancy.obstacles.encoded`.
+        obstacles: See :func:`kinematics.redundancy.clearance.obstacles.encoded`.
         radii: Of the links between them, m, shape (K,).
         shapes: Ends of the capsules of the arm's own shapes in each snapshot, shape (n, L, 2, 3),
             drawn instead; None for none.

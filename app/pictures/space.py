@@ -14,7 +14,7 @@ from app.pictures.canvas import COLORS, GRID, INK, Canvas
 from app.pictures.chart import Box, ticks
 from app.pictures.plane import BELOW, LEFT, RIGHT, TOP
 from app.pictures.scene import OBSTACLE, Scene
-from kinematics.redundancy.obstacles import BOX, CAPSULE, CIRCLE, SPHERE
+from kinematics.redundancy.clearance.obstacles import BOX, CAPSULE, CIRCLE, SPHERE
 from robots.robot import FloatArray
 
 SHOWN = 4

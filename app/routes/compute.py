@@ -12,35 +12,27 @@ from fastapi.responses import StreamingResponse
 from starlette.routing import Match, Route
 from starlette.types import Scope
 
-from app.admission import SMALL_BODY, Held, Lane, while_connected
+from app.admission.buffers import SMALL_BODY, AdmittedResponse
+from app.admission.thread_pool import ThreadPool, while_connected
 from app.dependencies import Services, services_of
-from app.npy import decode_npy
-from app.openapi import inline_request_type
-from app.operations import OPERATIONS, Answer, Operation
-from app.operations.base import Context
-from app.pictures.png import png_of
-from app.problems import INVALID_REQUEST, RequestProblem, domain_problem
-from app.query import body_from_query, check_query, units_of
-from app.settings import Settings
-from app.strict_json import (
+from app.http.bodies import read_body
+from app.http.negotiation import JSON, NDJSON, NPY, PNG, SVG, require_type, wanted_type
+from app.http.npy import decode_npy
+from app.http.problems import INVALID_REQUEST, RequestProblem, domain_problem
+from app.http.query import body_from_query, check_query, units_of
+from app.http.responses import json_lines, respond
+from app.http.strict_json import (
     MAX_FIELD,
     check_fields,
     decode_json,
     refuse_doubled_keys,
 )
-from app.units import Units
-from app.wire import (
-    JSON,
-    NDJSON,
-    NPY,
-    PNG,
-    SVG,
-    json_lines,
-    read_body,
-    require_type,
-    respond,
-    wanted_type,
-)
+from app.http.units import Units
+from app.openapi.document import inline_request_type
+from app.operations import OPERATIONS, Answer, Operation
+from app.operations.base import Context
+from app.pictures.png import png_of
+from app.settings import Settings
 from kinematics.errors import OutOfTime
 from robots.robot import Robot
 
@@ -195,34 +187,34 @@ async def _answer(
     def compute(asked: msgspec.Struct) -> Response:
         return written(operation.run(robot, asked, context))
 
-    lane = services.apart if operation.apart else services.compute
+    pool = services.out_of_process if operation.out_of_process else services.compute
     if wanted == NDJSON:
         return await _streamed(request, services, operation, robot, context, read)
-    if operation.apart or size > INLINE_BYTES:
-        return await _computed(request, services, lane, lambda: compute(read()))
+    if operation.out_of_process or size > INLINE_BYTES:
+        return await _computed(request, services, pool, lambda: compute(read()))
     asked = read()
     answer = operation.run_quickly(robot, asked, context)
     if answer is not None:
         return written(answer, short=True)
-    return await _computed(request, services, lane, lambda: compute(asked))
+    return await _computed(request, services, pool, lambda: compute(asked))
 
 
 async def _computed(
-    request: Request, services: Services, lane: Lane, call: Callable[[], Response]
+    request: Request, services: Services, pool: ThreadPool, call: Callable[[], Response]
 ) -> Response:
     """An answer from a thread; a large one stays admitted until it is sent."""
     services.buffers.check()
-    visit = lane.enter(services.settings.max_request_seconds)
+    admission = pool.enter(services.settings.max_request_seconds)
     try:
-        async with while_connected(request, visit):
-            response = await visit.run(call)
+        async with while_connected(request, admission):
+            response = await admission.run(call)
     except BaseException:
-        visit.leave()
+        admission.leave()
         raise
     size = int(response.headers.get("content-length", 0))
     if size > SMALL_BODY:
-        return Held(response, visit, services.buffers, size)
-    visit.leave()
+        return AdmittedResponse(response, admission, services.buffers, size)
+    admission.leave()
     return response
 
 
@@ -237,19 +229,19 @@ async def _streamed(
     """Lines as they are computed; the work stops where the client goes away."""
     assert operation.stream is not None
     stream = operation.stream
-    visit = services.compute.enter(services.settings.max_request_seconds)
+    admission = services.compute.enter(services.settings.max_request_seconds)
 
     def following() -> bytes:
         return json_lines(next(parts, ()))
 
     try:
-        async with while_connected(request, visit):
-            asked = await visit.run(read)
+        async with while_connected(request, admission):
+            asked = await admission.run(read)
             parts = stream(robot, asked, context)
             # The first part before the status line: what is wrong with the request shows there.
-            part = await visit.run(following)
+            part = await admission.run(following)
     except BaseException:
-        visit.leave()
+        admission.leave()
         raise
 
     async def body() -> AsyncIterator[bytes]:
@@ -257,7 +249,7 @@ async def _streamed(
         while line:
             yield line
             try:
-                line = await visit.run(following)
+                line = await admission.run(following)
             except OutOfTime as error:
                 # The status is sent already: the last line tells, in the place of the verdict.
                 yield b'{"problem":%b}\n' % bytes(domain_problem(request, error).body)
@@ -266,7 +258,7 @@ async def _streamed(
     # Its lines are not kept, so they take no memory; but its place is taken to the end. A reverse
     # proxy that gathers answers must not gather this one.
     lines = StreamingResponse(body(), media_type=NDJSON, headers={"X-Accel-Buffering": "no"})
-    return Held(lines, visit, services.buffers, 0)
+    return AdmittedResponse(lines, admission, services.buffers, 0)
 
 
 def _json_decoder(

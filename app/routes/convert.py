@@ -6,8 +6,9 @@ from fastapi import APIRouter, Request, Response
 
 from app.dependencies import ServicesDep
 from app.documents import TABLES, XML_TYPES, robot_from_body
-from app.openapi import PROBLEMS, REF
-from app.wire import media_type, read_body, unsupported
+from app.http.bodies import read_body
+from app.http.negotiation import media_type, unsupported
+from app.openapi.document import PROBLEMS, REF
 
 
 def build_router(max_body: int) -> APIRouter:

@@ -9,13 +9,15 @@ import msgspec
 from fastapi import APIRouter, Request, Response
 
 from app.dependencies import RobotDep, ServicesDep
-from app.openapi import PROBLEMS, REF
+from app.http.bodies import read_body
+from app.http.negotiation import JSON, TEXT, require_type, wanted_type
+from app.http.problems import RequestProblem
+from app.http.query import check_query, units_of
+from app.http.responses import respond
+from app.http.strict_json import decode_body
+from app.http.units import Units
+from app.openapi.document import PROBLEMS, REF
 from app.operations.base import UNITS_SCHEMA
-from app.problems import RequestProblem
-from app.query import check_query, units_of
-from app.strict_json import decode_body
-from app.units import Units
-from app.wire import JSON, TEXT, read_body, require_type, respond, wanted_type
 from dh_to_urdf import DHError, Problem
 from dh_to_urdf.extraction.comparison import Comparison, Difference, compare
 from robots.chains import chain_of_robot
@@ -219,7 +221,7 @@ def _payload(found: Comparison, units: Units) -> dict[str, Any]:
             {
                 "first": joint.first,
                 "second": joint.second,
-                "zero_offset": angle(joint.zero_offset) if joint.turns else joint.zero_offset,
+                "zero_offset": angle(joint.zero_offset) if joint.is_revolute else joint.zero_offset,
                 "position": joint.position,
                 "orientation": angle(joint.orientation),
             }

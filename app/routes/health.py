@@ -7,10 +7,11 @@ from anyio.to_thread import run_sync
 from fastapi import APIRouter, Request, Response
 
 from app.dependencies import Services
+from app.http.negotiation import HTML, JSON, TEXT, wanted_type
+from app.http.problems import ALL_TYPES, ProblemType, RequestProblem
+from app.http.responses import respond
 from app.page import Page
-from app.problems import ALL_TYPES, ProblemType, RequestProblem
 from app.readiness import Check, Readiness, WritableDirectory
-from app.wire import HTML, JSON, TEXT, respond, wanted_type
 from kinematics.compiled import COMPILED
 from robots.shipped import shipped_ids
 

@@ -10,9 +10,10 @@ import msgspec
 from fastapi import APIRouter, Path, Request, Response
 
 from app.dependencies import RobotDep, ServicesDep
-from app.openapi import PROBLEMS, REF
-from app.query import check_query
-from app.wire import JSON, TEXT, respond, wanted_type
+from app.http.negotiation import JSON, TEXT, wanted_type
+from app.http.query import check_query
+from app.http.responses import respond
+from app.openapi.document import PROBLEMS, REF
 from robots.meshes import Mesh, digest_of, mesh_of, meshes_of
 
 AGE = "public, max-age=86400"

@@ -12,11 +12,13 @@ from fastapi import APIRouter, Path, Request, Response
 
 from app.dependencies import RobotDep, ServicesDep
 from app.documents import PAR_TYPES, PASTED_TYPES, id_from_name, robot_from_body
-from app.openapi import PROBLEMS, REF
-from app.problems import INVALID_REQUEST, RequestProblem
-from app.query import check_query, units_of
-from app.units import Units
-from app.wire import JSON, TEXT, media_type, read_body, respond, wanted_type
+from app.http.bodies import read_body
+from app.http.negotiation import JSON, TEXT, media_type, wanted_type
+from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.query import check_query, units_of
+from app.http.responses import respond
+from app.http.units import Units
+from app.openapi.document import PROBLEMS, REF
 from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.robot import Robot
 from robots.store import ANY, StoredRobot
@@ -101,8 +103,10 @@ def robot_view(stored: StoredRobot, units: Units) -> dict[str, Any]:
     """What the API says of a robot."""
     robot = stored.robot
 
-    def out(value: float | None, turns: bool) -> float | None:
-        return value if value is None or not turns else float(units.angles_out(np.float64(value)))  # type: ignore[arg-type]
+    def out(value: float | None, is_revolute: bool) -> float | None:
+        if value is None or not is_revolute:
+            return value
+        return float(units.angles_out(np.array(value)))
 
     return {
         "id": stored.id,
@@ -118,9 +122,9 @@ def robot_view(stored: StoredRobot, units: Units) -> dict[str, Any]:
             {
                 "name": joint.name,
                 "type": joint.type.value,
-                "lower": out(joint.lower, joint.type.turns),
-                "upper": out(joint.upper, joint.type.turns),
-                "velocity": out(joint.velocity, joint.type.turns),
+                "lower": out(joint.lower, joint.type.is_revolute),
+                "upper": out(joint.upper, joint.type.is_revolute),
+                "velocity": out(joint.velocity, joint.type.is_revolute),
                 "effort": joint.effort,
             }
             for joint in robot.joints

@@ -9,22 +9,15 @@ from fastapi import APIRouter, Request, Response
 
 from app.dependencies import RobotDep, ServicesDep
 from app.documents import XML_TYPES, robot_from_body
-from app.openapi import PROBLEMS, REF
-from app.problems import INVALID_REQUEST, RequestProblem
-from app.query import check_query, number, units_of
+from app.http.bodies import read_body
+from app.http.negotiation import CSV, JSON, TEXT, YAML, require_type, wanted_type
+from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.query import check_query, number, units_of
+from app.http.responses import respond
+from app.http.strict_json import decode_body
+from app.http.units import Units
+from app.openapi.document import PROBLEMS, REF
 from app.routes.robots import etag, not_modified
-from app.strict_json import decode_body
-from app.units import Units
-from app.wire import (
-    CSV,
-    JSON,
-    TEXT,
-    YAML,
-    read_body,
-    require_type,
-    respond,
-    wanted_type,
-)
 from dh_to_urdf import Convention, DHTable
 from dh_to_urdf.documents.layouts import document, to_csv, to_text, to_yaml
 from dh_to_urdf.documents.mapping import CONVENTION_ALIASES

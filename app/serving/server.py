@@ -33,7 +33,7 @@ def server_options(settings: Settings) -> dict[str, Any]:
         "log_config": None,
         "access_log": False,
         "server_header": False,
-        "http": "app.connections:GuardedProtocol",
+        "http": "app.serving.connections:GuardedProtocol",
         "ws": "none",
         "proxy_headers": bool(settings.trusted_proxies.strip()),
         "forwarded_allow_ips": settings.trusted_proxies.strip() or None,

@@ -7,9 +7,9 @@ import sys
 
 import click
 
-from app.connections import raise_file_limit
 from app.readiness import written_to
 from app.serving.address import CannotListen, bound_sockets, port_of
+from app.serving.connections import raise_file_limit
 from app.settings import Settings
 from app.telemetry.logs import LOG, log_form, log_to_stderr
 from app.telemetry.tracing import TracingUnavailable, require_exporters

@@ -16,7 +16,7 @@ LOG = logging.getLogger("denavit")
 _OWN = ("denavit", "app", "kinematics", "robots", "dh_to_urdf")
 """Loggers that follow the chosen level; those of libraries start at warnings."""
 _TWICE = "Invalid HTTP request received."
-"""Uvicorn's word for what ``app.connections`` tells with its status and request id."""
+"""Uvicorn's word for what ``app.serving.connections`` tells with its status and request id."""
 
 
 def log_form(settings: Settings) -> Literal["json", "text"]:

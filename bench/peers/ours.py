@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from bench.peers.arms import Arm
 from bench.peers.peer import Solve
+from kinematics.inverse.api import solve_ik
 from kinematics.inverse.numeric import solve_on_pinocchio
-from kinematics.inverse.solve import solve_ik
 from robots.robot import FloatArray
 
 

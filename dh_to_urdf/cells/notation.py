@@ -43,7 +43,7 @@ def rounding_warnings(table: DHTable) -> tuple[str, ...]:
     Such an angle is used as it stands, and moves the tip by some 1e-5 of the arm's length.
     """
     for k, row in enumerate(table.rows, start=1):
-        offset = row.offset if row.type.turns else 0.0
+        offset = row.offset if row.type.is_revolute else 0.0
         cells = {"alpha": row.alpha, "theta": row.theta + offset, "gamma": row.gamma}
         for column, angle in cells.items():
             quarters = round(angle / (math.pi / 2))

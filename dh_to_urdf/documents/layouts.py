@@ -190,9 +190,9 @@ def _items(table: DHTable, degrees: bool) -> list[dict[str, Any]]:
 
 def _degrees(item: dict[str, Any], row: DHRow) -> dict[str, Any]:
     """A row of a document with its angles in degrees."""
-    angles = {"alpha", "theta", "gamma"} | ({"offset"} if row.type.turns else set())
+    angles = {"alpha", "theta", "gamma"} | ({"offset"} if row.type.is_revolute else set())
     turned = {key: _as_degrees(x) if key in angles else x for key, x in item.items()}
-    if "limits" in item and row.type.turns:
+    if "limits" in item and row.type.is_revolute:
         turned["limits"] = {
             key: x if key == "effort" else _as_degrees(x) for key, x in item["limits"].items()
         }

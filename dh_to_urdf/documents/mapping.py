@@ -114,7 +114,7 @@ def _wide_angles(rows: Sequence[DHRow]) -> list[str]:
     """A warning where an angle is over a turn, as degrees without a word of it are."""
     for row in rows:
         angles = {"alpha": row.alpha, "theta": row.theta, "gamma": row.gamma}
-        if row.type.turns:
+        if row.type.is_revolute:
             angles["offset"] = row.offset
         for field, angle in angles.items():
             if abs(angle) > TURN:

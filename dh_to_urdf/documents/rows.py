@@ -139,7 +139,7 @@ class RowReader:
     ) -> DHRow:
         khalil = self.convention is Convention.KHALIL
         x_column, z_column = ("d", "r") if khalil else ("a", "d")
-        own = "theta" if type_.turns else z_column if type_ is JointType.PRISMATIC else None
+        own = "theta" if type_.is_revolute else z_column if type_ is JointType.PRISMATIC else None
 
         def cell(column: str, quantity: Quantity, *, optional: bool = False) -> Cell:
             return self._cell(k, item, column, quantity, pointer, label, own == column, optional)

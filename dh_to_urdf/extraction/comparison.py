@@ -73,7 +73,7 @@ class JointComparison:
     Attributes:
         first: Its name in the first chain.
         second: Its name in the second chain.
-        turns: True where zero_offset is an angle.
+        is_revolute: True where zero_offset is an angle.
         zero_offset: What to add to q of the first chain to get q of the second, rad or m.
         position: Largest distance between the frames after this joint, m, over random q, with
             frames 0 and zero offsets made equal.
@@ -82,7 +82,7 @@ class JointComparison:
 
     first: str
     second: str
-    turns: bool
+    is_revolute: bool
     zero_offset: float
     position: float
     orientation: float
@@ -127,7 +127,10 @@ class Comparison:
                 "No parameter differs by more than the tolerances, but the tips drift apart by"
                 f" {self.residual.position:.3g} m and {self.residual.orientation:.3g} rad."
             )
-        if self.verdict is Verdict.DIFFERENT and sum(not one.turns for one in self.joints) > 1:
+        if (
+            self.verdict is Verdict.DIFFERENT
+            and sum(not one.is_revolute for one in self.joints) > 1
+        ):
             said.append(
                 "(Several joints slide: zeros that fit better may exist, and with them a later"
                 " divergence.)"
@@ -171,7 +174,7 @@ def compare(
     found = _compare_tilted(first, second, length, angle)
     if found.verdict is not Verdict.DIFFERENT or found.residual is None:
         return found
-    if any(not joint.type.turns for joint in first.joints):
+    if any(not joint.type.is_revolute for joint in first.joints):
         found = _compare_at_common_zeros(first, second, length, angle, found)
         if found.verdict is not Verdict.DIFFERENT:
             return found
@@ -268,7 +271,7 @@ def _compare(
 def _structure(first: SerialChain, second: SerialChain) -> Difference | None:
     """The first joint that turns in one chain and slides in the other, or is missing."""
     for k, (a, b) in enumerate(zip(first.joints, second.joints, strict=False), start=1):
-        if a.type.turns != b.type.turns:
+        if a.type.is_revolute != b.type.is_revolute:
             return Difference(k, a.name, "type", a.type.value, b.type.value, None, None)
     n, m = len(first.joints), len(second.joints)
     if n == m:
@@ -321,7 +324,7 @@ def _flipped(rows: tuple[DHRow, ...], others: tuple[DHRow, ...], size: float) ->
 
 
 def _turned(row: DHRow, angle: float) -> DHRow:
-    if row.type.turns:
+    if row.type.is_revolute:
         return replace(row, offset=row.offset + angle)
     return replace(row, theta=row.theta + angle)
 
@@ -329,7 +332,7 @@ def _turned(row: DHRow, angle: float) -> DHRow:
 def _offset(first: DHRow, second: DHRow) -> float:
     """What to add to q of the first row to get q of the second."""
     offset = first.offset - second.offset
-    return _wrapped(offset) if first.type.turns else offset
+    return _wrapped(offset) if first.type.is_revolute else offset
 
 
 def _differences(one: _Made, two: _Made, length: float, angle: float) -> tuple[Difference, ...]:
@@ -337,7 +340,7 @@ def _differences(one: _Made, two: _Made, length: float, angle: float) -> tuple[D
     beside_base = True
     for k, (row, other) in enumerate(zip(one.rows, two.rows, strict=True)):
         last = k == len(one.rows) - 1
-        for name in ("d" if row.type.turns else "theta", "a", "alpha"):
+        for name in ("d" if row.type.is_revolute else "theta", "a", "alpha"):
             a, b = getattr(row, name), getattr(other, name)
             if name == "alpha":
                 a = -one.angles[k] if a < 0.0 else one.angles[k]
@@ -368,7 +371,7 @@ def _joint_by_joint(
         B = B @ link_matrix(other, Convention.STANDARD, q[:, k] + offsets[k] + other.offset)
         name = second.joints[k].name
         found.append(
-            JointComparison(row.name, name, row.type.turns, float(told[k]), *deviation(A, B))
+            JointComparison(row.name, name, row.type.is_revolute, float(told[k]), *deviation(A, B))
         )
     return tuple(found)
 

@@ -143,7 +143,7 @@ def _x_target(
         return normal.direction if keep else _nearer(normal.direction, previous)
     if tip is not None:
         return tip[:3, 0]
-    if lines[k].type.turns and not lines[k + 1].type.turns:
+    if lines[k].type.is_revolute and not lines[k + 1].type.is_revolute:
         # The turn before a slide along the same axis belongs to the joint that turns.
         for later in normals[k + 1 :]:
             if later.direction is not None:
@@ -187,16 +187,16 @@ def _row(
         a = 0.0
     u = second.direction
     alpha = _tidy_angle(math.atan2(-float(u @ y1), float(u @ z0)))
-    turns, slides = first.type.turns, first.type is JointType.PRISMATIC
+    is_revolute, slides = first.type.is_revolute, first.type is JointType.PRISMATIC
     row = DHRow(
         name=first.name,
         type=first.type,
         alpha=alpha,
         a=a,
         d=0.0 if slides else d,
-        theta=0.0 if turns else theta,
+        theta=0.0 if is_revolute else theta,
         parent=k,
-        offset=theta if turns else d if slides else 0.0,
+        offset=theta if is_revolute else d if slides else 0.0,
         limits=first.limits,
     )
     return row, frame @ link_matrix(row, Convention.STANDARD, row.offset)

@@ -115,11 +115,11 @@ def _without_branches(table: DHTable) -> DHTable:
 
 def _turned(row: DHRow, angle: float, length: float) -> DHRow:
     """A row whose frame is turned about and moved along its own z."""
-    turns, slides = row.type.turns, row.type is JointType.PRISMATIC
-    own = angle if turns else length if slides else 0.0
+    is_revolute, slides = row.type.is_revolute, row.type is JointType.PRISMATIC
+    own = angle if is_revolute else length if slides else 0.0
     return replace(
         row,
-        theta=row.theta if turns else row.theta + angle,
+        theta=row.theta if is_revolute else row.theta + angle,
         d=row.d if slides else row.d + length,
         offset=row.offset + own,
         inertial=_moved(row.inertial, branch_matrix(replace(row, gamma=-angle, b=-length))),

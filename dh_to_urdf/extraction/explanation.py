@@ -172,8 +172,10 @@ def _turned(k: int, pair: ConstructedPair) -> str:
 
 def _result(k: int, pair: ConstructedPair, last: bool, extraction: Extraction) -> str:
     row, standard = pair.row, extraction.table.convention is Convention.STANDARD
-    turns, slides = row.type.turns, row.type is JointType.PRISMATIC
-    theta = f"θ_{k} = q{_offset(row.offset, _angle)}" if turns else f"θ_{k} = {_angle(row.theta)}"
+    is_revolute, slides = row.type.is_revolute, row.type is JointType.PRISMATIC
+    theta = (
+        f"θ_{k} = q{_offset(row.offset, _angle)}" if is_revolute else f"θ_{k} = {_angle(row.theta)}"
+    )
     d = f"d_{k} = q{_offset(row.offset, _length)}" if slides else f"d_{k} = {_length(row.d)}"
     length, twist = _length(row.a), _angle(row.alpha)
     if standard:

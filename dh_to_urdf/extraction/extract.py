@@ -183,7 +183,7 @@ def _warnings(findings: tuple[PairFinding, ...], residual: Residual) -> list[str
 def _check_lengths(table: DHTable) -> None:
     lengths = [*table.base[:3, 3], *table.tool[:3, 3]]
     for row in table.rows:
-        lengths += [row.a, row.d, 0.0 if row.type.turns else row.offset]
+        lengths += [row.a, row.d, 0.0 if row.type.is_revolute else row.offset]
     longest = max(map(abs, lengths))
     if longest > MAX_MAGNITUDE:
         raise DHError.single(

@@ -84,8 +84,8 @@ def settled(
     """
     parallel = [pair.normal.case.is_parallel for pair in made.pairs]
     coincident = [pair.normal.case is Case.COINCIDENT for pair in made.pairs]
-    fitted = _share(rows, others, parallel, "d", lambda row: not row.type.turns)
-    return _share(rows, fitted, coincident, "theta", lambda row: row.type.turns)
+    fitted = _share(rows, others, parallel, "d", lambda row: not row.type.is_revolute)
+    return _share(rows, fitted, coincident, "theta", lambda row: row.type.is_revolute)
 
 
 def _share(

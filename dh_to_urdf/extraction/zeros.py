@@ -60,7 +60,7 @@ def fit_axes(first: SerialChain, second: SerialChain, start: Matrix) -> Fit:
     size = max(first.size, second.size)
     target = _Axes.of(first, size)
     random = np.random.default_rng(0)
-    scale = np.where(target.turns, np.pi, size)
+    scale = np.where(target.is_revolute, np.pi, size)
     best = _fitted(target, second, start, size)
     for _ in range(STARTS if len(start) <= MAX_SOUGHT else 0):
         if best.left <= FITTED:
@@ -74,7 +74,7 @@ def fit_axes(first: SerialChain, second: SerialChain, start: Matrix) -> Fit:
 class _Axes:
     """Axes of a chain at q = 0 as directions and moments (of a slide: 0), shape (n, 3)."""
 
-    turns: Matrix
+    is_revolute: Matrix
     directions: Matrix
     moments: Matrix
 
@@ -82,23 +82,23 @@ class _Axes:
     def of(cls, chain: SerialChain, size: float) -> _Axes:
         """The axes of a chain, with lengths in sizes of the robot."""
         lines = chain.lines()
-        turns = np.array([line.type.turns for line in lines])
+        is_revolute = np.array([line.type.is_revolute for line in lines])
         directions = np.array([line.direction for line in lines])
         points = np.array([line.point for line in lines]) / size
-        return cls(turns, directions, np.cross(points, directions) * turns[:, None])
+        return cls(is_revolute, directions, np.cross(points, directions) * is_revolute[:, None])
 
     def screws(self) -> Matrix:
         """The twists of the joints, shape (n, 2, 3): angular part, then linear part."""
-        turns = self.turns[:, None]
-        angular = self.directions * turns
-        return np.stack([angular, np.where(turns, self.moments, self.directions)], axis=1)
+        is_revolute = self.is_revolute[:, None]
+        angular = self.directions * is_revolute
+        return np.stack([angular, np.where(is_revolute, self.moments, self.directions)], axis=1)
 
     def moved(self, T: Matrix) -> _Axes:
         """The axes after a motion."""
         directions = self.directions @ T[:3, :3].T
         moments = self.moments @ T[:3, :3].T
-        moments = moments + np.cross(T[:3, 3], directions) * self.turns[:, None]
-        return _Axes(self.turns, directions, moments)
+        moments = moments + np.cross(T[:3, 3], directions) * self.is_revolute[:, None]
+        return _Axes(self.is_revolute, directions, moments)
 
     def minus(self, other: _Axes) -> Matrix:
         """Directions and moments less those of others, shape (6 n,)."""
@@ -109,7 +109,7 @@ class _Axes:
 
 def _fitted(target: _Axes, chain: SerialChain, zeros: Matrix, size: float) -> Fit:
     """The fit after damped Gauss-Newton steps from given zeros."""
-    scale = np.where(target.turns, 1.0, size)
+    scale = np.where(target.is_revolute, 1.0, size)
     tried, T = zeros, _laid(target, _Axes.of(with_zeros(chain, zeros), size))
     best, damping = Fit(zeros, T, math.inf), 1e-6
     for _ in range(STEPS):
@@ -151,7 +151,7 @@ def _laid(target: _Axes, axes: _Axes) -> Matrix:
     T[:3, :3] = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
     turned = axes.moved(T)
     crosses = np.cross(np.eye(3), turned.directions[:, None]).transpose(0, 2, 1)
-    crosses = crosses * turned.turns[:, None, None]
+    crosses = crosses * turned.is_revolute[:, None, None]
     missed = (target.moments - turned.moments).ravel()
     T[:3, 3] = np.linalg.lstsq(crosses.reshape(-1, 3), missed, rcond=1e-9)[0]
     return T
@@ -165,10 +165,10 @@ def _jacobian(axes: _Axes) -> Matrix:
     angular, linear = screws[:, None, 0], screws[:, None, 1]
     turned = np.cross(angular, axes.directions)
     moved = np.cross(angular, axes.moments) + np.cross(linear, axes.directions)
-    count = len(axes.turns)
+    count = len(axes.is_revolute)
     # A zero moves the axes after its own.
     after = np.concatenate([np.ones((6, count)), np.triu(np.ones((count, count)), 1)])[..., None]
-    moved = moved * axes.turns[:, None]
+    moved = moved * axes.is_revolute[:, None]
     return np.concatenate([turned * after, moved * after], axis=1).reshape(6 + count, -1).T
 
 

@@ -67,7 +67,7 @@ def _list(key: str, entries: list[str]) -> str:
 
 def _geometry(k: int, row: DHRow) -> dict[str, str]:
     theta, r = angle_text(row.theta), number_text(row.d)
-    if row.type.turns:
+    if row.type.is_revolute:
         theta = variable_text(f"th{k}", row.sign, angle_text(row.offset))
     elif row.type is JointType.PRISMATIC:
         r = variable_text(f"r{k}", row.sign, number_text(row.offset))

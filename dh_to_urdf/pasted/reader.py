@@ -318,8 +318,8 @@ class _Reader:
         return {"theta": JointType.REVOLUTE, "q": None}.get(letter, JointType.PRISMATIC)
 
     def _row(self, k: int, row: RawRow, type_: JointType) -> dict[str, Any]:
-        turns = type_.turns
-        own = "theta" if turns else self.z_column if type_ is JointType.PRISMATIC else None
+        is_revolute = type_.is_revolute
+        own = "theta" if is_revolute else self.z_column if type_ is JointType.PRISMATIC else None
         own_quantity = Quantity.LENGTH if type_ is JointType.PRISMATIC else Quantity.ANGLE
         item: dict[str, Any] = {"type": type_.value}
         limits: dict[str, Any] = {}

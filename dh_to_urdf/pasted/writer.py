@@ -115,11 +115,11 @@ TABLE_TEXTS = {
 
 
 def _link(row: DHRow, modified: bool) -> list[str]:
-    turns = row.type.turns
-    constant = ("d", number_text(row.d)) if turns else ("theta", angle_text(row.theta))
-    offset = angle_text(row.offset) if turns else number_text(row.offset)
+    is_revolute = row.type.is_revolute
+    constant = ("d", number_text(row.d)) if is_revolute else ("theta", angle_text(row.theta))
+    offset = angle_text(row.offset) if is_revolute else number_text(row.offset)
     numbers = [constant, ("a", number_text(row.a)), ("alpha", angle_text(row.alpha))]
-    parts = [f"'{'revolute' if turns else 'prismatic'}'"]
+    parts = [f"'{'revolute' if is_revolute else 'prismatic'}'"]
     parts += [f"'{key}', {text}" for key, text in numbers]
     if offset != "0":
         parts.append(f"'offset', {offset}")
@@ -150,7 +150,7 @@ def _grid(table: DHTable) -> list[list[str]]:
     lines = [heading]
     for k, row in enumerate(table.rows, start=1):
         along, theta = number_text(row.d), angle_text(row.theta)
-        if row.type.turns:
+        if row.type.is_revolute:
             theta = variable_text(f"theta{k}", row.sign, angle_text(row.offset))
         elif row.type is JointType.PRISMATIC:
             letter = "r" if khalil else "d"

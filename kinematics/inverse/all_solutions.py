@@ -12,9 +12,9 @@ import numpy as np
 from kinematics.chain import Chain, chain_of
 from kinematics.compiled import COMPILED
 from kinematics.deadline import checked
+from kinematics.inverse.api import solve_ik
 from kinematics.inverse.bounds import TURN, JointBounds
 from kinematics.inverse.result import IKOptions, IKStatus, Tolerance
-from kinematics.inverse.solve import solve_ik
 from kinematics.inverse.starts import starts
 from kinematics.jacobian import jacobian
 from kinematics.task import POSE, Task
@@ -195,7 +195,7 @@ def _search(
 def turned(robot: Robot, q: FloatArray, reference: FloatArray, chain: Chain) -> FloatArray:
     """Angles of a chain by whole turns as near to a reference as the limits allow."""
     q = q.copy()
-    for column in chain.columns[chain.turns]:
+    for column in chain.columns[chain.is_revolute]:
         nearest = q[column] + TURN * np.round((reference[column] - q[column]) / TURN)
         # A limit met to rounding counts as met.
         lower, upper = robot.lower[column] - 1e-12, robot.upper[column] + 1e-12
@@ -240,5 +240,5 @@ def _within(robot: Robot, q: FloatArray) -> bool:
 
 def _same(robot: Robot, q: FloatArray, other: FloatArray) -> bool:
     difference = q - other
-    difference = np.where(robot.turns, (difference + np.pi) % TURN - np.pi, difference)
+    difference = np.where(robot.is_revolute, (difference + np.pi) % TURN - np.pi, difference)
     return bool(np.abs(difference).max() < SAME)

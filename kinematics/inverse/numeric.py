@@ -17,7 +17,7 @@ import pinocchio as pin
 from kinematics.chain import chain_of
 from kinematics.deadline import current
 from kinematics.inverse.bounds import JointBounds
-from kinematics.inverse.kernel import (
+from kinematics.inverse.damped_least_squares import (
     DAMPING,
     FLOOR,
     MAX_DAMPING,

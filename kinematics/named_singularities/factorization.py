@@ -136,7 +136,7 @@ def _product(
     if key == ("position", 3):
         at = posture(chain, q)
         return "three joints that place a point", *parts.arm(at, axes, at.p)
-    if key == ("orientation", 3) and axes.turns.all():
+    if key == ("orientation", 3) and axes.is_revolute.all():
         return "three turning joints", *parts.wrist(posture(chain, q), 0, 1, 2)
     return None
 
@@ -144,7 +144,7 @@ def _product(
 def _spherical_wrist(
     chain: Chain, axes: Relations, q: FloatArray
 ) -> tuple[str, FloatArray, list[Factor]] | None:
-    if not axes.turns[3:].all() or axes.wrist is None:
+    if not axes.is_revolute[3:].all() or axes.wrist is None:
         return None
     at = posture(chain, q)
     first, arm = parts.arm(at, axes, at.point(axes.wrist))
@@ -155,7 +155,7 @@ def _spherical_wrist(
 def _parallel_axes(
     chain: Chain, axes: Relations, q: FloatArray
 ) -> tuple[str, FloatArray, list[Factor]] | None:
-    if not axes.turns[1:].all() or not axes.parallel[1, 2:4].all():
+    if not axes.is_revolute[1:].all() or not axes.parallel[1, 2:4].all():
         return None
     at = posture(chain, q)
     meets = axes.last_two is not None
@@ -169,7 +169,7 @@ def _parallel_axes(
         + at.lever(3, point)
     )
     first, elbow = parts.three_parallel(at, 1, 2, 3)
-    last, others = parts.around_parallel(at, axes.turns, point, meets, reach)
+    last, others = parts.around_parallel(at, axes.is_revolute, point, meets, reach)
     order = {"shoulder": 0, "elbow": 1}
     factors = sorted([*elbow, *others], key=lambda factor: order.get(factor.name, 2))
     return "axes 2, 3 and 4 parallel", first * last, factors
@@ -178,7 +178,7 @@ def _parallel_axes(
 def _srs(
     chain: Chain, axes: Relations, q: FloatArray
 ) -> tuple[str, FloatArray, list[Factor]] | None:
-    if not axes.turns.all() or axes.shoulder is None or axes.wrist is None:
+    if not axes.is_revolute.all() or axes.shoulder is None or axes.wrist is None:
         return None
     at = posture(chain, q)
     constant, factors = parts.srs(at, axes.shoulder, at.point(axes.wrist))
@@ -189,8 +189,8 @@ def _flat(
     chain: Chain, axes: Relations, q: FloatArray, task: Task
 ) -> tuple[str, FloatArray, list[Factor]] | None:
     """All axes parallel: the plane arm of the turning joints, and perhaps one slide along them."""
-    turning = [int(k) for k in np.flatnonzero(axes.turns)]
-    slides = [int(k) for k in np.flatnonzero(~axes.turns)]
+    turning = [int(k) for k in np.flatnonzero(axes.is_revolute)]
+    slides = [int(k) for k in np.flatnonzero(~axes.is_revolute)]
     kind = (len(turning), len(slides), task.name)
     at = posture(chain, q)
     u = at.z(turning[0]) if turning else None

@@ -60,7 +60,7 @@ def arm(at: Posture, axes: Relations, point: FloatArray) -> Product:
         axes: How they lie to each other.
         point: P, shape (n, 3).
     """
-    t1, t2, t3 = (bool(turns) for turns in axes.turns[:3])
+    t1, t2, t3 = (bool(is_revolute) for is_revolute in axes.is_revolute[:3])
     z1, z2, z3 = at.z(0), at.z(1), at.z(2)
     if t2 and t3 and axes.parallel[1, 2]:
         constant, factors = bend(at, 1, 2, point)
@@ -114,10 +114,10 @@ def arm(at: Posture, axes: Relations, point: FloatArray) -> Product:
             Factor("shoulder", dot(a, n), reach, "m", (0, 1), where),
             Factor("elbow", bent, at.lever(2, point), "m", (2,), stretched),
         ]
-    columns = [at.column(k, point, bool(axes.turns[k])) for k in range(3)]
+    columns = [at.column(k, point, bool(axes.is_revolute[k])) for k in range(3)]
     value = triple(*columns)
     largest = np.prod([norm(column) for column in columns], axis=0)
-    power = int(np.count_nonzero(axes.turns[:3]))
+    power = int(np.count_nonzero(axes.is_revolute[:3]))
     unit = "1" if power == 0 else "m" if power == 1 else f"m^{power}"
     where = "the velocities that joints 1, 2 and 3 give the wrist centre lie in one plane"
     return np.ones_like(value), [Factor("arm", value, largest, unit, (0, 1, 2), where)]
@@ -134,7 +134,7 @@ def three_parallel(at: Posture, i: int, j: int, k: int) -> Product:
 
 
 def around_parallel(
-    at: Posture, turns: NDArray[np.bool_], point: FloatArray, meets: bool, scale: FloatArray
+    at: Posture, is_revolute: NDArray[np.bool_], point: FloatArray, meets: bool, scale: FloatArray
 ) -> Product:
     """What joints 1, 5 and 6 do that joints 2, 3 and 4 (parallel axes) cannot.
 
@@ -142,25 +142,25 @@ def around_parallel(
 
     Args:
         at: The posture.
-        turns: True for joints that turn, shape (6,).
+        is_revolute: True for joints that turn, shape (6,).
         point: A point of axis 6; where axes 5 and 6 meet, that point.
         meets: Whether they do.
         scale: Bound of the distance of that point from axis 1's plane, shape (n,).
     """
     h, z1, z5, z6 = at.z(1), at.z(0), at.z(4), at.z(5)
-    along = dot(at.column(0, point, bool(turns[0])), h)
+    along = dot(at.column(0, point, bool(is_revolute[0])), h)
     if not meets:
         value = along * triple(h, z5, z6)
-        if turns[0]:
+        if is_revolute[0]:
             value = value - dot(at.column(4, point, True), h) * triple(h, z1, z6)
         where = "joints 1, 5 and 6 together leave a motion across the parallel axes open"
-        name, unit = ("shoulder and wrist", "m") if turns[0] else ("wrist", "1")
-        largest = scale + at.lever(4, point) if turns[0] else np.ones_like(value)
+        name, unit = ("shoulder and wrist", "m") if is_revolute[0] else ("wrist", "1")
+        largest = scale + at.lever(4, point) if is_revolute[0] else np.ones_like(value)
         return np.ones_like(value), [Factor(name, value, largest, unit, (0, 4, 5), where)]
     constant, (sine,) = wrist(at, 1, 4, 5)
     where = "axes 5 and 6 and the parallel axes 2, 3 and 4 are directed in one plane (sin q5 = 0)"
     factors = [Factor("wrist", sine.value, sine.largest, "1", (3, 4, 5), where)]
-    if not turns[0]:
+    if not is_revolute[0]:
         return constant * along, factors
     n = cross(z1, h)
     skew = norm(n)

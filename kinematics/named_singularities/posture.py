@@ -61,9 +61,9 @@ class Posture:
         """Direction of axis k, shape (n, 3)."""
         return np.asarray(self.Z[:, k])
 
-    def column(self, k: int, point: FloatArray, turns: bool) -> FloatArray:
+    def column(self, k: int, point: FloatArray, is_revolute: bool) -> FloatArray:
         """Velocity of a point by joint k, shape (n, 3)."""
-        return cross(self.z(k), self.from_axis(k, point)) if turns else self.z(k)
+        return cross(self.z(k), self.from_axis(k, point)) if is_revolute else self.z(k)
 
     def from_axis(self, k: int, point: FloatArray) -> FloatArray:
         """Vector from the known point of axis k to a point, shape (n, 3)."""
@@ -85,7 +85,7 @@ def posture(chain: Chain, q: FloatArray) -> Posture:
     own = np.ascontiguousarray(q[:, chain.columns])
     for k in range(n):
         axes, origins = memory[k, :, :3], memory[k, :, 3:]
-        forward(chain.placements, chain.turns, own[k], trig, axes, origins, poses[k])
+        forward(chain.placements, chain.is_revolute, own[k], trig, axes, origins, poses[k])
     T = poses.reshape(n, 3, 4)
     return Posture(memory[:, :, :3], memory[:, :, 3:], T[:, :, :3], T[:, :, 3])
 

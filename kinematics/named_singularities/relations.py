@@ -22,7 +22,7 @@ class Relations:
     What lies between neighbours holds at every q; points are of q = 0.
 
     Attributes:
-        turns: True for joints that turn, shape (K,).
+        is_revolute: True for joints that turn, shape (K,).
         parallel: Whether axes i and j are parallel at q = 0, shape (K, K).
         size: Length that distances are compared with, m.
         meeting: Where axes 1 and 2 meet, base axes, if both joints turn.
@@ -32,7 +32,7 @@ class Relations:
         on_last: A point of the last axis, in the frame.
     """
 
-    turns: NDArray[np.bool_]
+    is_revolute: NDArray[np.bool_]
     parallel: NDArray[np.bool_]
     size: float
     meeting: FloatArray | None
@@ -53,9 +53,9 @@ def relations_of(chain: Chain) -> Relations | None:
     def in_frame(point: FloatArray | None) -> FloatArray | None:
         return None if point is None else lines.point_in_tip(point)
 
-    turning = bool(lines.turns[:2].all()) and K > 1
+    turning = bool(lines.is_revolute[:2].all()) and K > 1
     return Relations(
-        turns=lines.turns,
+        is_revolute=lines.is_revolute,
         parallel=np.array([[lines.parallel(i, j) for j in range(K)] for i in range(K)]),
         size=lines.size,
         meeting=lines.meeting_point(0, 1) if turning else None,

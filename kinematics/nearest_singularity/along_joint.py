@@ -47,10 +47,10 @@ class SingularAlongJoint:
 
 def along_joint(search: Search, k: int) -> SingularAlongJoint:
     """Where joint k of the chain alone makes the arm singular."""
-    column, turns = int(search.chain.columns[k]), bool(search.chain.turns[k])
+    column, is_revolute = int(search.chain.columns[k]), bool(search.chain.is_revolute[k])
     here = float(search.q[column])
     low, high = float(search.chain.lower[k]), float(search.chain.upper[k])
-    if turns:
+    if is_revolute:
         low, high = max(low, here - 2 * np.pi), min(high, here + 2 * np.pi)
         if np.isinf([search.chain.lower[k], search.chain.upper[k]]).all():
             low, high = here - np.pi, here + np.pi
@@ -61,14 +61,14 @@ def along_joint(search: Search, k: int) -> SingularAlongJoint:
     if not low <= high:
         return SingularAlongJoint(column, None, None, (), None)
     found: list[tuple[float, float]] = []
-    for start in _candidates(search, column, turns, low, high):
+    for start in _candidates(search, column, is_revolute, low, high):
         polished = _polished(search, column, start)
         if polished is None:
             continue
         value, sigma = polished
-        turn = 2 * np.pi if turns else np.inf
-        first = int(np.ceil((low - 1e-9 - value) / turn)) if turns else 0
-        last = int(np.floor((high + 1e-9 - value) / turn)) if turns else 0
+        turn = 2 * np.pi if is_revolute else np.inf
+        first = int(np.ceil((low - 1e-9 - value) / turn)) if is_revolute else 0
+        last = int(np.floor((high + 1e-9 - value) / turn)) if is_revolute else 0
         for count in range(first, last + 1):
             shifted = value + count * turn if count else value
             inside = min(max(shifted, low), high)
@@ -88,9 +88,11 @@ def along_joint(search: Search, k: int) -> SingularAlongJoint:
     return SingularAlongJoint(column, value, abs(value - here), values, sigma)
 
 
-def _candidates(search: Search, column: int, turns: bool, low: float, high: float) -> list[float]:
+def _candidates(
+    search: Search, column: int, is_revolute: bool, low: float, high: float
+) -> list[float]:
     """Where the determinant's polynomial has roots, or its samples a minimum; best first."""
-    if turns:
+    if is_revolute:
         grid = search.q[column] + 2 * np.pi * np.arange(SAMPLES) / SAMPLES
     else:
         nodes = np.cos(np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES)[::-1]
@@ -107,14 +109,14 @@ def _candidates(search: Search, column: int, turns: bool, low: float, high: floa
     roots: list[float] = []
     if largest > 0:
         values = values / largest
-        if turns:
+        if is_revolute:
             roots = _turning_roots(values, degree, float(search.q[column]))
         else:
             middle, half = (low + high) / 2, (high - low) / 2
             roots = [middle + half * x for x in _sliding_roots(values, nodes, degree)]
     smallest = sigma[:, -1]
     before, after = np.roll(smallest, 1), np.roll(smallest, -1)
-    if not turns:
+    if not is_revolute:
         before[0] = after[-1] = np.inf
     minima = np.flatnonzero((smallest <= before) & (smallest <= after))
     minima = minima[np.argsort(smallest[minima])]

@@ -112,7 +112,7 @@ class Arm:
         """What compiled functions take first: C, turns, mask, rows, own axes."""
         return (
             self.chain.placements,
-            self.chain.turns,
+            self.chain.is_revolute,
             self.mask,
             self.rows,
             self.task.own_axes,

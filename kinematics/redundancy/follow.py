@@ -10,11 +10,11 @@ import numpy as np
 
 from kinematics.deadline import Deadline, current, under
 from kinematics.errors import OutOfTime
+from kinematics.redundancy.judging.verdict import Verdict, judge
 from kinematics.redundancy.measure import Measures, measure
 from kinematics.redundancy.methods import Method
-from kinematics.redundancy.methods.stop import Stop, StopReason
 from kinematics.redundancy.problem import PathOptions, Problem
-from kinematics.redundancy.verdict import Verdict, judge
+from kinematics.redundancy.stop import Stop, StopReason
 from robots.robot import FloatArray
 
 

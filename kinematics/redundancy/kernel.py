@@ -11,8 +11,8 @@ import math
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse import kernel as inverse
-from kinematics.inverse.kernel import columns, residual, twist_error
+from kinematics.inverse import damped_least_squares as inverse
+from kinematics.inverse.damped_least_squares import columns, residual, twist_error
 from kinematics.kernels import Array
 
 RANK_TOLERANCE = 1e-10
@@ -48,7 +48,7 @@ def task_rows(rows: Array, own: bool, K: int, W: Array, e: Array, J: Array) -> N
 @jit
 def task_at(
     C: Array,
-    turns: Array,
+    is_revolute: Array,
     mask: Array,
     rows: Array,
     own: bool,
@@ -59,8 +59,8 @@ def task_at(
     J: Array,
 ) -> tuple[float, float]:
     """Error to G and Jacobian at q into e and J; returns the squared position, rotation error."""
-    position, rotation = residual(C, turns, mask, G, q, W)
-    columns(turns, mask, len(q), W)
+    position, rotation = residual(C, is_revolute, mask, G, q, W)
+    columns(is_revolute, mask, len(q), W)
     task_rows(rows, own, len(q), W, e, J)
     return position, rotation
 

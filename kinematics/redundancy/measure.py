@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from kinematics.compiled import jit
 from kinematics.deadline import checkpoint
-from kinematics.inverse.kernel import residual
+from kinematics.inverse.damped_least_squares import residual
 from kinematics.kernels import Array
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.distances import clearances
+from kinematics.redundancy.clearance.distances import clearances
+from kinematics.redundancy.clearance.link_points import link_ends
+from kinematics.redundancy.clearance.sweep import RESOLUTION, swept_clearances
 from kinematics.redundancy.kernel import workspace
-from kinematics.redundancy.link_points import link_ends
 from kinematics.redundancy.problem import PathTolerance, Problem
-from kinematics.redundancy.sweep import RESOLUTION, swept_clearances
 from robots.robot import FloatArray
 
 LOOKS = np.linspace(0.0, 1.0, 33)[1:-1]
@@ -36,7 +36,7 @@ class Measures:
             are no obstacles.
         nearest: Link and obstacle of it, shape (n, 2); -1 where there are none.
         swept: A lower bound of the clearance between a sample and the next, shape (n - 1,); the
-            least of all is exact to :data:`kinematics.redundancy.sweep.RESOLUTION`.
+            least of all is exact to :data:`kinematics.redundancy.clearance.sweep.RESOLUTION`.
         limit_margin: Distance to the nearest limit, rad or m, negative beyond; shape (n,).
         speed_ratio: Largest |Δq| / (dt * speed limit) of a step, shape (n - 1,); 0 without limits.
         step: ‖Δq‖ of each step, shape (n - 1,).
@@ -75,18 +75,18 @@ def errors_at(problem: Problem, Q: FloatArray, first: int = 0) -> tuple[FloatArr
 def error_vectors(arm: Arm, Q: FloatArray, targets: FloatArray) -> FloatArray:
     """Task errors of Q, shape (n, K), to poses, shape (n, 12): m and rad, shape (n, 6)."""
     out = np.empty((len(Q), 6))
-    C, turns, mask, _, _ = arm.constants
-    _errors(C, turns, mask, np.ascontiguousarray(Q), targets, workspace(arm.K), out)
+    C, is_revolute, mask, _, _ = arm.constants
+    _errors(C, is_revolute, mask, np.ascontiguousarray(Q), targets, workspace(arm.K), out)
     return out
 
 
 def clearances_at(problem: Problem, Q: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
     """Least clearances, and link and obstacle of each; Q has shape (n, K)."""
     found, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
-    C, turns, *_ = problem.arm.constants
+    C, is_revolute, *_ = problem.arm.constants
     W = workspace(problem.arm.K, len(problem.links))
     Q = np.ascontiguousarray(Q)
-    clearances(C, turns, Q, problem.obstacles, problem.links.rows, W, found, whose)
+    clearances(C, is_revolute, Q, problem.obstacles, problem.links.rows, W, found, whose)
     return found, whose
 
 
@@ -100,8 +100,10 @@ def ends_of_links(problem: Problem, Q: FloatArray) -> FloatArray:
     """Ends of the links' segments at Q, shape (n, K); shape (n, L, 2, 3), m."""
     rows = problem.links.rows
     out = np.empty((len(Q), len(rows), 6))
-    C, turns, *_ = problem.arm.constants
-    link_ends(C, turns, np.ascontiguousarray(Q), rows, workspace(problem.arm.K, len(rows)), out)
+    C, is_revolute, *_ = problem.arm.constants
+    link_ends(
+        C, is_revolute, np.ascontiguousarray(Q), rows, workspace(problem.arm.K, len(rows)), out
+    )
     return out.reshape(len(Q), len(rows), 2, 3)
 
 
@@ -109,7 +111,7 @@ def swept_between(problem: Problem, Q: FloatArray) -> FloatArray:
     """See :attr:`Measures.swept`; Q has shape (n, K)."""
     swept = np.full(len(Q) - 1, np.inf)
     if len(problem.obstacles):
-        C, turns, *_ = problem.arm.constants
+        C, is_revolute, *_ = problem.arm.constants
         rows = problem.links.rows
         W = workspace(problem.arm.K, len(rows))
         world = problem.obstacles, rows, RESOLUTION, W
@@ -117,7 +119,7 @@ def swept_between(problem: Problem, Q: FloatArray) -> FloatArray:
         for first in range(0, len(swept), SWEPT):
             checkpoint()
             last = min(first + SWEPT, len(swept))
-            least = swept_clearances(C, turns, Q, *world, swept, first, last, least)
+            least = swept_clearances(C, is_revolute, Q, *world, swept, first, last, least)
     return swept
 
 
@@ -144,7 +146,9 @@ def measure(problem: Problem, Q: FloatArray) -> Measures:
 
 
 @jit
-def _errors(C: Array, turns: Array, mask: Array, Q: Array, G: Array, W: Array, out: Array) -> None:
+def _errors(
+    C: Array, is_revolute: Array, mask: Array, Q: Array, G: Array, W: Array, out: Array
+) -> None:
     for i in range(len(Q)):
-        residual(C, turns, mask, G[i], Q[i], W)
-        out[i] = W[len(turns) + 1, 0:6]
+        residual(C, is_revolute, mask, G[i], Q[i], W)
+        out[i] = W[len(is_revolute) + 1, 0:6]

@@ -10,9 +10,9 @@ import numpy as np
 
 from kinematics.errors import InvalidOption, WrongConfiguration
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.link_geometry import LinkGeometry
-from kinematics.redundancy.links import Links, skeleton
-from kinematics.redundancy.path import Path
+from kinematics.redundancy.clearance.link_geometry import LinkGeometry
+from kinematics.redundancy.clearance.links import Links, skeleton
+from kinematics.redundancy.path.geometry import Path
 from robots.robot import FloatArray
 
 TOUCH = 1e-9
@@ -51,7 +51,7 @@ class Problem:
         arm: The arm and its task space.
         start: Whole configuration of sample 0, shape (dof,).
         path: The path; its first target is the arm's pose at the start.
-        obstacles: See :func:`kinematics.redundancy.obstacles.encoded`; shape (M, 16).
+        obstacles: See :func:`kinematics.redundancy.clearance.obstacles.encoded`; shape (M, 16).
         link_radius: Radius of the capsules about the segments between joint origins, m: one for
             all, or of each, shape (K,).
         d_safe: Clearance that is to be kept, m.
@@ -96,7 +96,7 @@ class Problem:
             raise WrongConfiguration(
                 f"q of joint {self.arm.names[worst]} is {q[worst]:.6g}, outside its limits"
                 f" [{chain.lower[worst]:.6g}, {chain.upper[worst]:.6g}]"
-                f" {'rad' if chain.turns[worst] else 'm'}; start within them",
+                f" {'rad' if chain.is_revolute[worst] else 'm'}; start within them",
                 f"/q/{int(chain.columns[worst])}",
             )
 

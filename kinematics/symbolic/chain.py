@@ -33,13 +33,13 @@ class Axis:
         joint: Its number in q, from 1.
         node: Index of the frame on whose z it moves.
         sign: -1 where q runs against z.
-        turns: Whether it turns.
+        is_revolute: Whether it turns.
     """
 
     joint: int
     node: int
     sign: int
-    turns: bool
+    is_revolute: bool
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class Steps:
         a, d, b = (self._length(k + 1, column) for column in ("a", "d", "b"))
         if row.type is JointType.PRISMATIC and joint is not None:
             d = self.names.variable(joint).scaled(row.sign) + self._length(k + 1, "offset")
-        turn = about_z(row.offset, joint, row.sign) if row.type.turns else about_z(row.theta)
+        turn = about_z(row.offset, joint, row.sign) if row.type.is_revolute else about_z(row.theta)
         twist: list[Step] = [AboutX(row.alpha)]
         if self.table.convention is Convention.STANDARD:
             return [*turn, *along(z=d), *along(x=a), *twist]
@@ -154,4 +154,4 @@ def _axis(convention: Convention, row: DHRow, joint: int | None, node: int) -> l
     if joint is None:
         return []
     on = node - 1 if convention is Convention.STANDARD else node
-    return [Axis(joint, on, row.sign, row.type.turns)]
+    return [Axis(joint, on, row.sign, row.type.is_revolute)]

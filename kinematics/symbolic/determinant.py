@@ -100,7 +100,7 @@ class Views:
         self, axes: int, point: int, axis: Axis, following: Axis | None
     ) -> Column | None:
         one = self._column(axes, point, axis)
-        if one is None or following is None or not (axis.turns and following.turns):
+        if one is None or following is None or not (axis.is_revolute and following.is_revolute):
             return one
         key = (axes, point, axis.joint, following.joint)
         if key not in self._differences:
@@ -176,7 +176,7 @@ def _keeps(base: Pose, rows: Sequence[int]) -> bool:
 def _points(chain: Chain, poses: list[Pose], rows: Sequence[int]) -> list[int]:
     """Frames with different origins; only the tip where the task lacks rows to move the point."""
     angular = [i for i in range(3, 6) if i not in rows]
-    turning = [poses[axis.node].axes[2] for axis in chain.axes if axis.turns]
+    turning = [poses[axis.node].axes[2] for axis in chain.axes if axis.is_revolute]
     linear = {i for i in rows if i < 3}
     if any(z[i - 3] for z in turning for i in angular if linear != {i - 3}):
         return [len(poses) - 1]

@@ -33,7 +33,7 @@ def column(axis: Axis, poses: list[Pose], point: Vector) -> Column:
     """
     pose = poses[axis.node]
     z = pose.axes[2] if axis.sign > 0 else negated(pose.axes[2])
-    if not axis.turns:
+    if not axis.is_revolute:
         return (*z, *NOWHERE)
     return (*cross(z, added(point, negated(pose.origin))), *z)
 
@@ -61,7 +61,7 @@ def _derivative(axis: Axis, poses: list[Pose], point: Vector, names: Names) -> C
     """The same column in the base's axes, without products: ``[∂p/∂q; z]``."""
     moved = tuple(derivative(entry, axis.joint, names) for entry in point)
     z = poses[axis.node].axes[2]
-    return (*moved, *((z if axis.sign > 0 else negated(z)) if axis.turns else NOWHERE))
+    return (*moved, *((z if axis.sign > 0 else negated(z)) if axis.is_revolute else NOWHERE))
 
 
 def derivative(p: Polynomial, joint: int, names: Names) -> Polynomial:

@@ -58,7 +58,7 @@ def unusual_angles(table: DHTable) -> int:
     """How many constants have no exact cosine: twists, fixed angles, axes of base and tool."""
     found: set[float] = set()
     for row in table.rows:
-        constants = (row.alpha, row.gamma, 0.0 if row.type.turns else row.theta)
+        constants = (row.alpha, row.gamma, 0.0 if row.type.is_revolute else row.theta)
         found |= {abs(angle) for angle in constants if twelfths(angle) is None}
     placements = (table.base[:3, :3], table.tool[:3, :3])
     return len(found) + sum(3 for R in placements if not _exact(R))
@@ -69,7 +69,7 @@ def nearly_right_angles(table: DHTable) -> list[str]:
     found = []
     for k, row in enumerate(table.rows, start=1):
         columns = {"alpha": row.alpha, "gamma": row.gamma, "theta": row.theta}
-        if row.type.turns:
+        if row.type.is_revolute:
             columns["theta"] = row.offset
         for column, angle in columns.items():
             meant = round(angle / (math.pi / 2)) * math.pi / 2

@@ -1,6 +1,6 @@
 """RobotDirectory: the files of uploaded robots, changed by one process at a time.
 
-Layout: ``robots/<id>.json``, ``quarantine/…``, and ``robots.lock``, which holds the ledger. Writers
+Layout: ``robots/<id>.json``, ``quarantine/…``, and ``robots.lock``, which holds the record. Writers
 take turns by a lock on that file, which the kernel takes back from a killed process. Whoever gets
 its turn after a crash removes what was left behind and counts anew.
 """
@@ -20,13 +20,13 @@ from typing import Final
 
 from robots.errors import StorageUnavailable
 from robots.storage.durable import storage_errors, sync_directory
-from robots.storage.ledger import Quotas, Usage, read_ledger, usage_in
 from robots.storage.quarantine import Quarantine
 from robots.storage.stored_file import ROBOT_ID, SUFFIX, Signature, signature_of
-from robots.storage.turn import Turn
+from robots.storage.usage_record import Quotas, Usage, read_usage_record, usage_in
+from robots.storage.write_transaction import WriteTransaction
 
 PATIENCE: Final = 4.0
-"""Seconds that a writer waits for its turn; a turn takes milliseconds."""
+"""Seconds that a writer waits for the lock; a change takes milliseconds."""
 _BUSY: Final = "another process has been writing robots for too long"
 _LOCK_FLAGS = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 
@@ -83,7 +83,7 @@ class RobotDirectory:
             return ids
 
     @contextmanager
-    def turn(self, patience: float = PATIENCE) -> Iterator[Turn]:
+    def write_transaction(self, patience: float = PATIENCE) -> Iterator[WriteTransaction]:
         """Waits until no other thread or process writes, and keeps them waiting.
 
         Args:
@@ -100,7 +100,7 @@ class RobotDirectory:
             with storage_errors():
                 descriptor = self._locked(until)
                 try:
-                    yield self._turn(descriptor)
+                    yield self._transaction(descriptor)
                 finally:
                     # A child that was forked meanwhile would keep the lock of a mere close.
                     fcntl.flock(descriptor, fcntl.LOCK_UN)
@@ -132,15 +132,15 @@ class RobotDirectory:
             self.files.mkdir(parents=True, exist_ok=True)
             sync_directory(self._directory)
 
-    def _turn(self, descriptor: int) -> Turn:
-        ledger = read_ledger(descriptor)
-        usage = usage_in(ledger, self.files.stat().st_mtime_ns)
-        turn = Turn(
-            self.files, self.quarantine, usage or Usage(0, 0), self._quotas, descriptor, ledger
+    def _transaction(self, descriptor: int) -> WriteTransaction:
+        record = read_usage_record(descriptor)
+        usage = usage_in(record, self.files.stat().st_mtime_ns)
+        transaction = WriteTransaction(
+            self.files, self.quarantine, usage or Usage(0, 0), self._quotas, descriptor, record
         )
         if usage is None:
-            turn.recover()
-        return turn
+            transaction.recover()
+        return transaction
 
     def _version(self) -> tuple[bytes, int] | None:
         """Another one after every change; None while it cannot be told."""
@@ -149,13 +149,13 @@ class RobotDirectory:
         except OSError:
             return None
         try:
-            ledger = read_ledger(descriptor)
+            record = read_usage_record(descriptor)
             mtime = self.files.stat().st_mtime_ns
         except OSError:
             return None
         finally:
             os.close(descriptor)
-        return None if usage_in(ledger, mtime) is None else (ledger, mtime)
+        return None if usage_in(record, mtime) is None else (record, mtime)
 
 
 def _wait_for_lock(descriptor: int, until: float) -> None:

@@ -7,7 +7,8 @@ links, joints, and whether they are one tree. What leaves is plain checked value
 and a canonical text with nothing but those for everybody else. Mesh files are never opened.
 """
 
-from robots.urdf.caps import (
+from robots.urdf.description import URDFDescription, URDFJoint
+from robots.urdf.limits import (
     MAX_BYTES,
     MAX_DOF,
     MAX_ELEMENTS,
@@ -15,7 +16,6 @@ from robots.urdf.caps import (
     MAX_MAGNITUDE,
     MAX_SHAPES,
 )
-from robots.urdf.description import URDFDescription, URDFJoint
 from robots.urdf.reading import read_urdf
 
 __all__ = [

@@ -10,8 +10,8 @@ from lxml import etree
 from dh_to_urdf.errors import quoted
 from dh_to_urdf.writer import UNBOUNDED
 from robots.errors import InvalidURDF
-from robots.urdf.caps import MAX_LIMIT
 from robots.urdf.description import MOVING_TYPES, Triple, URDFJoint
+from robots.urdf.limits import MAX_LIMIT
 from robots.urdf.values import (
     Element,
     name_of,

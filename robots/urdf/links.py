@@ -9,7 +9,7 @@ from lxml import etree
 
 from dh_to_urdf.errors import quoted
 from robots.errors import InvalidURDF, RobotTooLarge
-from robots.urdf.caps import MAX_MATERIALS, MAX_SHAPES
+from robots.urdf.limits import MAX_MATERIALS, MAX_SHAPES
 from robots.urdf.mesh_names import portable_name
 from robots.urdf.values import (
     Element,

@@ -7,7 +7,7 @@ import re
 from lxml import etree
 
 from robots.errors import InvalidURDF, RobotTooLarge
-from robots.urdf.caps import MAX_ATTRIBUTES, MAX_ELEMENTS
+from robots.urdf.limits import MAX_ATTRIBUTES, MAX_ELEMENTS
 
 _REASONS = {
     "ERR_DOCUMENT_EMPTY": "there is no element",

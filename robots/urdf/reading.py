@@ -5,9 +5,9 @@ from __future__ import annotations
 from lxml import etree
 
 from robots.errors import InvalidURDF, RobotTooLarge
-from robots.urdf.caps import MAX_BYTES, MAX_DOF, MAX_LINKS
 from robots.urdf.description import MOVING_TYPES, URDFDescription
 from robots.urdf.joints import read_joint
+from robots.urdf.limits import MAX_BYTES, MAX_DOF, MAX_LINKS
 from robots.urdf.links import LinkReader, check_shapes
 from robots.urdf.markup import parse
 from robots.urdf.mimics import read_mimics

@@ -7,7 +7,7 @@ import re
 
 from dh_to_urdf.errors import quoted
 from robots.errors import InvalidURDF, RobotTooLarge
-from robots.urdf.caps import MAX_BYTES
+from robots.urdf.limits import MAX_BYTES
 
 _BOMS = (
     (codecs.BOM_UTF32_LE, None),  # begins like UTF-16's

@@ -11,8 +11,8 @@ from lxml import etree
 from dh_to_urdf.documents.checks import UNSEEN
 from dh_to_urdf.errors import quoted
 from robots.errors import InvalidURDF
-from robots.urdf.caps import MAX_MAGNITUDE, MAX_NAME, MAX_NUMBER
 from robots.urdf.description import Origin
+from robots.urdf.limits import MAX_MAGNITUDE, MAX_NAME, MAX_NUMBER
 
 Element: TypeAlias = etree._Element
 

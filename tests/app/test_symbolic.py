@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from fastapi import Request
 
-from app.problems import BY_EXCEPTION, domain_problem
+from app.http.problems import BY_EXCEPTION, domain_problem
 from kinematics.symbolic import SymbolicUnavailable, WorkersBusy
 
 PA10 = "/v1/robots/pa10/symbolic"

@@ -10,7 +10,7 @@ from robots.shipped import shipped_robot
 def product(chain, q):
     """C_0 M(q_1) C_1 … by plain 4x4 products."""
     T = np.eye(4)
-    for constant, turns, value in zip(chain.placements, chain.turns, q, strict=False):
+    for constant, turns, value in zip(chain.placements, chain.is_revolute, q, strict=False):
         C, M = np.eye(4), np.eye(4)
         C[:3] = constant.reshape(3, 4)
         if turns:

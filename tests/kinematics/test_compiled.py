@@ -6,7 +6,8 @@ import pytest
 from kinematics import kernels
 from kinematics.compiled import COMPILED
 from kinematics.forward import fk
-from kinematics.inverse import routine, solve_ik, solve_ik_batch
+from kinematics.inverse import compiled_solve as routine
+from kinematics.inverse import solve_ik, solve_ik_batch
 from kinematics.jacobian import jacobian
 from kinematics.warm import warm_up
 from robots.shipped import shipped_robot

@@ -83,7 +83,7 @@ def test_slides_spread_the_levers_over_their_extent():
     rng = np.random.default_rng(3)
     q = rng.uniform(-np.pi, np.pi, (60_000, 6))
     q[:, 2] = rng.uniform(robot.lower[2], robot.upper[2], 60_000)
-    J = jacobian(robot, q)[:, :3][:, :, robot.turns]
+    J = jacobian(robot, q)[:, :3][:, :, robot.is_revolute]
     mean = (J**2).sum(axis=(1, 2)).mean() / 5
     assert characteristic_length(robot) == pytest.approx(np.sqrt(mean), rel=5e-3)
     free = {
@@ -100,7 +100,7 @@ def test_dexterity_does_not_depend_on_the_unit_of_length():
     for factor in (1.0, 1000.0):
         robot = scaled_puma(factor)
         length = characteristic_length(robot)
-        found.append(dexterity(jacobian(robot, q), robot.turns, TASKS["pose"], length))
+        found.append(dexterity(jacobian(robot, q), robot.is_revolute, TASKS["pose"], length))
     assert found[1].characteristic_length == pytest.approx(1000 * found[0].characteristic_length)
     assert found[1].condition_number == pytest.approx(found[0].condition_number, rel=1e-9)
     assert found[0].isotropy == pytest.approx(1 / found[0].condition_number)
@@ -114,14 +114,14 @@ def test_an_isotropic_posture():
     document = {"name": "iso", "convention": "standard", "joints": joints}
     robot, task = robot_from_table(read_mapping(document)), TASKS["xy"]
     J = jacobian(robot, np.array([0.3, 3 * np.pi / 4]))[:2]
-    found = dexterity(J, robot.turns, task, 1.0)
+    found = dexterity(J, robot.is_revolute, task, 1.0)
     assert found.condition_number == pytest.approx(1, abs=1e-12)
-    singular = dexterity(jacobian(robot, np.zeros(2))[:2], robot.turns, task, 1.0)
+    singular = dexterity(jacobian(robot, np.zeros(2))[:2], robot.is_revolute, task, 1.0)
     assert singular.condition_number == np.inf
     assert singular.isotropy == 0
     for length in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(InvalidOption, match="characteristic_length"):
-            dexterity(J, robot.turns, task, length)
+            dexterity(J, robot.is_revolute, task, length)
 
 
 def test_words():

@@ -28,7 +28,7 @@ def test_axes_of_every_shipped_robot_are_those_of_its_jacobian(robot_id):
     J, p = jacobian(robot, q), fk(robot, q)[robot.tip_frame][:3, 3]
     for k in np.flatnonzero(np.abs(J).max(axis=0) > 1e-12):
         axis, origin = skeleton.axes[k], skeleton.origins[k]
-        if skeleton.turns[k]:
+        if skeleton.is_revolute[k]:
             # Joints of the chain before the base frame turn it the other way.
             sign = np.sign(axis @ J[3:, k])
             assert np.abs(J[3:, k] - sign * axis).max() < 1e-12

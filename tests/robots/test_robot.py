@@ -60,7 +60,7 @@ def test_columns_of_the_tangent_space_follow_the_file(poses):
 
 def test_continuous_joints_take_angles_of_any_size(poses):
     robot = robot_from_urdf(BRANCHED)
-    assert robot.turns.tolist() == [True, True, False, True, True, False, True]
+    assert robot.is_revolute.tolist() == [True, True, False, True, True, False, True]
     q = np.array([0.1, 100.0, 0.2, 0.3, -50.0, 0.4, 0.5])
     turned = q + 2 * math.pi * np.array([0, 1, 0, 0, -2, 0, 0])
     for name, T in poses(robot, q).items():

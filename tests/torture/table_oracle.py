@@ -149,7 +149,7 @@ def frames(table: DHTable, q: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _link(convention: Convention, row: DHRow, v: float) -> np.ndarray:
-    theta = v if row.type.turns else row.theta
+    theta = v if row.type.is_revolute else row.theta
     d = v if row.type is JointType.PRISMATIC else row.d
     z = _turn(2, theta) @ _shift(0, 0, d)
     x = _shift(row.a, 0, 0) @ _turn(0, row.alpha)

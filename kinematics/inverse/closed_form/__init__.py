@@ -108,7 +108,7 @@ def solutions(
     n = solver(form)(
         form.constants,
         chain.placements.copy(),
-        chain.turns.astype(np.float64),
+        chain.is_revolute.astype(np.float64),
         task.mask,
         np.ascontiguousarray(target, dtype=np.float64),
         np.zeros(count) if given is None else np.ascontiguousarray(given, dtype=np.float64),

@@ -69,7 +69,7 @@ def classify(chain: Chain) -> ClosedForm | None:
     if not 2 <= chain.length <= 7:
         return None
     lines = axis_lines(chain)
-    turning = int(np.count_nonzero(lines.turns))
+    turning = int(np.count_nonzero(lines.is_revolute))
     if all(lines.parallel(0, k) for k in range(1, chain.length)):
         return _flat(lines, turning)
     if chain.length == 6:
@@ -81,7 +81,7 @@ def classify(chain: Chain) -> ClosedForm | None:
 
 def _flat(lines: AxisLines, turning: int) -> ClosedForm | None:
     """Planar 2R and 3R, SCARA: all axes parallel."""
-    slides = len(lines.turns) - turning
+    slides = len(lines.is_revolute) - turning
     if (turning, slides) not in ((2, 0), (3, 0), (3, 1)):
         return None
     upright = bool(np.linalg.norm(lines.directions[0][:2]) <= ANGLE)
@@ -90,7 +90,9 @@ def _flat(lines: AxisLines, turning: int) -> ClosedForm | None:
     u = lines.directions[0]
     leading = u[2] if abs(u[2]) > ANGLE else u[int(np.argmax(np.abs(u)))]
     u = u if leading > 0 else -u
-    order = [int(k) for k in (*np.flatnonzero(lines.turns), *np.flatnonzero(~lines.turns))]
+    order = [
+        int(k) for k in (*np.flatnonzero(lines.is_revolute), *np.flatnonzero(~lines.is_revolute))
+    ]
     tip = lines.pose[:3, 3]
     points = [p - (p @ u) * u for p in (*lines.points[order[:turning]], tip)]
     links = [float(np.linalg.norm(b - a)) for a, b in pairwise(points)]
@@ -127,7 +129,7 @@ def _flat(lines: AxisLines, turning: int) -> ClosedForm | None:
 
 def _spherical_wrist(lines: AxisLines) -> ClosedForm | None:
     """Six joints, the last three through one point."""
-    if not (lines.turns[[0, 1, 3, 4, 5]].all()):
+    if not (lines.is_revolute[[0, 1, 3, 4, 5]].all()):
         return None
     wrist = lines.centre(3)
     if wrist is None:
@@ -184,7 +186,7 @@ def _first_three(
 ) -> tuple[int, FloatArray, FloatArray, FloatArray, str] | None:
     """How the first three joints place the wrist centre; None where they cannot in general."""
     small = LENGTH * lines.size
-    if not lines.turns[2]:
+    if not lines.is_revolute[2]:
         p = lines.meeting_point(0, 1)
         if p is None or lines.parallel(1, 2):
             return None
@@ -217,7 +219,7 @@ def _first_three(
 
 def _parallel_axes(lines: AxisLines) -> ClosedForm | None:
     """Six turning joints, axes 2, 3 and 4 parallel."""
-    if not lines.turns.all():
+    if not lines.is_revolute.all():
         return None
     if not (lines.parallel(1, 2) and lines.parallel(1, 3)):
         return None

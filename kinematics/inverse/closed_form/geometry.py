@@ -26,14 +26,14 @@ class AxisLines:
     Attributes:
         directions: Unit vectors along the axes, shape (K, 3).
         points: A point of each axis, m, shape (K, 3).
-        turns: True for an angle, shape (K,).
+        is_revolute: True for an angle, shape (K,).
         pose: Pose of the frame, shape (4, 4).
         size: Length that distances are compared with, m.
     """
 
     directions: FloatArray
     points: FloatArray
-    turns: NDArray[np.bool_]
+    is_revolute: NDArray[np.bool_]
     pose: FloatArray
     size: float
 
@@ -106,4 +106,4 @@ def axis_lines(chain: Chain) -> AxisLines:
     unit /= np.linalg.norm(unit, axis=1, keepdims=True)
     extent = float(np.linalg.norm(chain.placements[1:-1, [3, 7, 11]], axis=1).sum())
     tool = float(np.linalg.norm(chain.placements[-1, [3, 7, 11]]))
-    return AxisLines(unit, np.array(points[:-1]), chain.turns, pose, extent + tool or 1.0)
+    return AxisLines(unit, np.array(points[:-1]), chain.is_revolute, pose, extent + tool or 1.0)

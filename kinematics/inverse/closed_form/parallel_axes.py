@@ -20,7 +20,7 @@ from kinematics.compiled import inner, jit
 from kinematics.inverse.closed_form.polish import WORK, IntArray, keep, none_yet
 from kinematics.inverse.closed_form.quartic import roots, times
 from kinematics.inverse.closed_form.spherical import bend
-from kinematics.inverse.closed_form.spherical import turns as three_turns
+from kinematics.inverse.closed_form.spherical import is_revolute as three_turns
 from kinematics.inverse.closed_form.subproblems import FREE, align, component, distance
 from kinematics.inverse.closed_form.vectors import (
     Vector,
@@ -60,7 +60,7 @@ NEARLY_STRAIGHT = 1e-9
 def solve(
     constants: FloatArray,
     placements: FloatArray,
-    turns: FloatArray,
+    is_revolute: FloatArray,
     mask: FloatArray,
     target: FloatArray,
     given: FloatArray,
@@ -116,7 +116,7 @@ def solve(
             before = n
             if not loose:
                 n = _plane(
-                    constants, placements, turns, mask, target, given, goal, point, total,
+                    constants, placements, is_revolute, mask, target, given, goal, point, total,
                     first[i], q5, q6, (left, 1 - side, bits), q, codes, free, errors, n,
                     measured, work,
                 )  # fmt: skip
@@ -124,7 +124,7 @@ def solve(
             if loose or ((n == before or not measured) and straight < NEARLY_STRAIGHT):
                 total, q6 = _straight(constants, wrist_v, q5, given[5], goal, point)
                 n = _plane(
-                    constants, placements, turns, mask, target, given, goal, point, total,
+                    constants, placements, is_revolute, mask, target, given, goal, point, total,
                     first[i], q5, q6, (left, 1 - side, bits + 32), q, codes, free, errors, n,
                     measured, work,
                 )  # fmt: skip
@@ -168,7 +168,7 @@ def _first_joint(
 def _plane(
     constants: FloatArray,
     placements: FloatArray,
-    turns: FloatArray,
+    is_revolute: FloatArray,
     mask: FloatArray,
     target: FloatArray,
     given: FloatArray,
@@ -205,7 +205,7 @@ def _plane(
         fold = dot(h, cross(sub(p3, p2), sub(reached, sub(p3, p2))))
         codes[n, 0], codes[n, 1], codes[n, 2] = branch[0], 0 if fold >= 0.0 else 1, branch[1]
         free[n] = branch[2] if determined else branch[2] | 2
-        n = keep(placements, turns, target, mask, q, n, measured, errors, work)
+        n = keep(placements, is_revolute, target, mask, q, n, measured, errors, work)
     return n
 
 

@@ -50,7 +50,7 @@ MOST = 2
 def solve(
     constants: FloatArray,
     placements: FloatArray,
-    turns: FloatArray,
+    is_revolute: FloatArray,
     mask: FloatArray,
     target: FloatArray,
     given: FloatArray,
@@ -99,7 +99,7 @@ def solve(
             q[n, slide] = constants[SIGNS + 3] * height
         side = dot(u, cross(reached, sub(a2, a1)))
         codes[n, 0] = 0 if side >= 0.0 else 1
-        n = keep(placements, turns, target, mask, q, n, measured, errors, work)
+        n = keep(placements, is_revolute, target, mask, q, n, measured, errors, work)
     return n
 
 

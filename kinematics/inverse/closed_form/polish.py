@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from kinematics.compiled import inner
 from kinematics.inverse.closed_form.vectors import wrapped
-from kinematics.inverse.kernel import columns, damped, residual
+from kinematics.inverse.damped_least_squares import columns, damped, residual
 from robots.robot import FloatArray
 
 ACCEPTED = 1e-9
@@ -30,7 +30,7 @@ IntArray = NDArray[np.int64]
 @inner
 def improve(
     placements: FloatArray,
-    turns: FloatArray,
+    is_revolute: FloatArray,
     target: FloatArray,
     mask: FloatArray,
     q: FloatArray,
@@ -41,7 +41,7 @@ def improve(
 
     Args:
         placements: C_0 … C_K, shape (K + 1, 12).
-        turns: Nonzero for an angle, shape (K,).
+        is_revolute: Nonzero for an angle, shape (K,).
         target: Pose in the base's axes, shape (4, 4).
         mask: 1 for the rows of the error that count, else 0; shape (6,).
         q: A candidate, shape (K,); changed in place.
@@ -56,7 +56,7 @@ def improve(
     J, e, y = W[0:K, 6:12], W[K + 1, 0:6], W[K + 1, 6:12]
     best = np.inf
     for attempt in range(STEPS + 1):
-        position, rotation = residual(placements, turns, mask, target.reshape(16), q, W)
+        position, rotation = residual(placements, is_revolute, mask, target.reshape(16), q, W)
         position, rotation = math.sqrt(position), math.sqrt(rotation)
         error = position + rotation
         if not error < best:
@@ -68,7 +68,7 @@ def improve(
         best, errors[0], errors[1] = error, position, rotation
         if error <= ENOUGH or settled or attempt == STEPS:
             break
-        columns(turns, mask, K, W)
+        columns(is_revolute, mask, K, W)
         scale = 1e-300
         for k in range(K):
             for i in range(6):
@@ -90,7 +90,7 @@ def none_yet() -> int:
 @inner
 def keep(
     placements: FloatArray,
-    turns: FloatArray,
+    is_revolute: FloatArray,
     target: FloatArray,
     mask: FloatArray,
     q: FloatArray,
@@ -106,7 +106,7 @@ def keep(
 
     Args:
         placements: C_0 … C_K, shape (K + 1, 12).
-        turns: Nonzero for an angle, shape (K,).
+        is_revolute: Nonzero for an angle, shape (K,).
         target: Pose in the base's axes, shape (4, 4).
         mask: 1 for the rows of the error that count, else 0; shape (6,).
         q: Solutions so far, then a candidate in row n; shape (N, K).
@@ -122,16 +122,16 @@ def keep(
     if not measured:
         errors[n, 0] = errors[n, 1] = 0.0
         return n + 1
-    if not improve(placements, turns, target, mask, candidate, errors[n], work):
+    if not improve(placements, is_revolute, target, mask, candidate, errors[n], work):
         return n
     for k in range(len(candidate)):
-        if turns[k]:
+        if is_revolute[k]:
             candidate[k] = wrapped(candidate[k])
     for i in range(n):
         same = True
         for k in range(len(candidate)):
             difference = candidate[k] - q[i, k]
-            if turns[k]:
+            if is_revolute[k]:
                 difference = wrapped(difference)
             if abs(difference) > SAME:
                 same = False

@@ -65,7 +65,7 @@ def bend(constants: FloatArray, start: int, image_c: Vector) -> tuple[bool, floa
 
 
 @inner
-def turns(
+def is_revolute(
     constants: FloatArray, start: int, image_c: Vector, image_v: Vector, bent: float, given: float
 ) -> tuple[bool, float, float, float]:
     """One of the two solutions.

@@ -20,7 +20,7 @@ from kinematics.compiled import inner, jit
 from kinematics.inverse.closed_form.polish import WORK, IntArray, keep, none_yet
 from kinematics.inverse.closed_form.quartic import roots, times
 from kinematics.inverse.closed_form.spherical import bend
-from kinematics.inverse.closed_form.spherical import turns as three_turns
+from kinematics.inverse.closed_form.spherical import is_revolute as three_turns
 from kinematics.inverse.closed_form.subproblems import (
     FREE,
     align,
@@ -65,7 +65,7 @@ MOST = 8
 def solve(
     constants: FloatArray,
     placements: FloatArray,
-    turns: FloatArray,
+    is_revolute: FloatArray,
     mask: FloatArray,
     target: FloatArray,
     given: FloatArray,
@@ -81,7 +81,7 @@ def solve(
     Args:
         constants: See the offsets above.
         placements: C_0 … C_K, shape (7, 12).
-        turns: Nonzero for an angle, shape (6,).
+        is_revolute: Nonzero for an angle, shape (6,).
         mask: 1 for the rows of the error that count, else 0; shape (6,).
         target: Pose of the frame in base axes, shape (4, 4).
         given: Values of joints that a singular branch leaves free, shape (6,).
@@ -112,11 +112,11 @@ def solve(
         c1, s1 = math.cos(arms[i, 0]), math.sin(arms[i, 0])
         c2, s2 = math.cos(arms[i, 1]), math.sin(arms[i, 1])
         c3, s3 = 1.0, 0.0
-        if turns[2]:
+        if is_revolute[2]:
             c3, s3 = math.cos(arms[i, 2]), math.sin(arms[i, 2])
         wrist_c = turn(h3, c3, -s3, turn(h2, c2, -s2, turn(h1, c1, -s1, image_c)))
         wrist_v = turn(h3, c3, -s3, turn(h2, c2, -s2, turn(h1, c1, -s1, image_v)))
-        shoulder, elbow = _posture(constants, turns[2] != 0.0, arms[i, 2], c2, s2, c3, s3)
+        shoulder, elbow = _posture(constants, is_revolute[2] != 0.0, arms[i, 2], c2, s2, c3, s3)
         exists, bent = bend(constants, TRIPLE, wrist_c)
         if not exists:
             continue
@@ -128,7 +128,7 @@ def solve(
             q[n, 3], q[n, 4], q[n, 5] = q4, q5, q6
             codes[n, 0], codes[n, 1], codes[n, 2] = shoulder, elbow, side
             free[n] = int(arms[i, 3]) + (8 if loose else 0)
-            n = keep(placements, turns, target, mask, q, n, measured, errors, work)
+            n = keep(placements, is_revolute, target, mask, q, n, measured, errors, work)
     return n
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from kinematics.compiled import inner, jit
 from kinematics.inverse.closed_form.polish import WORK, IntArray, keep, none_yet
 from kinematics.inverse.closed_form.spherical import bend
-from kinematics.inverse.closed_form.spherical import turns as three_turns
+from kinematics.inverse.closed_form.spherical import is_revolute as three_turns
 from kinematics.inverse.closed_form.subproblems import distance
 from kinematics.inverse.closed_form.vectors import (
     Vector,
@@ -60,7 +60,7 @@ UPRIGHT = 1e-6
 def solve(
     constants: FloatArray,
     placements: FloatArray,
-    turns: FloatArray,
+    is_revolute: FloatArray,
     mask: FloatArray,
     target: FloatArray,
     given: FloatArray,
@@ -76,7 +76,7 @@ def solve(
     Args:
         constants: See the offsets above.
         placements: C_0 … C_K, shape (8, 12).
-        turns: Nonzero for an angle, shape (7,).
+        is_revolute: Nonzero for an angle, shape (7,).
         mask: 1 for the rows of the error that count, else 0; shape (6,).
         target: Pose of the frame in base axes, shape (4, 4).
         given: Values of joints that a singular branch leaves free, shape (7,).
@@ -139,7 +139,7 @@ def solve(
                 q[n, 4], q[n, 5], q[n, 6] = q5, q6, q7
                 codes[n, 0], codes[n, 1], codes[n, 2] = j, 0 if fold <= 0.0 else 1, k
                 free[n] = (1 if loose1 else 0) + (16 if loose5 else 0)
-                n = keep(placements, turns, target, mask, q, n, measured, errors, work)
+                n = keep(placements, is_revolute, target, mask, q, n, measured, errors, work)
     return n
 
 

@@ -16,8 +16,8 @@ from kinematics.redundancy.methods import (
     task_priority,
     whole_path,
 )
-from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.stop import Stop
 from robots.errors import hint
 from robots.robot import FloatArray
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 
-from kinematics.redundancy.methods.stop import Stop, StopReason
 from kinematics.redundancy.problem import Problem
+from kinematics.redundancy.stop import Stop, StopReason
 
 BLOCK = 64
 """Samples computed in one call."""

@@ -11,12 +11,12 @@ from collections.abc import Generator
 import numpy as np
 
 from kinematics.compiled import jit
-from kinematics.inverse.kernel import columns, damped, residual
+from kinematics.inverse.damped_least_squares import columns, damped, residual
 from kinematics.kernels import Array
 from kinematics.redundancy.kernel import workspace
 from kinematics.redundancy.methods.blocks import in_blocks
-from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import PathOptions, Problem, departure
+from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
 
 EXACT = 1e-10
@@ -29,11 +29,11 @@ def follow(
     """See :class:`kinematics.redundancy.methods.Method`."""
     arm = problem.arm
     leaving, W = departure(problem, options), workspace(arm.K)
-    C, turns, mask, _, _ = arm.constants
+    C, is_revolute, mask, _, _ = arm.constants
 
     def solve(first: int, last: int) -> tuple[int, int]:
         _follow(
-            C, turns, mask, problem.path.targets, Q, leaving, first, last,
+            C, is_revolute, mask, problem.path.targets, Q, leaving, first, last,
             options.damping, options.iterations, W,
         )  # fmt: skip
         return last, arm.m
@@ -44,7 +44,7 @@ def follow(
 @jit
 def _follow(
     C: Array,
-    turns: Array,
+    is_revolute: Array,
     mask: Array,
     G: Array,
     Q: Array,
@@ -55,17 +55,17 @@ def _follow(
     iterations: int,
     W: Array,
 ) -> None:
-    K = len(turns)
+    K = len(is_revolute)
     y, trial, floor = np.empty(6), np.empty(K), damping * damping
     for i in range(first, last):
         q, strength = Q[i], floor
         for k in range(K):
             q[k] = leaving[k] if i == 1 else Q[i - 1, k]
-        position, rotation = residual(C, turns, mask, G[i], q, W)
+        position, rotation = residual(C, is_revolute, mask, G[i], q, W)
         for _ in range(iterations):
             if position <= EXACT * EXACT and rotation <= EXACT * EXACT:
                 break
-            columns(turns, mask, K, W)
+            columns(is_revolute, mask, K, W)
             damped(W[0:K, 6:12], K, strength, W[K + 1, 0:6], y)
             moved = 0.0
             for k in range(K):
@@ -76,7 +76,7 @@ def _follow(
                 moved = max(moved, abs(d))
             if moved < 1e-15:
                 break
-            p, r2 = residual(C, turns, mask, G[i], trial, W)
+            p, r2 = residual(C, is_revolute, mask, G[i], trial, W)
             if p + r2 < position + rotation:
                 for k in range(K):
                     q[k] = trial[k]
@@ -84,4 +84,4 @@ def _follow(
                 strength = max(floor, 0.2 * strength)
             else:
                 strength *= 8.0
-                residual(C, turns, mask, G[i], q, W)
+                residual(C, is_revolute, mask, G[i], q, W)

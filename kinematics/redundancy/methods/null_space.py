@@ -13,14 +13,8 @@ from collections.abc import Generator
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.kernel import residual
+from kinematics.inverse.damped_least_squares import residual
 from kinematics.kernels import Array
-from kinematics.redundancy.gradients import (
-    limit_potential,
-    manipulability_potential,
-    obstacle_potential,
-    posture_potential,
-)
 from kinematics.redundancy.kernel import (
     least_step,
     orthonormal_rows,
@@ -31,8 +25,14 @@ from kinematics.redundancy.kernel import (
 from kinematics.redundancy.methods.blocks import in_blocks
 from kinematics.redundancy.methods.damped import EXACT
 from kinematics.redundancy.methods.pseudo_inverse import HUGE
-from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import Gains, PathOptions, Problem, departure
+from kinematics.redundancy.steps.gradients import (
+    limit_potential,
+    manipulability_potential,
+    obstacle_potential,
+    posture_potential,
+)
+from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
 
 GAINS = Gains(limits=4.0, obstacles=4.0)
@@ -65,7 +65,7 @@ def follow(
 @jit
 def _follow(
     C: Array,
-    turns: Array,
+    is_revolute: Array,
     mask: Array,
     rows: Array,
     own: bool,
@@ -85,7 +85,7 @@ def _follow(
     iterations: int,
     W: Array,
 ) -> tuple[int, int]:
-    K, m = len(turns), len(rows)
+    K, m = len(is_revolute), len(rows)
     e, y, step, z = np.empty(m), np.empty(m), np.empty(K), np.empty(K)
     J, B, L = np.empty((m, K)), np.empty((m, K)), np.empty((m, m))
     order = np.empty(m, dtype=np.int64)
@@ -95,7 +95,7 @@ def _follow(
         for k in range(K):
             q[k] = leaving[k] if i == 1 else Q[i - 1, k]
         for iteration in range(iterations):
-            position, rotation = task_at(C, turns, mask, rows, own, G[i], q, W, e, J)
+            position, rotation = task_at(C, is_revolute, mask, rows, own, G[i], q, W, e, J)
             if iteration > 0 and position <= EXACT * EXACT and rotation <= EXACT * EXACT:
                 break
             rank = orthonormal_rows(J, B, L, order)
@@ -104,7 +104,7 @@ def _follow(
             least_step(B, L, order, e, y, step)
             if iteration == 0:
                 downhill(
-                    C, turns, mask, rows, own, G[i], q, lower, upper, wanted, obstacles, S,
+                    C, is_revolute, mask, rows, own, G[i], q, lower, upper, wanted, obstacles, S,
                     safe, influence, gains, part, W, z,
                 )  # fmt: skip
                 project_null(B, z)
@@ -124,7 +124,7 @@ def _follow(
 @inner
 def downhill(
     C: Array,
-    turns: Array,
+    is_revolute: Array,
     mask: Array,
     rows: Array,
     own: bool,
@@ -160,12 +160,12 @@ def downhill(
         for k in range(K):
             z[k] -= scale * g[k]
     if gains[1] > 0.0:
-        residual(C, turns, mask, target, q, W)
-        manipulability_potential(turns, rows, own, K, W, g)
+        residual(C, is_revolute, mask, target, q, W)
+        manipulability_potential(is_revolute, rows, own, K, W, g)
         for k in range(K):
             z[k] -= gains[1] * part * g[k]
     if gains[2] > 0.0 and len(obstacles) > 0:
-        obstacle_potential(C, turns, q, obstacles, S, safe, influence, W, g)
+        obstacle_potential(C, is_revolute, q, obstacles, S, safe, influence, W, g)
         for k in range(K):
             z[k] -= gains[2] * part * g[k]
     if gains[3] > 0.0:

@@ -23,8 +23,8 @@ from kinematics.redundancy.kernel import (
     workspace,
 )
 from kinematics.redundancy.methods.blocks import in_blocks
-from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import PathOptions, Problem, departure
+from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
 
 HUGE = 1e6
@@ -47,7 +47,7 @@ def follow(
 @jit
 def _follow(
     C: Array,
-    turns: Array,
+    is_revolute: Array,
     mask: Array,
     rows: Array,
     own: bool,
@@ -59,13 +59,13 @@ def _follow(
     closed: bool,
     W: Array,
 ) -> tuple[int, int]:
-    K, m = len(turns), len(rows)
+    K, m = len(is_revolute), len(rows)
     e, y, step = np.empty(m), np.empty(m), np.empty(K)
     J, B, L = np.empty((m, K)), np.empty((m, K)), np.empty((m, m))
     order = np.empty(m, dtype=np.int64)
     for i in range(first, last):
         q = leaving if i == 1 else Q[i - 1]
-        task_at(C, turns, mask, rows, own, G[i], q, W, e, J)
+        task_at(C, is_revolute, mask, rows, own, G[i], q, W, e, J)
         if not closed:
             increment(G[i - 1], G[i], mask, W, K)
             _only_error(rows, own, K, W, e)

@@ -4,7 +4,7 @@
 of every near pair of link and obstacle linearised, ``∇d δ ≥ d_safe + margin − d``; linearised
 anew until path and clearance are reached as measured. Where the path leaves no room for the margin,
 it is given up. Solved by DAQP (Arnström, Bemporad and Axehill, IEEE Trans. Automatic Control 67(8),
-2022). Where nothing is feasible, see :mod:`kinematics.redundancy.best_effort`.
+2022). Where nothing is feasible, see :mod:`kinematics.redundancy.steps.best_effort`.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from typing import TypeAlias
 import daqp
 import numpy as np
 
-from kinematics.redundancy.best_effort import best_effort, merit
-from kinematics.redundancy.linearised import Linearised
 from kinematics.redundancy.measure import nearest_part
-from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import PathOptions, Problem, departure
+from kinematics.redundancy.steps.best_effort import best_effort, merit
+from kinematics.redundancy.steps.linearised import Linearised
+from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
 
 EXACT = 1e-9

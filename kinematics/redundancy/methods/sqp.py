@@ -2,9 +2,9 @@
 
 Subject to ``f(θ) = P``, limits, speeds and ``d ≥ d_safe + margin``, by SciPy's SLSQP with analytic
 gradients (Kraft 1988; the formulation of the ICM'15 paper on hyper-redundant planar arms). φ is the
-repulsion of :func:`kinematics.redundancy.gradients.obstacle_potential`. What SLSQP says of itself
-is not believed: error and clearance are measured, and where they do not hold, see
-:mod:`kinematics.redundancy.best_effort`.
+repulsion of :func:`~kinematics.redundancy.steps.gradients.obstacle_potential`. What SLSQP says
+of itself is not believed: error and clearance are measured, and where they do not hold, see
+:mod:`kinematics.redundancy.steps.best_effort`.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from scipy.optimize import minimize
 
 from kinematics.compiled import jit
 from kinematics.deadline import checkpoint
-from kinematics.inverse.kernel import columns, residual
+from kinematics.inverse.damped_least_squares import columns, residual
 from kinematics.kernels import Array
-from kinematics.redundancy.distances import listed_pairs, near_pairs
-from kinematics.redundancy.gradients import obstacle_potential
+from kinematics.redundancy.clearance.distances import listed_pairs, near_pairs
 from kinematics.redundancy.kernel import exact_error_columns, task_rows, workspace
-from kinematics.redundancy.linearised import MOST_PAIRS, Linearised
 from kinematics.redundancy.methods.qp import advance
-from kinematics.redundancy.methods.stop import Stop
 from kinematics.redundancy.problem import PathOptions, Problem, departure
+from kinematics.redundancy.steps.gradients import obstacle_potential
+from kinematics.redundancy.steps.linearised import MOST_PAIRS, Linearised
+from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
 
 ACCURACY = 1e-11
@@ -75,9 +75,9 @@ class _Program:
         """The sample after ``previous``; None where the program was not solved, as measured."""
         problem, count, K = self.problem, 0, len(previous)
         if len(problem.obstacles):
-            C, turns, *_ = problem.arm.constants
+            C, is_revolute, *_ = problem.arm.constants
             count, _ = near_pairs(
-                C, turns, previous, problem.obstacles, problem.links.rows, model.near, self.W,
+                C, is_revolute, previous, problem.obstacles, problem.links.rows, model.near, self.W,
                 self._d, self._g, self.whose,
             )  # fmt: skip
         self.count, self.parts, self.previous = count, model.parts, previous
@@ -147,7 +147,7 @@ class _Program:
 @jit
 def look(
     C: Array,
-    turns: Array,
+    is_revolute: Array,
     mask: Array,
     rows: Array,
     own: bool,
@@ -178,13 +178,13 @@ def look(
     """
     K = len(q)
     if own:
-        residual(C, turns, mask, target, q, W)
-        columns(turns, mask, K, W)
+        residual(C, is_revolute, mask, target, q, W)
+        columns(is_revolute, mask, K, W)
     else:
         every = np.ones(7)
         every[6] = 0.0
-        residual(C, turns, every, target, q, W)
-        columns(turns, every, K, W)
+        residual(C, is_revolute, every, target, q, W)
+        columns(is_revolute, every, K, W)
         exact_error_columns(mask, K, W)
     task_rows(rows, own, K, W, e, J)
     if count > 0:
@@ -192,11 +192,11 @@ def look(
         for p in range(len(parts)):
             for j in range(K):
                 x[j] = q[j] if p == 0 else previous[j] + parts[p] * (q[j] - previous[j])
-            listed_pairs(C, turns, x, obstacles, S, whose, count, W, d[p], g[p])
+            listed_pairs(C, is_revolute, x, obstacles, S, whose, count, W, d[p], g[p])
             for i in range(count):
                 for j in range(K):
                     g[p, i, j] *= parts[p]
     phi[:] = 0.0
     if weight > 0.0:
-        return obstacle_potential(C, turns, q, obstacles, S, safe, influence, W, phi)
+        return obstacle_potential(C, is_revolute, q, obstacles, S, safe, influence, W, phi)
     return 0.0

@@ -15,9 +15,9 @@ from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.kernel import RANK_TOLERANCE
 from kinematics.redundancy.methods.damped import EXACT
 from kinematics.redundancy.methods.pseudo_inverse import HUGE
-from kinematics.redundancy.methods.stop import Stop, StopReason
 from kinematics.redundancy.priority import prioritized_step
 from kinematics.redundancy.problem import PathOptions, Problem, departure
+from kinematics.redundancy.stop import Stop, StopReason
 from robots.robot import FloatArray
 
 LARGEST = 0.05

@@ -16,15 +16,15 @@ import numpy as np
 from kinematics.deadline import Deadline, current
 from kinematics.errors import InvalidOption, MethodUnavailable
 from kinematics.inverse import IKStatus
+from kinematics.redundancy.clearance.link_points import OFFSET, RADIUS, WHOLE
+from kinematics.redundancy.clearance.obstacles import BOX, CAPSULE, CIRCLE, HALF_SPACE, SPHERE
+from kinematics.redundancy.clearance.sweep import RESOLUTION
 from kinematics.redundancy.kernel import RANK_TOLERANCE
-from kinematics.redundancy.link_points import OFFSET, RADIUS, WHOLE
 from kinematics.redundancy.measure import clearances_at, measure, nearest_part, swept_between
 from kinematics.redundancy.methods import damped, null_space, qp
-from kinematics.redundancy.methods.stop import Stop, StopReason
-from kinematics.redundancy.obstacles import BOX, CAPSULE, CIRCLE, HALF_SPACE, SPHERE
 from kinematics.redundancy.problem import TOUCH, PathOptions, Problem, departure
 from kinematics.redundancy.reach import reach
-from kinematics.redundancy.sweep import RESOLUTION
+from kinematics.redundancy.stop import Stop, StopReason
 from robots.robot import FloatArray
 
 MOST = 60_000
@@ -320,7 +320,7 @@ def _forward(casadi: Any, problem: Problem, q: Any) -> tuple[list[Any], Any]:
     T, carriers = casadi.SX(constants[0]), []
     for k in range(chain.length):
         M = casadi.SX.eye(4)
-        if chain.turns[k]:
+        if chain.is_revolute[k]:
             c, s = casadi.cos(q[k]), casadi.sin(q[k])
             M[0, 0], M[0, 1], M[1, 0], M[1, 1] = c, -s, s, c
         else:

@@ -26,7 +26,7 @@ def as_read(row, form):
     keys = ["type", "alpha", "a", "d", "theta", "offset", "sign", "parent", "gamma", "b"]
     kept = [getattr(row, key) for key in keys]
     if form == "matlab":
-        kept[0] = JointType.REVOLUTE if row.type.turns else row.type
+        kept[0] = JointType.REVOLUTE if row.type.is_revolute else row.type
         return kept, row.limits.lower, row.limits.upper
     return kept, row.name, row.limits
 

@@ -61,7 +61,7 @@ def poses(robot, chain, q):
 
 def differences(chain, a, b):
     d = a - b
-    d[..., chain.turns] = (d[..., chain.turns] + np.pi) % (2 * np.pi) - np.pi
+    d[..., chain.is_revolute] = (d[..., chain.is_revolute] + np.pi) % (2 * np.pi) - np.pi
     return np.abs(d).max(axis=-1)
 
 
@@ -99,7 +99,7 @@ def test_random_poses(name):
             assert differences(chain, found.q, generating).min() < 1e-6
             assert errors(robot, chain, found.q, target, task) < 1e-12
             assert found.position_errors.max() + found.orientation_errors.max() < 1e-12
-            angles = found.q[:, chain.turns]
+            angles = found.q[:, chain.is_revolute]
             assert ((angles > -np.pi) & (angles <= np.pi)).all()
             assert len(found.q) <= form.most
             apart = differences(chain, found.q[:, None], found.q[None])

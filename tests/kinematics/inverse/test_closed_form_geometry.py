@@ -64,7 +64,7 @@ def chain_from(directions, points, pose, turns):
 def walk(chain, q):
     """Directions and points of the axes, and the pose of the frame, at q."""
     T, directions, points = np.eye(4), [], []
-    for constant, turns, value in zip(chain.placements, chain.turns, q, strict=False):
+    for constant, turns, value in zip(chain.placements, chain.is_revolute, q, strict=False):
         T = T @ np.vstack((constant.reshape(3, 4), [0, 0, 0, 1]))
         directions.append(T[:3, 2])
         points.append(T[:3, 3])
@@ -114,7 +114,7 @@ def test_the_same_arm_described_otherwise(name):
             signs[:, None] * directions @ base[:3, :3].T,
             slid @ base[:3, :3].T + base[:3, 3],
             base @ pose,
-            chain.turns,
+            chain.is_revolute,
         )
         assert closed_form_of(copy).kind == form.kind
         for q in generator.uniform(-np.pi, np.pi, (4, chain.length)):
@@ -123,11 +123,11 @@ def test_the_same_arm_described_otherwise(name):
             other = solved(copy, base @ target, signs * (q - zero))
             if form.kind == "srs":  # the reference plane moves with axis 1 alone
                 assert len(other.q) == len(one.q)
-                assert differences(chain.turns, other.q, signs * (q - zero)).min() < 1e-6
+                assert differences(chain.is_revolute, other.q, signs * (q - zero)).min() < 1e-6
                 continue
             assert len(other.q) == len(one.q)
             for row in one.q:
-                assert differences(chain.turns, other.q, signs * (row - zero)).min() < 1e-6
+                assert differences(chain.is_revolute, other.q, signs * (row - zero)).min() < 1e-6
 
 
 def arm(kind, generator):
@@ -167,7 +167,7 @@ def test_random_arms(kind, most):
             found = solutions(form, chain, target)
             assert len(found.q) <= most
             assert len(found.q) % 2 == 0
-            assert differences(chain.turns, found.q, q).min() < 1e-6
+            assert differences(chain.is_revolute, found.q, q).min() < 1e-6
             for row in found.q:
                 np.testing.assert_allclose(walk(chain, row)[2], target, atol=1e-11)
 
@@ -212,7 +212,7 @@ def test_rounded_angles_are_recognised():
     for _ in range(10):
         h = lines.directions + generator.normal(scale=5e-10, size=(6, 3))
         h /= np.linalg.norm(h, axis=1, keepdims=True)
-        rounded = chain_from(h, lines.points, lines.pose, chain.turns)
+        rounded = chain_from(h, lines.points, lines.pose, chain.is_revolute)
         form = closed_form_of(rounded)
         assert form is not None
         for q in generator.uniform(-np.pi, np.pi, (10, 6)):

@@ -6,8 +6,8 @@ import pytest
 from dh_to_urdf import read_mapping
 from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.obstacles import encoded
-from kinematics.redundancy.path import Sampling, polyline
+from kinematics.redundancy.clearance.obstacles import encoded
+from kinematics.redundancy.path.geometry import Sampling, polyline
 from kinematics.redundancy.problem import Problem
 from kinematics.task import task_from
 from robots.robot import robot_from_table

@@ -9,11 +9,18 @@ from scipy.spatial.transform import Rotation
 
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.distances import clearances, pair_distance
+from kinematics.redundancy.clearance.distances import clearances, pair_distance
+from kinematics.redundancy.clearance.links import skeleton
+from kinematics.redundancy.clearance.obstacles import (
+    Box,
+    Capsule,
+    CircleObstacle,
+    HalfSpace,
+    Sphere,
+    encoded,
+)
+from kinematics.redundancy.clearance.sweep import RESOLUTION, swept_clearance
 from kinematics.redundancy.kernel import workspace
-from kinematics.redundancy.links import skeleton
-from kinematics.redundancy.obstacles import Box, Capsule, CircleObstacle, HalfSpace, Sphere, encoded
-from kinematics.redundancy.sweep import RESOLUTION, swept_clearance
 from kinematics.task import task_from
 from robots.shipped import shipped_robot
 

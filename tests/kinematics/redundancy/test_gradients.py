@@ -3,19 +3,26 @@
 import numpy as np
 import pytest
 
-from kinematics.inverse.kernel import columns, residual
+from kinematics.inverse.damped_least_squares import columns, residual
 from kinematics.jacobian import task_jacobian
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.distances import near_pairs
-from kinematics.redundancy.gradients import (
+from kinematics.redundancy.clearance.distances import near_pairs
+from kinematics.redundancy.clearance.links import skeleton
+from kinematics.redundancy.clearance.obstacles import (
+    Box,
+    Capsule,
+    CircleObstacle,
+    HalfSpace,
+    Sphere,
+    encoded,
+)
+from kinematics.redundancy.kernel import exact_error_columns, task_rows, workspace
+from kinematics.redundancy.steps.gradients import (
     limit_potential,
     manipulability_potential,
     obstacle_potential,
     posture_potential,
 )
-from kinematics.redundancy.kernel import exact_error_columns, task_rows, workspace
-from kinematics.redundancy.links import skeleton
-from kinematics.redundancy.obstacles import Box, Capsule, CircleObstacle, HalfSpace, Sphere, encoded
 from kinematics.task import task_from
 from robots.shipped import shipped_robot
 

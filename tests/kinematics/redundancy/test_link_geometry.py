@@ -8,18 +8,25 @@ from lxml import etree
 from scipy.spatial.transform import Rotation
 
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.bounding import bounding_capsule
-from kinematics.redundancy.distances import clearances, near_pairs
+from kinematics.redundancy.clearance.bounding import bounding_capsule
+from kinematics.redundancy.clearance.distances import clearances, near_pairs
+from kinematics.redundancy.clearance.link_geometry import link_geometry, too_near
+from kinematics.redundancy.clearance.links import skeleton
+from kinematics.redundancy.clearance.obstacles import (
+    Box,
+    Capsule,
+    CircleObstacle,
+    HalfSpace,
+    Sphere,
+    encoded,
+)
+from kinematics.redundancy.clearance.sweep import RESOLUTION, swept_clearance
 from kinematics.redundancy.follow import followed
 from kinematics.redundancy.kernel import workspace
-from kinematics.redundancy.link_geometry import link_geometry, too_near
-from kinematics.redundancy.links import skeleton
 from kinematics.redundancy.measure import clearances_at, ends_of_links
 from kinematics.redundancy.methods import METHODS
-from kinematics.redundancy.obstacles import Box, Capsule, CircleObstacle, HalfSpace, Sphere, encoded
-from kinematics.redundancy.path import Sampling, polyline
+from kinematics.redundancy.path.geometry import Sampling, polyline
 from kinematics.redundancy.problem import PathOptions, Problem
-from kinematics.redundancy.sweep import RESOLUTION, swept_clearance
 from kinematics.task import task_from
 from robots.robot import robot_from_urdf
 from robots.shapes import Shape

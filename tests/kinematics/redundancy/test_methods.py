@@ -4,17 +4,24 @@ import sys
 
 import numpy as np
 import pytest
+from kinematics.redundancy.path.time_law import TimeLaw
 
 from kinematics.errors import InvalidOption, MethodUnavailable, WrongConfiguration
 from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.clearance.obstacles import (
+    Box,
+    Capsule,
+    CircleObstacle,
+    HalfSpace,
+    Sphere,
+    encoded,
+)
 from kinematics.redundancy.follow import follow, followed, rates
+from kinematics.redundancy.judging.verdict import Reason
 from kinematics.redundancy.methods import METHODS, method_from, whole_path
-from kinematics.redundancy.obstacles import Box, Capsule, CircleObstacle, HalfSpace, Sphere, encoded
-from kinematics.redundancy.path import Circle, Sampling, circle
+from kinematics.redundancy.path.geometry import Circle, Sampling, circle
 from kinematics.redundancy.problem import Gains, PathOptions, Problem, SecondaryTask
-from kinematics.redundancy.time_law import TimeLaw
-from kinematics.redundancy.verdict import Reason
 from kinematics.task import task_from
 from robots.shipped import shipped_robot
 

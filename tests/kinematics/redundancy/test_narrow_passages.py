@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from kinematics.forward import fk
+from kinematics.redundancy.clearance.obstacles import Box, Sphere
 from kinematics.redundancy.follow import followed
 from kinematics.redundancy.measure import clearances_at
 from kinematics.redundancy.methods import METHODS
 from kinematics.redundancy.methods.whole_path import kept_until
-from kinematics.redundancy.obstacles import Box, Sphere
 from kinematics.redundancy.problem import PathOptions
 from robots.shipped import shipped_robot
 

@@ -5,20 +5,20 @@ import sys
 
 import numpy as np
 import pytest
+from kinematics.redundancy.path.time_law import TimeLaw
 
 from kinematics.errors import InvalidOption, MethodUnavailable
 from kinematics.forward import fk
-from kinematics.redundancy import retiming
 from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.clearance.obstacles import CircleObstacle, Sphere, encoded
 from kinematics.redundancy.follow import followed
 from kinematics.redundancy.measure import clearances_at
 from kinematics.redundancy.methods import METHODS
-from kinematics.redundancy.obstacles import CircleObstacle, Sphere, encoded
-from kinematics.redundancy.path import Circle, Sampling, circle, polyline
+from kinematics.redundancy.path.geometry import Circle, Sampling, circle, polyline
 from kinematics.redundancy.problem import PathOptions, Problem
-from kinematics.redundancy.retimed import RetimeStatus, retimed
-from kinematics.redundancy.retiming import RetimeOptions, fastest, spline_through
-from kinematics.redundancy.time_law import TimeLaw
+from kinematics.redundancy.timing import toppra as retiming
+from kinematics.redundancy.timing.result import RetimeStatus, retimed
+from kinematics.redundancy.timing.toppra import RetimeOptions, fastest, spline_through
 from kinematics.task import task_from
 from robots.shipped import shipped_robot
 
@@ -254,7 +254,7 @@ def test_what_toppra_cannot_time_is_named(monkeypatch):
     found = fastest(broken, most, most)
     assert isinstance(found, str)
     assert "toppra" in found
-    monkeypatch.setattr("kinematics.redundancy.retimed.fastest", lambda *_: found)
+    monkeypatch.setattr("kinematics.redundancy.timing.result.fastest", lambda *_: found)
     motion = retimed(result, limits(problem, 5.0))
     assert motion.status is RetimeStatus.NO_PARAMETRISATION
     assert not motion.success

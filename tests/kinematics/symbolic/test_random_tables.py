@@ -37,7 +37,7 @@ def tables(draw):
                 alpha=draw(ANGLES),
                 a=draw(LENGTHS),
                 d=0.0 if type_ is JointType.PRISMATIC else draw(LENGTHS),
-                theta=0.0 if type_.turns else draw(ANGLES),
+                theta=0.0 if type_.is_revolute else draw(ANGLES),
                 parent=k,
                 offset=0.0 if type_ is JointType.FIXED else draw(ANGLES),
                 sign=draw(st.sampled_from([1, -1])),

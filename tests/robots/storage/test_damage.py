@@ -344,7 +344,7 @@ def test_a_damaged_file_that_is_replaced_meanwhile_is_not_moved(tmp_path, store,
         except (DamagedRobot, RobotNotFound) as error:
             seen.append(type(error))
 
-    with store._directory.turn() as turn:
+    with store._directory.write_transaction() as turn:
         thread = threading.Thread(target=read)
         thread.start()
         time.sleep(0.2)

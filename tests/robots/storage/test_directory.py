@@ -14,7 +14,7 @@ import pytest
 from robots.errors import RobotNotFound, StorageFull, StorageUnavailable
 from robots.shipped import shipped_ids
 from robots.storage.durable import write_durably
-from robots.storage.ledger import Usage
+from robots.storage.usage_record import Usage
 from robots.store import RobotStore
 from tests.torture.disks import small_disk
 
@@ -42,7 +42,7 @@ def open_files():
 
 
 def wait_for_a_turn(store, seconds):
-    with store._directory.turn(seconds):
+    with store._directory.write_transaction(seconds):
         pass
 
 
@@ -80,10 +80,10 @@ def test_a_removed_lock_file_parts_no_writers(tmp_path, store, make_robot):
     order = []
 
     def write():
-        with RobotStore(tmp_path)._directory.turn():
+        with RobotStore(tmp_path)._directory.write_transaction():
             order.append("second")
 
-    with store._directory.turn():
+    with store._directory.write_transaction():
         thread = threading.Thread(target=write)
         thread.start()
         time.sleep(0.2)
@@ -93,7 +93,7 @@ def test_a_removed_lock_file_parts_no_writers(tmp_path, store, make_robot):
     thread.join()
     assert order == ["first", "second"]
     other = RobotStore(tmp_path)
-    with store._directory.turn(), pytest.raises(StorageUnavailable):
+    with store._directory.write_transaction(), pytest.raises(StorageUnavailable):
         wait_for_a_turn(other, 0.05)
 
 
@@ -119,8 +119,8 @@ def test_a_writer_that_hangs_is_waited_for_so_long_and_readers_go_on(tmp_path, s
 import sys, time
 from pathlib import Path
 from robots.storage.directory import RobotDirectory
-from robots.storage.ledger import Quotas
-with RobotDirectory(Path(sys.argv[1]), Quotas()).turn():
+from robots.storage.usage_record import Quotas
+with RobotDirectory(Path(sys.argv[1]), Quotas()).write_transaction():
     print("held", flush=True)
     time.sleep(600)
 """

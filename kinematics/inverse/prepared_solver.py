@@ -1,0 +1,219 @@
+"""Solvers by chain and task: the compiled kernel, prepared once, called with a target at a time.
+
+Where Numba is not installed, :mod:`kinematics.inverse.numeric` does the same on Pinocchio.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from time import perf_counter
+
+import numpy as np
+
+from kinematics.chain import Chain, chain_of
+from kinematics.compiled import writable
+from kinematics.deadline import current
+from kinematics.inverse import damped_least_squares as kernel
+from kinematics.inverse.bounds import JointBounds
+from kinematics.inverse.closed_form import closed_form_of
+from kinematics.inverse.compiled_solve import KINDS, solve_many, solve_one
+from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus
+from kinematics.inverse.starts import starts
+from kinematics.kernels import Array
+from kinematics.task import Task
+from robots.robot import FloatArray, Robot
+
+SLICE = 256
+"""Steps between two looks at the clock: a quarter of a millisecond."""
+STEP_SECONDS = 0.5e-6
+"""Less than a step takes; turns the time budget of a batch's target into steps."""
+PART = 128
+"""Most targets that one thread works on between two looks at the clock."""
+PART_STEPS = 400_000
+"""Most steps, times joints, between two looks at the clock: some tenths of a second."""
+
+KEPT = 512
+"""Solvers that are kept."""
+MAX_SEEDS = 8
+"""Random seeds whose starts are kept."""
+
+_OF_CODE = {
+    kernel.CONVERGED: IKStatus.CONVERGED,
+    kernel.GIVEN_UP: IKStatus.NOT_CONVERGED,
+    kernel.UNREACHABLE: IKStatus.UNREACHABLE,
+    kernel.OUT_OF_STEPS: IKStatus.TIMEOUT,
+}
+_STATUS_OF_CODE = np.array([tuple(IKStatus).index(_OF_CODE[code]) for code in range(len(_OF_CODE))])
+
+
+@dataclass(frozen=True, eq=False)
+class Solver:
+    """The solver of one chain and task; immutable, for any number of threads.
+
+    Attributes:
+        robot: The robot.
+        chain: The joints that move.
+        task: The task space.
+    """
+
+    robot: Robot
+    chain: Chain
+    task: Task
+
+    @cached_property
+    def bounds(self) -> JointBounds:
+        """Bounds of all joints."""
+        return JointBounds.of(self.robot)
+
+    @cached_property
+    def middle(self) -> FloatArray:
+        """The default seed, shape (dof,); read-only."""
+        middle = self.bounds.inside(self.bounds.middle())
+        middle.flags.writeable = False
+        return middle
+
+    @cached_property
+    def _middle_of_chain(self) -> FloatArray:
+        return self.middle[self.chain.columns]
+
+    @cached_property
+    def _whole(self) -> bool:
+        """True where the chain's joints are all of q, in its order."""
+        return bool(np.array_equal(self.chain.columns, np.arange(self.robot.dof)))
+
+    @cached_property
+    def _known(self) -> dict[int, Array]:
+        return {}
+
+    def constants(self, random_seed: int) -> Array:
+        """What compiled functions take; see :func:`~.damped_least_squares.packed`."""
+        known = self._known.get(random_seed)
+        if known is not None:
+            return known
+        chain, columns = self.chain, self.chain.columns
+        low, high = self.bounds.ranges(chain.reach if np.isfinite(chain.reach) else 1.0)
+        form = closed_form_of(chain)
+        if form is not None and (form.kind not in KINDS or self.task.name not in form.tasks):
+            form = None
+        made = kernel.packed(
+            chain.placements,
+            chain.is_revolute,
+            self.bounds.wraps[columns],
+            np.array([chain.lower, chain.upper]),
+            starts(random_seed, low[columns], high[columns]),
+            chain.reach if chain.length else np.inf,
+            self.task.mask,
+            kernel.NUMERIC if form is None else KINDS[form.kind],
+            None if form is None else form.constants,
+        )
+        if len(self._known) < MAX_SEEDS:
+            self._known[random_seed] = made
+        return made
+
+    def solve(self, target: FloatArray, seed: FloatArray | None, options: IKOptions) -> IKResult:
+        """One target, shape (4, 4); see :func:`kinematics.inverse.solve_ik`."""
+        started = perf_counter()
+        target = np.ascontiguousarray(target, np.float64)
+        if not target.flags.writeable:
+            target = target.copy()
+        if seed is None:
+            start, origin = self.middle, self._middle_of_chain
+        else:
+            start = self.bounds.inside(seed)
+            origin = start if self._whole else start[self.chain.columns]
+        K = len(origin)
+        P, limits, answer = self.constants(options.random_seed), options.limits, np.empty(2 * K + 5)
+        steps, last, code = solve_one(P, target, origin, 0, SLICE, limits, answer)
+        while code == kernel.OUT_OF_STEPS and perf_counter() - started < options.time_budget:
+            current().check_wanted()
+            more, last, code = solve_one(P, target, origin, last + 1, SLICE, limits, answer)
+            steps += more
+        status = _OF_CODE[code]
+        if status is IKStatus.NOT_CONVERGED and options.time_budget <= 0:
+            status = IKStatus.TIMEOUT
+        if self._whole:
+            q = answer[:K]
+        else:
+            q = start.copy()
+            q[self.chain.columns] = answer[:K]
+        position, rotation = answer.item(K), answer.item(K + 1)
+        elapsed = perf_counter() - started
+        return IKResult(status, q, start, position, rotation, steps, last, elapsed)
+
+    def solve_batch(
+        self,
+        targets: FloatArray,
+        seed: FloatArray | None,
+        options: IKOptions,
+        threads: int,
+        deadline: float,
+    ) -> IKBatch:
+        """Many targets, shape (n, 4, 4), over threads; see ``solve_ik_batch``."""
+        targets = writable(targets)
+        n, columns = len(targets), self.chain.columns
+        K = len(columns)
+        start = self.middle if seed is None else self.bounds.inside(seed)
+        answers, ends = np.empty((n, 2 * K + 5)), np.empty((n, 3), np.int64)
+        elapsed, origin = np.zeros(n), start[columns]
+        P = self.constants(options.random_seed)
+        budget = int(min(max(options.time_budget / STEP_SECONDS, 1), 2**40))
+        at_once = int(min(budget, max(1, PART_STEPS // max(1, K))))
+        none_left, wanted = options.within(0.0).limits, current()
+
+        def work(first: int) -> None:
+            wanted.check_wanted()
+            part = slice(first, first + size)
+            began = perf_counter()
+            limits = options.limits if began < deadline else none_left
+            quick = min(budget, SLICE)
+            solve_many(P, targets[part], origin, quick, limits, answers[part], ends[part])
+            if limits is none_left:
+                ends[part, 2][ends[part, 2] == kernel.GIVEN_UP] = kernel.OUT_OF_STEPS
+            else:
+                for i in np.flatnonzero(ends[part, 2] == kernel.OUT_OF_STEPS) + first:
+                    go_on(int(i))
+            elapsed[part] = (perf_counter() - began) / len(targets[part])
+
+        def go_on(i: int) -> None:
+            steps, last, code = (int(x) for x in ends[i])
+            while code == kernel.OUT_OF_STEPS and steps < budget and perf_counter() < deadline:
+                wanted.check_wanted()
+                most = min(budget - steps, at_once)
+                more, last, code = solve_one(
+                    P, targets[i], origin, last + 1, most, options.limits, answers[i]
+                )
+                # A start that gave up at once counts too, so that this comes to an end.
+                steps += max(1, more)
+            ends[i] = steps, last, code
+
+        # The first slice of every target, at most: one start, and what it takes to settle.
+        most_steps = SLICE + 2 * int(options.limits[2])
+        size = int(min(PART, max(1, PART_STEPS // (most_steps * max(1, K)))))
+        parts = range(0, n, size)
+        if threads > 1 and len(parts) > 1:
+            with ThreadPoolExecutor(threads) as pool:
+                list(pool.map(work, parts))
+        else:
+            for first in parts:
+                work(first)
+        q = np.repeat(start[None], n, axis=0)
+        q[:, columns] = answers[:, :K]
+        codes = _STATUS_OF_CODE[ends[:, 2]]
+        position, rotation = answers[:, K], answers[:, K + 1]
+        return IKBatch(codes, q, start, position, rotation, ends[:, 0], ends[:, 1], elapsed)
+
+
+def solver_of(robot: Robot, frame: str, task: Task) -> Solver:
+    """The solver of a frame and task, from memory if it was asked for before.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+    """
+    return _made(robot, frame, task.name, task.rows, task.own_axes)
+
+
+@lru_cache(maxsize=KEPT)
+def _made(robot: Robot, frame: str, name: str, rows: tuple[int, ...], own_axes: bool) -> Solver:
+    return Solver(robot, chain_of(robot, frame), Task(name, rows, own_axes))

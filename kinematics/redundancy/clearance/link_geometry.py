@@ -1,0 +1,220 @@
+"""The links of an arm from the shapes of its URDF, and what stands still or is not known of it.
+
+Whatever the arm's joints move is to keep clear of obstacles: also what lies beyond the frame
+(fingers, a tool, the rest of the arm), and side branches. Joints that are not between base and
+frame stand still, so that is carried along as it is at the start. What no joint of the arm moves,
+such as its base, is not counted: no motion could do anything about it. It is looked at once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.clearance.bounding import BoundingCapsule, bounding_capsule
+from kinematics.redundancy.clearance.distances import pair_distance
+from kinematics.redundancy.clearance.links import Links, carried, skeleton
+from robots.robot import FloatArray
+from robots.shapes import Shape, link_shapes
+
+NAMED = 5
+"""Links that a warning names."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A capsule of a link.
+
+    Attributes:
+        link: Name of the URDF's link, or of the segment of the skeleton.
+        joint: The last joint that moves it.
+        shape: box, cylinder, sphere, capsule, or segment (between joint origins).
+        radius: Of the capsule, m.
+        length: Of its segment, m; None of a segment between joint origins, which may change.
+        excess: How far the capsule sticks out of the shape at most, m.
+    """
+
+    link: str
+    joint: str
+    shape: str
+    radius: float
+    length: float | None
+    excess: float
+
+
+@dataclass(frozen=True, eq=False)
+class LinkGeometry:
+    """What an arm consists of.
+
+    Attributes:
+        links: The capsules.
+        parts: The same for people, one each.
+        warnings: What is not known of it.
+        fixed: Capsules, as obstacles are coded, of what no joint moves; shape (n, 7): start, end,
+            radius, in base axes.
+        fixed_names: Their links.
+    """
+
+    links: Links
+    parts: tuple[Part, ...]
+    warnings: tuple[str, ...]
+    fixed: FloatArray
+    fixed_names: tuple[str, ...]
+
+
+def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometry:
+    """The links of an arm from its URDF.
+
+    What a joint moves is the capsules about its boxes, cylinders, spheres and capsules. Where it
+    also moves a mesh (meshes are not read) or nothing that has a shape, the segment to the next
+    joint's origin is kept as well, with the radius given for it.
+
+    Args:
+        arm: The arm.
+        start: Whole configuration, shape (dof,): where the other joints stand.
+        radii: Of the segments that are kept, m; shape (K,).
+    """
+    shapes = link_shapes(arm.robot)
+    poses, carriers = _placements(arm, start, shapes)
+    inverse = [np.linalg.inv(T) for T in _carriers(arm, start)]
+    bones = skeleton(arm, radii)
+    rows, names, parts = [], [], []
+    fixed, fixed_names = [], []
+    known = set()
+    for shape in shapes:
+        if shape.kind == "mesh":
+            continue
+        capsule = bounding_capsule(shape)
+        carrier, T = carriers[shape.link], poses[shape.link]
+        a, b = (T[:3, :3] @ p + T[:3, 3] for p in (capsule.start, capsule.end))
+        if carrier < 0:
+            fixed.append(np.r_[a, b, capsule.radius])
+            fixed_names.append(shape.link)
+            continue
+        known.add(carrier)
+        M = inverse[carrier]
+        a, b = (M[:3, :3] @ p + M[:3, 3] for p in (a, b))
+        rows.append(carried(carrier, a, b, capsule.radius))
+        names.append(f"link {shape.link}")
+        parts.append(_part(arm, carrier, shape, capsule))
+    meshes = {carriers[s.link] for s in shapes if s.kind == "mesh"}
+    for k in range(arm.K):
+        if k in meshes or k not in known:
+            rows.append(bones.rows[k])
+            names.append(f"segment {k + 1}")
+            radius = float(bones.rows[k, 2])
+            parts.append(Part(f"segment {k + 1}", arm.names[k], "segment", radius, None, 0.0))
+    return LinkGeometry(
+        Links(np.array(rows), tuple(names)),
+        tuple(parts),
+        _warnings(arm, shapes, carriers, radii),
+        np.array(fixed).reshape(-1, 7),
+        tuple(fixed_names),
+    )
+
+
+def too_near(geometry: LinkGeometry, obstacles: FloatArray, d_safe: float) -> tuple[str, ...]:
+    """Warnings of what no joint moves and is nearer to an obstacle than d_safe."""
+    found, out = [], np.empty(4)
+    for capsule, name in zip(geometry.fixed, geometry.fixed_names, strict=True):
+        for k, obstacle in enumerate(obstacles):
+            d = pair_distance(capsule[:3].copy(), capsule[3:6].copy(), obstacle, out) - capsule[6]
+            if d < d_safe:
+                found.append(
+                    f"link {name}, which no joint of the arm moves, is {d:.4g} m from obstacle {k};"
+                    " it is not counted"
+                )
+    return tuple(found[:NAMED])
+
+
+def _part(arm: Arm, carrier: int, shape: Shape, capsule: BoundingCapsule) -> Part:
+    length = float(np.linalg.norm(capsule.end - capsule.start))
+    joint = arm.names[carrier]
+    return Part(shape.link, joint, shape.kind, capsule.radius, length, capsule.excess)
+
+
+def _placements(
+    arm: Arm, start: FloatArray, shapes: Sequence[Shape]
+) -> tuple[dict[str, FloatArray], dict[str, int]]:
+    """Of each link with a shape: its pose in base axes, and the joint of the chain that carries it.
+
+    The carrier is the last joint of the chain between the base and the link, -1 for none.
+    """
+    robot, model, data = arm.robot, arm.robot.model, arm.robot.data()
+    pin.framesForwardKinematics(model, data, robot.configuration(start))
+    base = robot.frame_id(robot.base_frame)
+    to_base = data.oMf[base].homogeneous
+    to_base = np.linalg.inv(to_base)
+    ids = [int(model.getJointId(name)) for name in arm.names]
+    order = {joint: k for k, joint in enumerate(ids)}
+    base_path = _ancestors(model, int(model.frames[base].parentJoint))
+    poses, carriers = {}, {}
+    for name in {shape.link for shape in shapes}:
+        frame = int(model.getFrameId(name, pin.FrameType.BODY))
+        between = base_path ^ _ancestors(model, int(model.frames[frame].parentJoint))
+        poses[name] = to_base @ data.oMf[frame].homogeneous
+        carriers[name] = max((order[joint] for joint in between if joint in order), default=-1)
+    return poses, carriers
+
+
+def _ancestors(model: pin.Model, joint: int) -> frozenset[int]:
+    found = set()
+    while joint > 0:
+        found.add(joint)
+        joint = int(model.parents[joint])
+    return frozenset(found)
+
+
+def _carriers(arm: Arm, start: FloatArray) -> list[FloatArray]:
+    """Pose of each joint of the chain, as the compiled kinematics sees it, in base axes, 4x4."""
+    chain, q, poses = arm.chain, arm.reduced(start), []
+    T = _square(chain.placements[0])
+    for k in range(arm.K):
+        M = np.eye(4)
+        if chain.is_revolute[k]:
+            c, s = math.cos(q[k]), math.sin(q[k])
+            M[:2, :2] = [[c, -s], [s, c]]
+        else:
+            M[2, 3] = q[k]
+        T = T @ M
+        poses.append(T)
+        T = T @ _square(chain.placements[k + 1])
+    return poses
+
+
+def _square(rows: FloatArray) -> FloatArray:
+    return np.vstack((rows.reshape(3, 4), [0.0, 0.0, 0.0, 1.0]))
+
+
+def _warnings(
+    arm: Arm, shapes: Sequence[Shape], carriers: dict[str, int], radii: FloatArray
+) -> tuple[str, ...]:
+    instead = (
+        f"the segments between joint origins, up to the frame {arm.frame}, stand for it, with"
+        " link_radius"
+    )
+    if arm.robot.kind == "dh":
+        return (f"a D-H table has no shapes; {instead}",)
+    moved = [shape for shape in shapes if carriers[shape.link] >= 0]
+    meshes = list(dict.fromkeys(s.link for s in moved if s.kind == "mesh"))
+    found = []
+    if meshes:
+        found.append(f"meshes are not read, those of {_listed(meshes)}; {instead}")
+    bare = sorted(set(range(arm.K)) - {carriers[shape.link] for shape in moved})
+    if bare:
+        joints = _listed([arm.names[k] for k in bare])
+        found.append(f"nothing that moves with {joints} alone has a shape; {instead}")
+    kept = {carriers[s.link] for s in moved if s.kind == "mesh"} | set(bare)
+    if kept and max(radii[k] for k in kept) == 0.0:
+        found.append("link_radius is 0: these segments are lines without thickness; give one")
+    return tuple(found)
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + more

@@ -1,0 +1,78 @@
+"""Compiled: where the links of an arm are at a configuration.
+
+Links are the rows S of :class:`~.links.Links`, capsules whose ends are carried
+by joints; row K of the carriers is the frame. Their ends are put into the last rows of the
+workspace, which :func:`kinematics.redundancy.kernel.workspace` makes long enough.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinematics.compiled import inner, jit
+from kinematics.kernels import Array, forward
+
+RADIUS, OFFSET, WHOLE, TURNED = 2, 3, 9, 10
+"""Columns of S: after the carriers of start and end; see :class:`..links.Links`."""
+
+
+@inner
+def link_points(C: Array, is_revolute: Array, q: Array, S: Array, W: Array) -> None:
+    """The joints' axes and origins, the frame's origin, and the ends of the links.
+
+    Rows 0 to K - 1 of W get axis and origin (and, where a link needs it, the x axis in columns 6
+    to 8), row K the frame's origin in columns 3 to 5, row K + 1 the pose, the last len(S) rows
+    start and end of a link in columns 0 to 5.
+    """
+    K, L = len(q), len(S)
+    T = W[K + 1]
+    trig = W[K + 2 :].reshape(-1)[: 2 * K]
+    forward(C, is_revolute, q, trig, W[0:K, 0:3], W[0:K, 3:6], T)
+    W[K, 3], W[K, 4], W[K, 5] = T[3], T[7], T[11]
+    turned = False
+    for k in range(L):
+        turned = turned or S[k, TURNED] != 0.0
+    if turned:
+        _first_axes(C, is_revolute, trig, K, W)
+    P = W[len(W) - L :]
+    for k in range(L):
+        for end in range(2):
+            row = int(S[k, end])
+            for i in range(3):
+                P[k, 3 * end + i] = W[row, 3 + i]
+            if S[k, TURNED] != 0.0:
+                zx, zy, zz = W[row, 0], W[row, 1], W[row, 2]
+                x, y, z = W[row, 6], W[row, 7], W[row, 8]
+                a, b, c = S[k, 3 + 3 * end], S[k, 4 + 3 * end], S[k, 5 + 3 * end]
+                P[k, 3 * end] += a * x + b * (zy * z - zz * y) + c * zx
+                P[k, 3 * end + 1] += a * y + b * (zz * x - zx * z) + c * zy
+                P[k, 3 * end + 2] += a * z + b * (zx * y - zy * x) + c * zz
+
+
+@jit
+def link_ends(C: Array, is_revolute: Array, Q: Array, S: Array, W: Array, out: Array) -> None:
+    """Start and end of every link at configurations of shape (n, K), into out, shape (n, L, 6)."""
+    for i in range(len(Q)):
+        link_points(C, is_revolute, Q[i], S, W)
+        for k in range(len(S)):
+            for j in range(6):
+                out[i, k, j] = W[len(W) - len(S) + k, j]
+
+
+@inner
+def _first_axes(C: Array, is_revolute: Array, trig: Array, K: int, W: Array) -> None:
+    """The x axis of each joint into columns 6 to 8 of its row, after ``forward``."""
+    x, y, z = np.zeros(3), np.zeros(3), np.zeros(3)
+    x[0] = y[1] = z[2] = 1.0
+    for k in range(K):
+        c = C[k]
+        cosine, sine = (trig[K + k], trig[k]) if is_revolute[k] else (1.0, 0.0)
+        for i in range(3):
+            first = x[i] * c[0] + y[i] * c[4] + z[i] * c[8]
+            second = x[i] * c[1] + y[i] * c[5] + z[i] * c[9]
+            W[k, 6 + i] = cosine * first + sine * second
+        for i in range(3):
+            x[i], z[i] = W[k, 6 + i], W[k, i]
+        y[0] = z[1] * x[2] - z[2] * x[1]
+        y[1] = z[2] * x[0] - z[0] * x[2]
+        y[2] = z[0] * x[1] - z[1] * x[0]

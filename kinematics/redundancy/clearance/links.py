@@ -1,0 +1,62 @@
+"""The parts of an arm that are to keep clear of obstacles: capsules that its joints carry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.clearance.link_points import OFFSET, RADIUS, TURNED, WHOLE
+from robots.robot import FloatArray
+
+COLUMNS = 11
+
+
+@dataclass(frozen=True, eq=False)
+class Links:
+    """L capsules.
+
+    Attributes:
+        rows: Shape (L, 11), for the compiled distances: the carriers of start and end (a joint of
+            the chain counted from 0, or K for the frame), the radius, start and end in the
+            carriers' axes from their origins, whether a half-space looks at the start as well, and
+            whether start and end lie off the carriers' origins. Lengths in m.
+        names: What a message calls each.
+    """
+
+    rows: FloatArray
+    names: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+
+def skeleton(arm: Arm, radii: FloatArray | float) -> Links:
+    """Capsules about the segments between successive joint origins, the last one to the frame.
+
+    A half-space counts a segment's start only where the segment before is thinner, so that no
+    point counts twice; the origin of a first joint that turns, which nothing moves, counts never:
+    an arm may stand on a floor.
+
+    Args:
+        arm: The arm.
+        radii: Of each segment, m; shape (K,), or one for all.
+    """
+    K = arm.K
+    rows = np.zeros((K, COLUMNS))
+    rows[:, 0], rows[:, 1] = np.arange(K), np.arange(1, K + 1)
+    rows[:, RADIUS] = radii
+    rows[1:, WHOLE] = rows[1:, RADIUS] > rows[:-1, RADIUS]
+    rows[0, WHOLE] = not arm.chain.is_revolute[0]
+    return Links(rows, tuple(f"link {k + 1}" for k in range(K)))
+
+
+def carried(carrier: int, start: FloatArray, end: FloatArray, radius: float) -> FloatArray:
+    """The row of a capsule in the axes of one joint, shape (11,)."""
+    row = np.zeros(COLUMNS)
+    row[:2] = carrier
+    row[RADIUS] = radius
+    row[OFFSET : OFFSET + 3], row[OFFSET + 3 : OFFSET + 6] = start, end
+    row[WHOLE] = row[TURNED] = 1.0
+    return row

@@ -1,0 +1,274 @@
+"""The verdict on a followed path: from what was measured, never from what a solver says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from kinematics.inverse import IKStatus
+from kinematics.redundancy.kernel import RANK_TOLERANCE
+from kinematics.redundancy.measure import Measures
+from kinematics.redundancy.problem import TOUCH, Problem
+from kinematics.redundancy.reach import reach
+from kinematics.redundancy.stop import Stop, StopReason
+from robots.robot import FloatArray
+
+JUMP = 1.0
+"""A joint that moves farther than this in one sample has diverged, if the path stays lost."""
+STUCK = 1e-6
+"""An arm that moved less than this, rad or m, has not left its start."""
+REACH_SECONDS = 0.2
+REACH_RESTARTS = 100
+AS_QP = (
+    "; these are the samples of qp: the program of the whole path found none that hold further, or"
+    " had too little time"
+)
+
+
+class Reason(StrEnum):
+    """Why a path was not followed as it should be.
+
+    ``singular_start``: the task's Jacobian loses rank at the start, and no step leads out of it.
+    ``singular``: it does so on the way. ``unreachable``: a target of the path is out of reach
+    within the limits. ``diverged``: the steps grew without bound. ``infeasible``: the targets are
+    within reach, but not together with limits, speeds and clearance. ``collision``: a link meets
+    an obstacle. ``clearance``: it comes nearer than d_safe. ``limits``: a joint leaves its
+    limits. ``velocity``: a joint is faster than it may be. ``tracking``: the error is
+    over the tolerance, as that of an open loop that drifts. ``timeout``: the time was over.
+    """
+
+    SINGULAR_START = "singular_start"
+    SINGULAR = "singular"
+    UNREACHABLE = "unreachable"
+    DIVERGED = "diverged"
+    INFEASIBLE = "infeasible"
+    COLLISION = "collision"
+    CLEARANCE = "clearance"
+    LIMITS = "limits"
+    VELOCITY = "velocity"
+    TRACKING = "tracking"
+    TIMEOUT = "timeout"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether the task was done.
+
+    Attributes:
+        success: Errors, limits, clearance (swept) and speeds hold at every sample, to the end.
+        reason: What stands in the way, None for a success.
+        message: The same in words, with sample, joint, obstacle and remedy.
+        violations: Every criterion that does not hold: tracking, limits, clearance, velocity,
+            completeness.
+        tracked: Part of the path, 0 to 1, that was followed within the tolerance.
+        first_lost: The first sample beyond the tolerance, or not computed; None for a success.
+    """
+
+    success: bool
+    reason: Reason | None
+    message: str
+    violations: tuple[str, ...]
+    tracked: float
+    first_lost: int | None
+
+
+def judge(
+    problem: Problem,
+    Q: FloatArray,
+    measures: Measures,
+    stop: Stop | None,
+    constrained: bool,
+) -> Verdict:
+    """Judges joint values of shape (n, K), as measured.
+
+    Args:
+        problem: What was to be done.
+        Q: What was done, n of N samples.
+        measures: Of Q.
+        stop: Why the method stopped before the end, or did less than it is there for.
+        constrained: Whether the method keeps limits and clearance where it can.
+    """
+    N = problem.path.samples
+    failing = np.flatnonzero(measures.off_path(problem.tolerance))
+    first_lost = int(failing[0]) if failing.size else (len(Q) if len(Q) < N else None)
+    violations = _violations(problem, measures, first_lost, len(Q) < N)
+    told = ""
+    if stop is not None and stop.reason is StopReason.AS_QP:
+        told, stop = AS_QP, None
+    if not violations:
+        return Verdict(True, None, f"the path is followed{told}", (), 1.0, None)
+    tracked = 1.0 if first_lost is None else float(problem.path.r[max(0, first_lost - 1)])
+    reason, message = _reason(problem, Q, measures, stop, constrained, violations, first_lost)
+    return Verdict(False, reason, f"{message}{told}", violations, tracked, first_lost)
+
+
+def _violations(
+    problem: Problem, measures: Measures, first_lost: int | None, cut: bool
+) -> tuple[str, ...]:
+    found = {
+        "tracking": first_lost is not None,
+        "limits": bool(measures.limit_margin.min() < -TOUCH),
+        "clearance": measures.min_swept < problem.d_safe,
+        "velocity": bool(measures.speed_ratio.max(initial=0.0) > 1 + TOUCH),
+        "completeness": cut,
+    }
+    return tuple(name for name, holds in found.items() if holds)
+
+
+def _reason(
+    problem: Problem,
+    Q: FloatArray,
+    measures: Measures,
+    stop: Stop | None,
+    constrained: bool,
+    violations: tuple[str, ...],
+    first_lost: int | None,
+) -> tuple[Reason, str]:
+    rank = _rank(problem, Q[0])
+    m, name = problem.arm.m, problem.arm.task.name
+    if stop is not None and stop.reason is StopReason.TIME:
+        return Reason.TIMEOUT, (
+            f"the time was over before sample {stop.sample}; ask for fewer samples"
+        )
+    if stop is not None and stop.reason is StopReason.RANK:
+        way = "use damped, or leave the start with perturb" if stop.sample <= 1 else "use damped"
+        if m > problem.arm.K or (rank < m and _never(problem)):
+            way = f"task {name} has {m} rows, more than this arm can move; choose xy or another"
+        message = (
+            f"refused: rank(J) = {stop.rank} < {m} before sample {stop.sample}, J† = Jᵀ(JJᵀ)⁻¹"
+            f" does not exist; {way}"
+        )
+        return (Reason.SINGULAR_START if stop.sample <= 1 else Reason.SINGULAR), message
+    moved = float(np.abs(Q - Q[0]).max())
+    if first_lost is not None:
+        stuck = first_lost < len(Q) and np.abs(Q[first_lost] - Q[0]).max() < STUCK
+        if rank < m and stuck and _reachable(problem, first_lost):
+            return Reason.SINGULAR_START, (
+                f"rank(J) = {rank} < {m} at the start, and no step leads towards sample"
+                f" {first_lost}: the arm moved by {moved:.2g}; leave the start with perturb,"
+                " such as 0.05"
+            )
+        away = _unreachable(problem, first_lost)
+        jumped = not constrained and measures.largest_step > JUMP
+        if stop is not None or (jumped and measures.off_path(problem.tolerance)[-1]):
+            beyond = "" if away is None else f"; sample {away} is out of reach within the limits"
+            return Reason.DIVERGED, (
+                f"the steps grew without bound after sample {first_lost}: up to"
+                f" {measures.largest_step:.3g} rad or m in one{beyond}"
+            )
+        if away is not None:
+            return Reason.UNREACHABLE, (
+                f"sample {away} is out of reach within the limits; the path is lost"
+                f" {_where(problem, measures, first_lost)}; the end is missed by"
+                f" {_missed(measures)}"
+            )
+    if constrained:
+        return Reason.INFEASIBLE, _conflict(problem, Q, measures, violations, first_lost)
+    least = measures.min_swept
+    if "clearance" in violations:
+        kind = Reason.COLLISION if least < 0 else Reason.CLEARANCE
+        return kind, _clearance(problem, measures)
+    if "limits" in violations:
+        return Reason.LIMITS, _limits(problem, Q)
+    if first_lost is not None:
+        return Reason.TRACKING, (
+            f"the error is over the tolerance {_where(problem, measures, first_lost)}, up to"
+            f" {_largest(measures)}; the end is missed by {_missed(measures)}"
+        )
+    return Reason.VELOCITY, _velocity(problem, Q)
+
+
+def _rank(problem: Problem, q: FloatArray) -> int:
+    _, J, _ = problem.arm.task_at(q, problem.path.targets[0])
+    sigma = np.linalg.svd(J, compute_uv=False)
+    return int(np.sum(sigma > RANK_TOLERANCE * max(1.0, float(sigma[0]))))
+
+
+def _never(problem: Problem) -> bool:
+    """True where the task loses rank at another q as well: it asks more than the arm can do."""
+    k = np.arange(problem.arm.K)
+    return _rank(problem, problem.first + 0.3 * np.sin(1.0 + 2.0 * k)) < problem.arm.m
+
+
+def _reachable(problem: Problem, sample: int) -> bool:
+    found = reach(problem, sample, problem.start, restarts=REACH_RESTARTS, seconds=REACH_SECONDS)
+    return found.status is IKStatus.CONVERGED
+
+
+def _unreachable(problem: Problem, first_lost: int) -> int | None:
+    """A sample, of the first lost one and the last, that no q within the limits reaches."""
+    last = problem.path.samples - 1
+    return next((k for k in (first_lost, last) if not _reachable(problem, k)), None)
+
+
+def _where(problem: Problem, measures: Measures, first_lost: int) -> str:
+    """Which samples are lost: all from the first on, or so many, the path being found again."""
+    lost, N = measures.off_path(problem.tolerance), problem.path.samples
+    count = int(lost.sum()) + N - len(lost)
+    if first_lost + count == N:
+        return f"from sample {first_lost} on"
+    return f"at {count} of {N} samples, the first of them {first_lost}"
+
+
+def _largest(measures: Measures) -> str:
+    return f"{measures.position_error.max():.4g} m, {measures.orientation_error.max():.4g} rad"
+
+
+def _missed(measures: Measures) -> str:
+    return f"{measures.position_error[-1]:.4g} m, {measures.orientation_error[-1]:.4g} rad"
+
+
+def _conflict(
+    problem: Problem,
+    Q: FloatArray,
+    measures: Measures,
+    violations: tuple[str, ...],
+    first_lost: int | None,
+) -> str:
+    if measures.clearance[0] < problem.d_safe:
+        return f"the start itself is too near: {_clearance(problem, measures)}"
+    parts = []
+    if first_lost is not None:
+        parts.append(
+            f"every target is within reach, but {_where(problem, measures, first_lost)}, not"
+            " together with limits, speeds and clearance; the end is missed by"
+            f" {_missed(measures)}"
+        )
+    if "clearance" in violations:
+        parts.append(_clearance(problem, measures))
+    if "limits" in violations:
+        parts.append(_limits(problem, Q))
+    if "velocity" in violations:
+        parts.append(_velocity(problem, Q))
+    return "; ".join(parts)
+
+
+def _clearance(problem: Problem, measures: Measures) -> str:
+    at = int(np.argmin(measures.clearance))
+    link, obstacle = measures.nearest[at]
+    return (
+        f"the clearance falls to {measures.min_swept:.4g} m (d_safe is {problem.d_safe:g}),"
+        f" {problem.links.names[link]} to obstacle {obstacle} about sample {at}"
+    )
+
+
+def _limits(problem: Problem, Q: FloatArray) -> str:
+    chain = problem.arm.chain
+    outside = np.maximum(chain.lower - Q, Q - chain.upper)
+    at, joint = np.unravel_index(int(np.argmax(outside)), outside.shape)
+    unit = "rad" if chain.is_revolute[joint] else "m"
+    return (
+        f"joint {problem.arm.names[joint]} is {outside[at, joint]:.4g} {unit} outside its limits"
+        f" at sample {at}"
+    )
+
+
+def _velocity(problem: Problem, Q: FloatArray) -> str:
+    ratio = np.abs(np.diff(Q, axis=0)) / problem.most_per_step
+    at, joint = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+    return (
+        f"joint {problem.arm.names[joint]} would be {ratio[at, joint]:.3g} times as fast as it may"
+        f" be before sample {at + 1}; give at least tf {problem.path.t[-1] * ratio.max():.4g}"
+    )

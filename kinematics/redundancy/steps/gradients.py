@@ -1,0 +1,165 @@
+"""Compiled potentials of the joint space and their gradients, all analytic.
+
+A method moves down a potential; what is to grow (manipulability) has a minus sign in it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from kinematics.compiled import inner, jit
+from kinematics.kernels import Array
+from kinematics.redundancy.clearance.distances import link_distance, link_gradient
+from kinematics.redundancy.clearance.link_points import link_points
+from kinematics.redundancy.kernel import least_step, orthonormal_rows
+
+
+@jit
+def limit_potential(q: Array, lower: Array, upper: Array, g: Array) -> float:
+    """Liégeois' ``H = 1/n Σ ((q_j − mid_j) / (upper_j − mid_j))²``; gradient into g.
+
+    Joints without limits count nothing (Liégeois, IEEE Trans. SMC 7(12), 1977).
+    """
+    n, total = len(q), 0.0
+    for j in range(n):
+        half = 0.5 * (upper[j] - lower[j])
+        g[j] = 0.0
+        if 0.0 < half < math.inf:
+            x = (q[j] - 0.5 * (lower[j] + upper[j])) / half
+            total += x * x / n
+            g[j] = 2.0 * x / (n * half)
+    return total
+
+
+@jit
+def posture_potential(q: Array, wanted: Array, g: Array) -> float:
+    """``½ ‖q − wanted‖²``; gradient into g."""
+    total = 0.0
+    for j in range(len(q)):
+        g[j] = q[j] - wanted[j]
+        total += 0.5 * g[j] * g[j]
+    return total
+
+
+@jit
+def obstacle_potential(
+    C: Array,
+    is_revolute: Array,
+    q: Array,
+    obstacles: Array,
+    S: Array,
+    safe: float,
+    influence: float,
+    W: Array,
+    g: Array,
+) -> float:
+    """``Σ ½ ((influence − d) / (influence − safe))²`` of all pairs nearer than ``influence``.
+
+    Args:
+        C: Constants of the chain.
+        is_revolute: Shape (K,).
+        q: Shape (K,).
+        obstacles: Shape (M, 16).
+        S: Links, shape (L, 11).
+        safe: Clearance that is kept, m.
+        influence: Clearance from which on an obstacle repels, m.
+        W: Workspace.
+        g: Filled with the gradient, shape (K,).
+    """
+    K, total = len(q), 0.0
+    out, one = np.empty(4), np.empty(K)
+    g[:] = 0.0
+    link_points(C, is_revolute, q, S, W)
+    scale = 1.0 / (influence - safe)
+    for k in range(len(S)):
+        for o in range(len(obstacles)):
+            x = (influence - link_distance(W, S, k, obstacles[o], out)) * scale
+            if x > 0.0:
+                total += 0.5 * x * x
+                link_gradient(W, is_revolute, K, S, k, out, obstacles[o, 0] == 3.0, one)
+                for j in range(K):
+                    g[j] -= x * scale * one[j]
+    return total
+
+
+@jit
+def manipulability_potential(
+    is_revolute: Array, rows: Array, own: bool, K: int, W: Array, g: Array
+) -> float:
+    """``−w = −sqrt det(J Jᵀ)`` of the task's rows; gradient into g, 0 where J loses rank.
+
+    ``∂w/∂q_j = w tr(J† ∂J/∂q_j)``, with the derivatives of the geometric Jacobian in closed form:
+    a column of linear velocity changes with joint j by ``ω_j × v_i`` for j ≤ i and by
+    ``ω_i × v_j`` beyond, one of angular velocity by ``ω_j × ω_i`` for j < i.
+
+    Args:
+        is_revolute: Shape (K,).
+        rows: Rows of the task.
+        own: Whether rotations are taken in the frame's own axes.
+        K: Number of joints.
+        W: Workspace, after ``residual`` at q (of :mod:`kinematics.inverse.damped_least_squares`).
+        g: Filled, shape (K,).
+    """
+    m, T = len(rows), W[K]
+    V, O = np.empty((K, 3)), np.zeros((K, 3))
+    for k in range(K):
+        if is_revolute[k]:
+            x, y, z = T[3] - W[k, 3], T[7] - W[k, 4], T[11] - W[k, 5]
+            V[k] = _cross(W[k, 0], W[k, 1], W[k, 2], x, y, z)
+            O[k, 0], O[k, 1], O[k, 2] = W[k, 0], W[k, 1], W[k, 2]
+        else:
+            V[k, 0], V[k, 1], V[k, 2] = W[k, 0], W[k, 1], W[k, 2]
+    J = np.empty((m, K))
+    for i in range(m):
+        for k in range(K):
+            J[i, k] = _component(V[k], O[k], rows[i], own, T)
+    Q, L = np.empty((m, K)), np.zeros((m, m))
+    order = np.empty(m, dtype=np.int64)
+    g[:] = 0.0
+    if orthonormal_rows(J, Q, L, order) < m:
+        return 0.0
+    w = 1.0
+    for i in range(m):
+        w *= L[i, i]
+    P, e, y, s = np.empty((K, m)), np.zeros(m), np.empty(m), np.empty(K)
+    for i in range(m):
+        e[:] = 0.0
+        e[i] = 1.0
+        least_step(Q, L, order, e, y, s)
+        for k in range(K):
+            P[k, i] = s[k]
+    for j in range(K):
+        trace = 0.0
+        for i in range(K):
+            dv = np.zeros(3)
+            dw = np.zeros(3)
+            if j <= i:
+                dv = _cross(O[j, 0], O[j, 1], O[j, 2], V[i, 0], V[i, 1], V[i, 2])
+            else:
+                dv = _cross(O[i, 0], O[i, 1], O[i, 2], V[j, 0], V[j, 1], V[j, 2])
+            if j < i and not own:
+                dw = _cross(O[j, 0], O[j, 1], O[j, 2], O[i, 0], O[i, 1], O[i, 2])
+            elif j >= i and own:  # the frame's axes turn as well, with every joint
+                dw = _cross(O[i, 0], O[i, 1], O[i, 2], O[j, 0], O[j, 1], O[j, 2])
+            for r in range(m):
+                trace += P[i, r] * _component(dv, dw, rows[r], own, T)
+        g[j] = -w * trace
+    return -w
+
+
+@inner
+def _cross(a: float, b: float, c: float, x: float, y: float, z: float) -> Array:
+    v = np.empty(3)
+    v[0], v[1], v[2] = b * z - c * y, c * x - a * z, a * y - b * x
+    return v
+
+
+@inner
+def _component(v: Array, o: Array, row: int, own: bool, T: Array) -> float:
+    if row < 3:
+        return float(v[row])
+    if own:
+        return float(T[row - 3] * o[0] + T[row + 1] * o[1] + T[row + 5] * o[2])
+    return float(o[row - 3])

@@ -1,0 +1,343 @@
+"""A followed path, timed anew, and judged by what was measured on it: never by what toppra says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from kinematics.redundancy.clearance.sweep import RESOLUTION
+from kinematics.redundancy.follow import PathResult
+from kinematics.redundancy.measure import error_vectors, swept_between
+from kinematics.redundancy.problem import TOUCH, Problem
+from kinematics.redundancy.timing.toppra import (
+    MOST_GRID,
+    RetimeOptions,
+    Spline,
+    Timing,
+    fastest,
+    spline_through,
+)
+from robots.robot import FloatArray
+
+LOOKS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+"""Where between two points of the grid speeds and accelerations are measured."""
+STEPS = 4
+"""Of Gauss and Newton towards the nearest pose of the path."""
+NUDGE = 1e-6
+MOST_PARTS = 64
+"""Of an interval of the grid, in which the clearance is swept."""
+SLOWED, FINER = 1.005, 3
+"""A slowing down above which the grid is made so many times finer."""
+HELD = 1e-6
+"""A part by which limits count as held, of the measured speeds and accelerations."""
+
+
+class RetimeStatus(StrEnum):
+    """What came of it.
+
+    ``retimed``: a timing was found. ``no_motion``: the arm did not move. ``no_parametrisation``:
+    toppra found no timing.
+    """
+
+    RETIMED = "retimed"
+    NO_MOTION = "no_motion"
+    NO_PARAMETRISATION = "no_parametrisation"
+
+
+@dataclass(frozen=True, eq=False)
+class Retimed:
+    """A motion in the shortest time; n samples equally spaced in it, one for an arm that stands.
+
+    Attributes:
+        status: What came of it; without a timing there are no samples.
+        success: Limits, speeds, accelerations, task path and clearance hold, as measured between
+            samples as well, and the end is reached.
+        message: In words.
+        violations: What does not hold: tracking, limits, clearance, velocity, acceleration,
+            completeness.
+        duration: s; None without a timing.
+        t: s, shape (n,).
+        q: Whole configurations, shape (n, dof).
+        velocity: Shape (n, dof), rad/s or m/s.
+        acceleration: Shape (n, dof); jumps where the solution does.
+        velocity_limits: That were kept, inf where none, shape (dof,).
+        acceleration_limits: Likewise.
+        velocity_ratio: Largest part of a speed limit that is used.
+        acceleration_ratio: Likewise of an acceleration limit.
+        slowed: By how much the motion was slowed down, as a whole, to hold the limits between the
+            points at which toppra looked; 1 for not at all.
+        position_deviation: Largest distance from the task path as a curve, m.
+        orientation_deviation: rad.
+        clearance: A lower bound of the least clearance along the motion, m; inf without obstacles.
+        limit_margin: Least distance of each of the arm's joints to its limits, shape (K,).
+        warnings: What was assumed.
+    """
+
+    status: RetimeStatus
+    success: bool
+    message: str
+    violations: tuple[str, ...]
+    duration: float | None
+    t: FloatArray
+    q: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    velocity_limits: FloatArray
+    acceleration_limits: FloatArray
+    velocity_ratio: float
+    acceleration_ratio: float
+    slowed: float
+    position_deviation: float
+    orientation_deviation: float
+    clearance: float
+    limit_margin: FloatArray
+    warnings: tuple[str, ...]
+
+
+def retimed(result: PathResult, options: RetimeOptions) -> Retimed:
+    """The path of a result in the shortest time.
+
+    Raises:
+        MethodUnavailable: toppra is not installed.
+    """
+    problem = result.problem
+    arm = problem.arm
+    Q = arm.reduced(result.q)
+    velocity = arm.velocity.copy()
+    if options.velocity is not None:
+        velocity = np.minimum(velocity, options.velocity)
+    acceleration = options.acceleration
+    spline = spline_through(Q)
+    if spline is None:
+        return _standing(result, velocity, acceleration)
+    while True:
+        timing = fastest(spline, velocity, acceleration)
+        if isinstance(timing, str):
+            return _untimed(result, velocity, acceleration, timing)
+        used = _used(timing, velocity, acceleration)
+        slowed = max(1.0, used[0], np.sqrt(used[1]))
+        if slowed <= SLOWED or len(spline.grid) * FINER > MOST_GRID:
+            break
+        spline = spline.finer(FINER)
+    timing = timing.slowed(slowed)
+    used = _used(timing, velocity, acceleration)
+    along = spline.at(spline.grid, 0)
+    r = np.interp(spline.index, np.arange(len(Q)), problem.path.r[: len(Q)])
+    position, orientation = deviations(problem, along, r)
+    clearance = _clearance(problem, spline, along)
+    margin = np.minimum(along - arm.chain.lower, arm.chain.upper - along).min(axis=0)
+    found = {
+        "tracking": position > problem.tolerance.position
+        or orientation > problem.tolerance.orientation,
+        "limits": bool(margin.min() < -TOUCH),
+        "clearance": clearance < problem.d_safe,
+        "velocity": used[0] > 1 + HELD,
+        "acceleration": used[1] > 1 + HELD,
+        "completeness": not _arrived(result),
+    }
+    violations = tuple(name for name, broken in found.items() if broken)
+    duration = float(timing.times[-1])
+    t = np.linspace(0.0, duration, options.samples)
+    return Retimed(
+        RetimeStatus.RETIMED,
+        not violations,
+        _message(result, violations, duration, position, orientation, clearance, margin.min()),
+        violations,
+        duration,
+        t,
+        *_whole(problem, timing.at(t)),
+        *_limits(problem, velocity, acceleration),
+        *used,
+        slowed,
+        position,
+        orientation,
+        clearance,
+        margin,
+        _warnings(result, velocity),
+    )
+
+
+def deviations(problem: Problem, Q: FloatArray, r: FloatArray) -> tuple[float, float]:
+    """Largest distances, m and rad, of configurations from the task path as a curve.
+
+    From the nearest pose of the path, m and rad weighed alike, by Gauss-Newton from a first guess:
+    never less than the truth.
+
+    Args:
+        problem: What was to be followed.
+        Q: Shape (n, K).
+        r: Parts of the path where the nearest poses may be, shape (n,).
+    """
+    least = error_vectors(problem.arm, Q, problem.path.at(r))
+    best = np.linalg.norm(least, axis=1)
+    for _ in range(STEPS):
+        ahead, behind = np.minimum(r + NUDGE, 1.0), np.maximum(r - NUDGE, 0.0)
+        rise = error_vectors(problem.arm, Q, problem.path.at(ahead))
+        rise -= error_vectors(problem.arm, Q, problem.path.at(behind))
+        rise /= (ahead - behind)[:, None]
+        size = np.sum(rise**2, axis=1)
+        here = error_vectors(problem.arm, Q, problem.path.at(r))
+        step = np.sum(rise * here, axis=1) / np.where(size > 0, size, 1.0)
+        r = np.clip(r - step, 0.0, 1.0)
+        e = error_vectors(problem.arm, Q, problem.path.at(r))
+        nearer = np.linalg.norm(e, axis=1) < best
+        least[nearer], best[nearer] = e[nearer], np.linalg.norm(e[nearer], axis=1)
+    position, orientation = (
+        np.linalg.norm(least[:, :3], axis=1),
+        np.linalg.norm(least[:, 3:], axis=1),
+    )
+    return float(position.max()), float(orientation.max())
+
+
+def _used(timing: Timing, velocity: FloatArray, acceleration: FloatArray) -> tuple[float, float]:
+    """Largest parts of the limits that are used, at ``LOOKS`` between all points of the grid."""
+    steps = np.diff(timing.times)
+    k = np.repeat(np.arange(len(steps)), len(LOOKS))
+    _, v, a = timing.within(k, (steps[:, None] * LOOKS).reshape(-1))
+    return float((np.abs(v) / velocity).max()), float((np.abs(a) / acceleration).max())
+
+
+def _clearance(problem: Problem, spline: Spline, along: FloatArray) -> float:
+    """A lower bound of the clearance along the spline.
+
+    Swept as if joints moved in step, less what the spline may be away from that: a cubic piece of
+    length h is at most ``h² max|q″| / 8`` off its chord. Where that is much, h is made shorter.
+    """
+    if not len(problem.obstacles):
+        return np.inf
+    bend = np.abs(spline.at(spline.grid, 2))
+    steps = np.diff(spline.grid)
+    # Within a piece the second derivative is linear: largest at an end.
+    off = np.maximum(bend[1:], bend[:-1]) * steps[:, None] ** 2 / 8
+    loss = off @ _levers(problem, along)
+    parts = np.clip(np.ceil(np.sqrt(loss / RESOLUTION)), 1, MOST_PARTS).astype(np.int64)
+    k = np.repeat(np.arange(len(steps)), parts)
+    part = np.arange(len(k)) - np.repeat(np.cumsum(parts) - parts, parts)
+    s = np.append(spline.grid[k] + steps[k] * part / parts[k], 1.0)
+    swept = swept_between(problem, spline.at(s, 0))
+    return float((swept - (loss / parts**2)[k]).min())
+
+
+def _levers(problem: Problem, Q: FloatArray) -> FloatArray:
+    """How far a link is from each joint at most, shape (K,); 1 for joints that slide."""
+    chain, rows = problem.arm.chain, problem.links.rows
+    lengths = np.linalg.norm(chain.placements[1:, [3, 7, 11]], axis=1)
+    lengths = lengths + np.where(chain.is_revolute, 0.0, np.abs(Q).max(axis=0))
+    ends = np.linalg.norm(rows[:, 3:9].reshape(-1, 2, 3), axis=2).max(initial=0.0)
+    return np.where(chain.is_revolute, np.cumsum(lengths[::-1])[::-1] + ends, 1.0)
+
+
+def _arrived(result: PathResult) -> bool:
+    problem, measures = result.problem, result.measures
+    return (
+        len(result.q) == problem.path.samples
+        and measures.position_error[-1] <= problem.tolerance.position
+        and measures.orientation_error[-1] <= problem.tolerance.orientation
+    )
+
+
+def _whole(
+    problem: Problem, motion: tuple[FloatArray, FloatArray, FloatArray]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Of all joints of the robot: those that do not belong to the arm stand still."""
+    q, v, a = motion
+    still = np.zeros(problem.arm.robot.dof)
+    return (
+        problem.arm.expanded(q, problem.start),
+        problem.arm.expanded(v, still),
+        problem.arm.expanded(a, still),
+    )
+
+
+def _limits(
+    problem: Problem, velocity: FloatArray, acceleration: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    none = np.full(problem.arm.robot.dof, np.inf)
+    return (
+        problem.arm.expanded(velocity[None], none)[0],
+        problem.arm.expanded(acceleration[None], none)[0],
+    )
+
+
+def _standing(result: PathResult, velocity: FloatArray, acceleration: FloatArray) -> Retimed:
+    """The answer for an arm that does not move."""
+    problem, measures = result.problem, result.measures
+    q, chain = result.q[:1], problem.arm.chain
+    here = problem.arm.reduced(q[0])
+    margin = np.minimum(here - chain.lower, chain.upper - here)
+    least = float(measures.clearance[0])
+    found = {
+        "limits": bool(margin.min() < -TOUCH),
+        "clearance": least < problem.d_safe,
+        "completeness": not _arrived(result),
+    }
+    violations = tuple(name for name, broken in found.items() if broken)
+    return Retimed(
+        RetimeStatus.NO_MOTION,
+        not violations,
+        "the arm does not move: there is nothing to time",
+        violations,
+        0.0,
+        np.zeros(1),
+        q,
+        np.zeros_like(q),
+        np.zeros_like(q),
+        *_limits(problem, velocity, acceleration),
+        0.0,
+        0.0,
+        1.0,
+        float(measures.position_error[0]),
+        float(measures.orientation_error[0]),
+        least,
+        margin,
+        (),
+    )
+
+
+def _untimed(
+    result: PathResult, velocity: FloatArray, acceleration: FloatArray, message: str
+) -> Retimed:
+    """The answer where there is no timing."""
+    none = np.empty((0, result.problem.arm.robot.dof))
+    return Retimed(
+        RetimeStatus.NO_PARAMETRISATION, False, message, ("completeness",), None, np.empty(0),
+        none, none, none, *_limits(result.problem, velocity, acceleration),
+        np.nan, np.nan, 1.0, np.nan, np.nan, np.nan, np.full(result.problem.arm.K, np.nan), (),
+    )  # fmt: skip
+
+
+def _warnings(result: PathResult, velocity: FloatArray) -> tuple[str, ...]:
+    arm = result.problem.arm
+    free = [name for name, most in zip(arm.names, velocity, strict=True) if np.isinf(most)]
+    if not free:
+        return ()
+    return (
+        f"no speed limit is known of {', '.join(free[:8])}{' …' if len(free) > 8 else ''}: only"
+        " acceleration holds them back; give retime.velocity",
+    )
+
+
+def _message(
+    result: PathResult,
+    violations: tuple[str, ...],
+    duration: float,
+    position: float,
+    orientation: float,
+    clearance: float,
+    margin: float,
+) -> str:
+    problem = result.problem
+    if not violations:
+        return f"the path takes {duration:.4g} s, with tf it took {problem.path.t[-1]:g} s"
+    words = {
+        "tracking": f"it deviates from the task path by {position:.4g} m, {orientation:.4g} rad",
+        "limits": f"a joint is {-margin:.4g} rad or m outside its limits",
+        "clearance": f"the clearance falls to {clearance:.4g} m (d_safe is {problem.d_safe:g})",
+        "velocity": "a joint is too fast",
+        "acceleration": "a joint accelerates too much",
+        "completeness": "the path that was followed does not reach its end",
+    }
+    remedy = "; ask for more samples, or margin" if result.verdict.success else ""
+    return f"timed to {duration:.4g} s, but {'; '.join(words[v] for v in violations)}{remedy}"

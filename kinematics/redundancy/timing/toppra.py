@@ -1,0 +1,223 @@
+"""The fastest timing of a followed path within speeds and accelerations of the joints.
+
+The joint path is the cubic spline through the samples, over the length in joint space; its timing
+is found by TOPP-RA (Pham and Pham, IEEE T-RO 34(3), 2018) as the package toppra has it, an optional
+extra. What comes out is measured anew in :mod:`~.timing.result`, and slowed down as a
+whole where it would exceed a limit between the points at which toppra looked.
+"""
+
+from __future__ import annotations
+
+import logging
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.errors import InvalidOption, MethodUnavailable
+from kinematics.redundancy.path.geometry import MAX_SAMPLES
+from robots.robot import FloatArray
+
+GRID, MOST_GRID = 1000, 20_000
+"""Points at which toppra looks, at least and where the grid is made finer; see :func:`fastest`."""
+NEAREST = 1e-5
+"""Samples nearer than this part of the whole length count as one."""
+STILL = 1e-9
+"""An arm that moves less than this, rad or m, has no motion to time."""
+LEAST, MOST = 1e-9, 1e12
+
+
+@dataclass(frozen=True, eq=False)
+class RetimeOptions:
+    """What the timing has to keep.
+
+    Attributes:
+        acceleration: Largest accelerations of the arm's joints, rad/s² or m/s², shape (K,).
+        velocity: Largest speeds, where they are to be lower than the robot's, shape (K,).
+        samples: Of the answer, equally spaced in time.
+    """
+
+    acceleration: FloatArray
+    velocity: FloatArray | None = None
+    samples: int = 101
+
+    def __post_init__(self) -> None:
+        for name, values in (("acceleration", self.acceleration), ("velocity", self.velocity)):
+            if values is not None and not ((values >= LEAST) & (values <= MOST)).all():
+                raise InvalidOption(
+                    f"retime.{name} is not within {LEAST:g} to {MOST:g} for every joint",
+                    f"/retime/{name}",
+                )
+        if not 2 <= self.samples <= MAX_SAMPLES:
+            raise InvalidOption(
+                f"retime.samples is {self.samples}; give 2 to {MAX_SAMPLES}", "/retime/samples"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Spline:
+    """A joint path.
+
+    Attributes:
+        at: Its values (order 0) and derivatives (1, 2) at lengths s of shape (n,), shape (n, K).
+        grid: Lengths, the samples' own among them, shape (g,), from 0 to 1.
+        index: Where between the samples they lie, shape (g,), 0 to n - 1.
+    """
+
+    at: Callable[[FloatArray, int], FloatArray]
+    grid: FloatArray
+    index: FloatArray
+
+    def finer(self, times: int) -> Spline:
+        """The same with so many times as many points of the grid."""
+        places = np.arange(len(self.grid), dtype=np.float64)
+        parts = np.arange((len(places) - 1) * times + 1) / times
+        return Spline(
+            self.at, np.interp(parts, places, self.grid), np.interp(parts, places, self.index)
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Timing:
+    """When a spline is where.
+
+    Attributes:
+        spline: The spline.
+        rate: ds/dt at the points of its grid, 1/s, shape (g,); d²s/dt² is constant between them.
+    """
+
+    spline: Spline
+    rate: FloatArray
+
+    @property
+    def times(self) -> FloatArray:
+        """When the points of the grid are passed, s, shape (g,)."""
+        steps = 2 * np.diff(self.spline.grid) / (self.rate[1:] + self.rate[:-1])
+        return np.concatenate(([0.0], np.cumsum(steps)))
+
+    @property
+    def accelerations(self) -> FloatArray:
+        """d²s/dt² between the points of the grid, shape (g - 1,)."""
+        return np.asarray(np.diff(self.rate**2) / (2 * np.diff(self.spline.grid)))
+
+    def slowed(self, factor: float) -> Timing:
+        """The same at a lower pace."""
+        return Timing(self.spline, self.rate / factor)
+
+    def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Joint values, velocities and accelerations at times, shape (n, K) each."""
+        times, u = self.times, self.accelerations
+        k = np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(u) - 1)
+        return self.within(k, t - times[k])
+
+    def within(
+        self, k: NDArray[np.intp], since: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The same at times since the points k of the grid were passed."""
+        u, v = self.accelerations[k], self.rate[k]
+        s = np.minimum(self.spline.grid[k] + v * since + u * since**2 / 2, self.spline.grid[k + 1])
+        rate, u = (v + u * since)[:, None], u[:, None]
+        slope = self.spline.at(s, 1)
+        return self.spline.at(s, 0), slope * rate, self.spline.at(s, 2) * rate**2 + slope * u
+
+
+def spline_through(Q: FloatArray) -> Spline | None:
+    """The spline through samples of shape (n, K); None for an arm that stands still.
+
+    Raises:
+        MethodUnavailable: toppra is not installed.
+    """
+    toppra = _toppra()
+    if not np.isfinite(Q).all() or np.abs(Q - Q[0]).max() < STILL:
+        return None
+    steps = np.linalg.norm(np.diff(Q, axis=0), axis=1)
+    s = np.concatenate(([0.0], np.cumsum(steps)))
+    s /= s[-1]
+    kept = [0]
+    for k in range(1, len(s) - 1):
+        if s[k] - s[kept[-1]] >= NEAREST and s[-1] - s[k] >= NEAREST:
+            kept.append(k)
+    kept.append(len(s) - 1)
+    knots = s[kept]
+    knots[-1] = 1.0
+    made = toppra.SplineInterpolator(knots, Q[kept])
+    spline = Spline(made, knots, np.array(kept, dtype=np.float64))
+    return spline.finer(max(2, -(-GRID // (len(kept) - 1))))
+
+
+def fastest(spline: Spline, velocity: FloatArray, acceleration: FloatArray) -> Timing | str:
+    """The fastest timing of a spline from rest to rest; in words, why toppra found none.
+
+    Args:
+        spline: The spline.
+        velocity: Largest speeds of its joints, inf where unknown, shape (K,).
+        acceleration: Largest accelerations, shape (K,).
+    """
+    toppra = _toppra()
+    Q = spline.at(spline.grid, 0)
+    way = np.abs(np.diff(Q, axis=0)).sum(axis=0)
+    # In this unit of time the whole motion takes about 1: toppra's tolerances are absolute.
+    unit = float(np.max(np.maximum(way / velocity, np.sqrt(way / acceleration))))
+    most = acceleration * unit**2
+    # What accelerates from rest by no more than that is never so fast: no limit at all.
+    speeds = np.minimum(velocity * unit, 4 * np.sqrt(most * way) + 1.0)
+    box = toppra.constraint
+    with np.errstate(all="ignore"):
+        try:
+            limits = [
+                box.JointVelocityConstraint(np.column_stack((-speeds, speeds))),
+                box.JointAccelerationConstraint(
+                    np.column_stack((-most, most)),
+                    discretization_scheme=box.DiscretizationType.Interpolation,
+                ),
+            ]
+            work = toppra.algorithm.TOPPRA(limits, spline.at, gridpoints=spline.grid)
+            work.compute_parameterization(0, 0)
+        except Exception as error:  # whatever a solver fails with, the path stays as it is
+            return f"toppra failed: {type(error).__name__}"
+    found, code = work.problem_data.sd_vec, work.problem_data.return_code
+    if code is not toppra.algorithm.ParameterizationReturnCode.Ok or found is None:
+        return f"toppra found no parametrisation: {code.value}"
+    rate = np.asarray(found, dtype=np.float64) / unit
+    if not np.isfinite(rate).all() or not (rate[1:] + rate[:-1] > 0).all() or (rate < 0).any():
+        return "toppra found no parametrisation: the motion would come to a stop on its way"
+    return Timing(spline, rate)
+
+
+def require_toppra() -> None:
+    """Raises what is to be said where toppra is not installed.
+
+    Raises:
+        MethodUnavailable: It is not.
+    """
+    _toppra()
+
+
+@cache
+def _toppra() -> Any:
+    """The package, imported when it is first needed: it brings a plotting library with it.
+
+    Raises:
+        MethodUnavailable: It is not installed.
+    """
+    # The plotting library, never used, would complain where it finds no place for its cache.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            import toppra
+            import toppra.algorithm
+            import toppra.constraint
+    except ImportError:
+        raise MethodUnavailable(
+            "retime needs toppra, which is not installed; pip install 'denavit[retiming]', or"
+            " leave retime out",
+            "/retime",
+        ) from None
+    # What it has to say comes back as a return code.
+    logging.getLogger("toppra").setLevel(logging.CRITICAL)
+    return toppra

@@ -1,0 +1,93 @@
+"""The record of a directory of robots: how many there are and how large, without looking at all.
+
+It is the content of the lock file, read and written by who holds the lock. A writer blanks it
+before it changes the directory and writes it anew afterwards, so that after a crash there is none
+and the next writer counts. It also names the directory's time of change, so that what others did
+with ``cp`` or ``rm`` makes it void. Readers take it, without the lock, for the directory's version.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import dataclass
+from typing import Final
+
+from robots.errors import QuotaReached
+
+_SIZE: Final = 128
+_BLANK: Final = b"-" * _SIZE
+
+
+@dataclass(frozen=True, slots=True)
+class Quotas:
+    """Most uploaded robots, and most bytes in their files."""
+
+    robots: int = 10_000
+    bytes: int = 1_000_000_000
+
+    def check(self, before: Usage, after: Usage) -> None:
+        """Refuses what grows beyond a quota; what shrinks may, also where it is exceeded already.
+
+        Raises:
+            QuotaReached: Names the quota.
+        """
+        if after.robots > max(self.robots, before.robots):
+            raise QuotaReached(f"{self.robots} uploaded robots at most (DENAVIT_MAX_ROBOTS)")
+        if after.bytes > max(self.bytes, before.bytes):
+            raise QuotaReached(
+                f"{self.bytes} bytes of uploaded robots at most (DENAVIT_MAX_STORED_BYTES)"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Usage:
+    """What is stored.
+
+    Attributes:
+        robots: Number of files.
+        bytes: Their sizes together.
+    """
+
+    robots: int
+    bytes: int
+
+
+def read_usage_record(descriptor: int) -> bytes:
+    """The record as it stands, in one read."""
+    return os.pread(descriptor, _SIZE, 0)
+
+
+def usage_in(record: bytes, directory_mtime: int) -> Usage | None:
+    """What a record says; None where it is blank, or the directory changed since."""
+    fields = record.split()
+    if len(record) != _SIZE or len(fields) != 4 or not all(map(bytes.isdigit, fields)):
+        return None
+    robots, size, mtime, _ = map(int, fields)
+    return Usage(robots, size) if mtime == directory_mtime else None
+
+
+def blank(descriptor: int, record: bytes) -> None:
+    """Says that the directory is about to change.
+
+    Raises:
+        OSError: It cannot be said, so nothing may change.
+    """
+    if len(record) == _SIZE:
+        try:
+            os.pwrite(descriptor, _BLANK, 0)
+        except OSError:
+            # Some file systems need room even to write over a block; none to drop it.
+            os.ftruncate(descriptor, 0)
+
+
+def write_usage_record(descriptor: int, usage: Usage, directory_mtime: int, before: bytes) -> None:
+    """Says what is stored; never the same as ``before`` or any record of another change."""
+    generation = max(time.time_ns(), _generation(before) + 1)
+    text = f"{usage.robots} {usage.bytes} {directory_mtime} {generation}"
+    os.pwrite(descriptor, text.ljust(_SIZE).encode(), 0)
+
+
+def _generation(record: bytes) -> int:
+    fields = record.split()
+    return int(fields[3]) if len(fields) == 4 and fields[3].isdigit() else 0

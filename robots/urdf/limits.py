@@ -1,0 +1,22 @@
+"""How large a URDF may be.
+
+Whatever passes these caps is read and made a model within a fraction of a second and some
+megabytes, with no recursion that grows with the robot: tests/robots/test_urdf_limits.py.
+"""
+
+MAX_BYTES = 2_000_000
+MAX_ELEMENTS = 20_000
+"""Elements of the document, those that are left out among them; real robots have up to 4,000."""
+MAX_ATTRIBUTES = 32
+"""Attributes of one element; real robots have up to 12."""
+MAX_DOF = 64
+MAX_LINKS = 300
+MAX_SHAPES = 1000
+MAX_MATERIALS = 300
+MAX_NAME = 128
+MAX_NUMBER = 64
+"""Characters of one number."""
+MAX_MAGNITUDE = 1e6
+"""Largest length, angle, mass or moment of inertia."""
+MAX_LIMIT = 1e20
+"""Largest limit of a joint; what is beyond UNBOUNDED (1e6) stands for no limit."""
