@@ -59,7 +59,7 @@ from robots.storage.directory import RobotDirectory
 from robots.storage.usage_record import Quotas, blank
 directory = RobotDirectory(Path(sys.argv[1]), Quotas())
 with directory.write_transaction() as turn:
-    blank(turn._descriptor, turn._ledger)
+    blank(turn._descriptor, turn._record)
     (Path(sys.argv[1]) / "robots" / "r1.json").write_bytes(b"x")
     os.kill(os.getpid(), 9)
 """
