@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import sys
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from importlib.metadata import version
 from typing import Any
@@ -19,6 +19,7 @@ from app.dependencies import Services
 from app.http import problems
 from app.middleware.request_line import RequestLine
 from app.openapi.document import build_openapi
+from app.operations import OPERATIONS, Operation
 from app.readiness import Readiness, ReadinessReport
 from app.routes import compute, convert, diff, health, meshes, metrics, robots, tables
 from app.serving.connections import STATE, ConnectionGuard, ConnectionLimits
@@ -38,11 +39,14 @@ Angles are rad unless `?angle=deg`; lengths are m. `Accept: text/plain` or `?for
 aligned matrices; batches also travel as `application/x-npy`."""
 
 
-def create_app(settings: Settings | None = None) -> FastAPI:
-    """The application.
+def create_app(
+    settings: Settings | None = None, operations: Sequence[Operation] = OPERATIONS
+) -> FastAPI:
+    """Return the application.
 
     Args:
         settings: What a deployment chose; default from the environment, read at start-up.
+        operations: The computations that it offers.
     """
     chosen = settings or Settings()
 
@@ -53,7 +57,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         await run_sync(app.state.services.check_uploads)
         await run_sync(warm_up)
         if chosen.preload:
-            await rehearse(app, app.state.services)
+            await rehearse(app, app.state.services, operations)
         health.add_checks(app.state.readiness, app.state.services)
         # What is here now stays: no collection needs to walk through it while requests wait.
         gc.collect()
@@ -75,7 +79,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.readiness = Readiness()
     app.state.metrics = counted = Metrics(shared_directory()) if chosen.metrics else None
-    compute.add_routes(app, chosen.max_compute_bytes)
+    compute.add_routes(app, operations, chosen.max_compute_bytes)
     app.include_router(health.router)
     app.include_router(robots.build_router(chosen.max_document_bytes))
     app.include_router(meshes.router)
@@ -102,7 +106,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
                 ReadinessReport,
                 diff.DiffRequest, diff.InlineDiffRequest, diff.DiffResponse,
             )  # fmt: skip
-            app.openapi_schema = build_openapi(app, types)
+            app.openapi_schema = build_openapi(app, operations, types)
             describe(app.openapi_schema, chosen)
         return app.openapi_schema
 

@@ -14,7 +14,7 @@ from app.access.keys import KeyRing, read_keys
 from app.access.rates import RateLimits
 from app.admission.buffers import BodyBudget
 from app.middleware.request_id import RequestId
-from app.openapi.document import PROBLEMS
+from app.openapi.problems import PROBLEMS
 from app.settings import Settings
 
 READABLE = (

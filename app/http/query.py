@@ -1,12 +1,9 @@
-"""Query strings: checked names, and the GET form of a computation as the body of its POST."""
+"""Query strings: check the names of parameters, and read numbers and lists."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
-import orjson
 from fastapi import Request
 
 from app.http.problems import INVALID_REQUEST, RequestProblem
@@ -14,13 +11,10 @@ from app.http.units import Units
 from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
 from dh_to_urdf.errors import escaped
 from robots.errors import hint
-from robots.robot import Robot
 
 COMMON = ("angle", "format")
 MAX_QUERY_VALUES = 1024
 MAX_VALUE = 1e15
-_JOINTS = ("q", "qd", "z", "seed")
-_TARGET = ("position", "rpy", "quaternion_xyzw", "euler", "phi", "direction", "matrix")
 
 
 def check_query(request: Request, *allowed: str, common: tuple[str, ...] = COMMON) -> None:
@@ -53,41 +47,6 @@ def units_of(request: Request) -> Units:
     if angle not in ("rad", "deg"):
         raise RequestProblem(INVALID_REQUEST, f"angle is {angle[:32]!r}; give rad or deg", "/angle")
     return Units(angle == "deg")
-
-
-def body_from_query(request: Request, units: Units, robot: Robot, known: tuple[str, ...]) -> bytes:
-    """The JSON body that a GET request's parameters stand for.
-
-    Args:
-        request: The request.
-        units: Its units.
-        robot: The robot.
-        known: Parameters of the computation; one with ``position`` takes a target.
-
-    Raises:
-        RequestProblem: A number cannot be read.
-    """
-    body: dict[str, Any] = {}
-    target: dict[str, Any] = {}
-    inverse = "position" in known
-    for name, text in request.query_params.items():
-        if name in COMMON:
-            continue
-        if name in _JOINTS:
-            value: Any = _joint_values(name, text, units, robot)
-        elif name in _READERS:
-            value = _READERS[name](name, text, units)
-        else:
-            value = text
-        if name == "tolerance" and inverse:
-            value = {"position": value, "orientation": value}
-        if name in _TARGET and inverse:
-            target[name] = value
-        else:
-            body[name] = value
-    if target:
-        body["target"] = target
-    return orjson.dumps(body)
 
 
 def number(name: str, text: str, units: Units, quantity: Quantity = Quantity.ANGLE) -> float:
@@ -127,17 +86,8 @@ def _expression(name: str, text: str, units: Units, quantity: Quantity) -> float
     return math.degrees(cell.value) if degrees else cell.value
 
 
-def _joint_values(name: str, text: str, units: Units, robot: Robot) -> list[float]:
-    parts = _split(name, text)
-    quantities = [
-        Quantity.ANGLE if is_revolute else Quantity.LENGTH for is_revolute in robot.is_revolute
-    ]
-    if len(parts) != len(quantities):
-        quantities = [Quantity.ANGLE] * len(parts)
-    return [number(name, part, units, q) for part, q in zip(parts, quantities, strict=True)]
-
-
-def _split(name: str, text: str) -> list[str]:
+def split(name: str, text: str) -> list[str]:
+    """Return the values of a list, with or without its brackets, separated by commas."""
     inside = text.strip()
     if inside[:1] == "[" and inside[-1:] == "]":
         inside = inside[1:-1]
@@ -147,126 +97,3 @@ def _split(name: str, text: str) -> list[str]:
             INVALID_REQUEST, f"{name} has over {MAX_QUERY_VALUES} values; send a body", f"/{name}"
         )
     return parts
-
-
-def _numbers(name: str, text: str, units: Units) -> list[float]:
-    return [number(name, part, units) for part in _split(name, text)]
-
-
-def _lengths(name: str, text: str, units: Units) -> list[float]:
-    return [number(name, part, units, Quantity.LENGTH) for part in _split(name, text)]
-
-
-def _plain(name: str, text: str, units: Units) -> list[float]:
-    return [number(name, part, units, Quantity.NUMBER) for part in _split(name, text)]
-
-
-def _twist(name: str, text: str, units: Units) -> list[float]:
-    """Six values are three lengths and three angles a second; of others the rows are unknown."""
-    parts = _split(name, text)
-    quantities = [Quantity.LENGTH] * 3 + [Quantity.ANGLE] * 3
-    if len(parts) != len(quantities):
-        return _plain(name, text, units)
-    return [number(name, part, units, q) for part, q in zip(parts, quantities, strict=True)]
-
-
-def _matrix(name: str, text: str, units: Units) -> list[list[float]]:
-    values = _plain(name, text, units)
-    if len(values) != 16:
-        raise RequestProblem(
-            INVALID_REQUEST, f"{name} has {len(values)} values; give 16, row by row", f"/{name}"
-        )
-    return [values[k : k + 4] for k in range(0, 16, 4)]
-
-
-def _frames(name: str, text: str, units: Units) -> list[str] | str:  # noqa: ARG001
-    if text in ("all", ""):
-        return "all" if text else []
-    names = [part.strip() for part in text.split(",")]
-    if not all(names) or len(names) > MAX_QUERY_VALUES:
-        raise RequestProblem(
-            INVALID_REQUEST, f"{name} is {text[:32]!r}; give names, separated by commas", f"/{name}"
-        )
-    return names
-
-
-def _names(name: str, text: str, units: Units) -> dict[str, str]:  # noqa: ARG001
-    """``a2:L1,a3:L2``."""
-    pairs = [part.partition(":") for part in text.split(",")]
-    if any(not colon for _, colon, _ in pairs) or len(pairs) > MAX_QUERY_VALUES:
-        raise RequestProblem(
-            INVALID_REQUEST, f"{name} is {text[:32]!r}; write it as a2:L1,a3:L2", f"/{name}"
-        )
-    return {key.strip(): value.strip() for key, _, value in pairs}
-
-
-def _task(name: str, text: str, units: Units) -> list[int] | str:
-    if "," not in text:
-        return text
-    return [int(value) if value in (0.0, 1.0) else 2 for value in _numbers(name, text, units)]
-
-
-def _scalar(name: str, text: str, units: Units) -> float:
-    return number(name, text, units, Quantity.NUMBER)
-
-
-def _length(name: str, text: str, units: Units) -> float:
-    return number(name, text, units, Quantity.LENGTH)
-
-
-def _euler(name: str, text: str, units: Units) -> dict[str, Any] | str:
-    """``ZXZ``, or with angles ``ZXZ:10,20,30``."""
-    sequence, colon, angles = text.partition(":")
-    if not colon:
-        return sequence
-    return {"sequence": sequence, "angles": _numbers(name, angles, units)}
-
-
-def _integer(name: str, text: str, units: Units) -> int:
-    value = number(name, text, units, Quantity.NUMBER)
-    if not value.is_integer():
-        raise RequestProblem(
-            INVALID_REQUEST, f"{name} is {text[:32]!r}; give an integer", f"/{name}"
-        )
-    return int(value)
-
-
-def _flag(name: str, text: str, units: Units) -> bool:  # noqa: ARG001
-    if text not in ("true", "false"):
-        raise RequestProblem(
-            INVALID_REQUEST, f"{name} is {text[:32]!r}; give true or false", f"/{name}"
-        )
-    return text == "true"
-
-
-_READERS: dict[str, Callable[[str, str, Units], Any]] = {
-    "position": _lengths,
-    "rpy": _numbers,
-    "quaternion_xyzw": _plain,
-    "matrix": _matrix,
-    "phi": number,
-    "direction": _plain,
-    "tolerance": _scalar,
-    "damping": _scalar,
-    "characteristic_length": _length,
-    "twist": _twist,
-    "wrench": _plain,
-    "tau": _plain,
-    "time_budget_ms": _scalar,
-    "max_iterations": _integer,
-    "delta_x": _plain,
-    "tf": _scalar,
-    "samples": _integer,
-    "methods": _frames,
-    "joints": _frames,
-    "labels": _flag,
-    "width": _integer,
-    "height": _integer,
-    "max_restarts": _integer,
-    "random_seed": _integer,
-    "frames": _frames,
-    "task": _task,
-    "quantities": _frames,
-    "symbols": _names,
-    "euler": _euler,
-}

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Annotated, Any
+from typing import Annotated, TypedDict
 
 import msgspec
 
-from app.operations.base import UNITS_SCHEMA, Answer, Context, Operation
+from app.fields import texts
+from app.fields.field import Field, Parameter, declared
+from app.fields.names import one_of
+from app.operations.operation import PICTURES, TABLE_FORMS, Answer, Context, Operation, Runs
 from app.operations.path import PATH, joint_units
 from app.operations.path_fields import GainsField, PathScenario, read_options, read_problem
-from app.operations.path_links import LinkPart, told_of_links
+from app.operations.path_links import LinksView, links_view
 from app.operations.retime import read_retime
-from app.operations.schema import METHOD, items
+from app.operations.shapes import AnswerUnits
 from app.pictures.path_figure import path_figure
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.compare import compared
+from kinematics.redundancy.follow import PathResult
 from kinematics.redundancy.judging.summary import summary
 from kinematics.redundancy.methods import METHODS, method_from
-from kinematics.redundancy.timing.result import retimed
-from robots.robot import Robot
+from kinematics.redundancy.timing.result import Retimed, retimed
+from robots.robot import FloatArray, Robot
 
 MAX_METHODS = 16
 DEFAULT = ("pseudo_inverse", "damped", "null_space", "sqp", "qp")
@@ -28,7 +31,7 @@ DEFAULT = ("pseudo_inverse", "damped", "null_space", "sqp", "qp")
 class MethodChoice(msgspec.Struct, forbid_unknown_fields=True, kw_only=True, omit_defaults=True):
     """A method with options of its own, in the place of the common ones."""
 
-    method: Annotated[str, METHOD]
+    method: Annotated[str, msgspec.Meta(extra_json_schema=one_of(tuple(METHODS)))]
     label: str | None = None
     closed_loop: bool | None = None
     damping: float | None = None
@@ -40,20 +43,20 @@ class MethodChoice(msgspec.Struct, forbid_unknown_fields=True, kw_only=True, omi
     perturb: float | None = None
 
 
-class CompareRequest(PathScenario, forbid_unknown_fields=True, kw_only=True):
+class CompareRequest(PathScenario, kw_only=True):
     """A path, and the methods to compare on it."""
 
     methods: Annotated[
         list[str | MethodChoice],
-        msgspec.Meta(
-            description="Names, or objects {method, label, and options of its own}: "
-            + ", ".join(METHODS)
+        declared(
+            Field((Parameter(texts.names, "Names of methods, comma-separated."),)),
+            "Names, or objects {method, label, and options of its own}: " + ", ".join(METHODS),
+            {"minItems": 1, "maxItems": MAX_METHODS},
         ),
-        items(1, MAX_METHODS),
     ] = msgspec.field(default_factory=lambda: list(DEFAULT))
 
 
-class CompareRow(msgspec.Struct, kw_only=True):
+class CompareRow(TypedDict):
     """One method; see the answer of path for what the figures mean."""
 
     method: str
@@ -76,16 +79,15 @@ class CompareRow(msgspec.Struct, kw_only=True):
     retimed_duration: float | None
 
 
-class CompareResponse(msgspec.Struct, kw_only=True):
+class CompareAnswer(LinksView):
     """The table, and in words what stood in the way of each method."""
 
-    units: UNITS_SCHEMA
+    units: AnswerUnits
     frame: str
     task: str
     samples: int
     rows: list[CompareRow]
     messages: dict[str, str]
-    links: list[LinkPart] | None
     warnings: list[str]
 
 
@@ -119,19 +121,12 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
     results = list(compared(problem, entries, seconds))
     motions = [None if timing is None else retimed(result, timing) for result in results]
     unit = joint_units(robot, context)
-    rows: list[dict[str, Any]] = [
-        {
-            "method": label,
-            "success": result.verdict.success,
-            "reason": result.verdict.reason,
-            "tracked": result.verdict.tracked,
-            **asdict(summary(result, unit)),
-            "retimed_success": None if motion is None else motion.success,
-            "retimed_duration": None if motion is None else motion.duration,
-        }
+    rows = [
+        _row(label, result, motion, unit)
         for label, result, motion in zip(labels, results, motions, strict=True)
     ]
-    payload = {
+    links, warnings = links_view(problem)
+    answer: CompareAnswer = {
         "units": context.units.named,
         "frame": problem.arm.frame,
         "task": problem.arm.task.name,
@@ -141,11 +136,36 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
             label: result.verdict.message + ("" if motion is None else f"; {motion.message}")
             for label, result, motion in zip(labels, results, motions, strict=True)
         },
-        **told_of_links(problem),
+        **links,
+        "warnings": [*context.warnings, *warnings],
     }
     shown = list(zip(labels, results, strict=True))
     title = f"{robot.name}: methods compared"
-    return Answer(payload, rows=rows, picture=lambda: path_figure(shown, title))
+    return Answer(answer, rows=rows, picture=lambda: path_figure(shown, title))
+
+
+def _row(label: str, result: PathResult, motion: Retimed | None, unit: FloatArray) -> CompareRow:
+    verdict, figures = result.verdict, summary(result, unit)
+    return {
+        "method": label,
+        "success": verdict.success,
+        "reason": verdict.reason,
+        "tracked": verdict.tracked,
+        "max_position_error": figures.max_position_error,
+        "end_position_error": figures.end_position_error,
+        "max_orientation_error": figures.max_orientation_error,
+        "end_orientation_error": figures.end_orientation_error,
+        "sum_dq": figures.sum_dq,
+        "largest_step": figures.largest_step,
+        "min_clearance": figures.min_clearance,
+        "min_clearance_swept": figures.min_clearance_swept,
+        "limit_margin": figures.limit_margin,
+        "speed_ratio": figures.speed_ratio,
+        "drift": figures.drift,
+        "ms_per_point": figures.ms_per_point,
+        "retimed_success": None if motion is None else motion.success,
+        "retimed_duration": None if motion is None else motion.duration,
+    }
 
 
 def _label(name: str, taken: list[str]) -> str:
@@ -164,14 +184,11 @@ COMPARE = Operation(
     " clearance (swept between samples), limit margin, drift of closed paths, ms a point, the"
     " shortest time (with retime), and the verdict. Also as text, CSV and SVG.",
     request=CompareRequest,
-    response=CompareResponse,
+    answer=CompareAnswer,
     run=_run,
     example={**PATH.example, "methods": ["pseudo_inverse", "null_space", "qp"]},
     example_robot="planar_8r",
-    query=(*PATH.query, "methods"),
-    quick=lambda robot, request, context: None,  # noqa: ARG005
-    tabular=True,
-    pictured=True,
-    rehearsed=False,
-    extras=True,
+    runs=Runs.THREAD,
+    forms=(*TABLE_FORMS, *PICTURES),
+    needs="toppra",
 )

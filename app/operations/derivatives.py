@@ -2,97 +2,103 @@
 
 from __future__ import annotations
 
+from typing import Annotated, TypedDict
+
 import msgspec
 
-from app.operations.base import (
-    UNITS_SCHEMA,
-    Answer,
-    Configuration,
-    Context,
-    FrameField,
-    Numbers,
-    Operation,
-    RankToleranceField,
-    ReferenceFrameField,
-    TaskField,
-    check_size,
-    read_configuration,
-    read_frame,
-    read_reference_frame,
+from app.fields.field import LEFT_OUT
+from app.fields.joints import Configuration, JointRates
+from app.fields.names import Frame, ReferenceFrameChoice, TaskSpace
+from app.fields.numbers import RankTolerance
+from app.operations.operation import Answer, Context, Operation, check_size
+from app.operations.shapes import (
+    NUMBER,
+    AnswerUnits,
+    EachFlag,
+    EachJacobian,
+    EachNumber,
+    EachVector,
+    each,
+    each_or_none,
+    listed,
+    rows,
+    vector,
 )
 from kinematics.configuration import joint_names
 from kinematics.derivatives import hessian, jacobian_derivative
 from kinematics.manipulability import manipulability_gradient
 from kinematics.singularity import RANK_TOLERANCE, unit_warnings
-from kinematics.task import ROWS, task_from
-from robots.robot import Robot
+from kinematics.task import POSE, ROWS
+from robots.robot import FloatArray, Robot
 
 # Derivatives are per rad and per m whatever ?angle= says, as the Jacobian is.
 _UNITS = {"angle": "rad", "length": "m", "time": "s"}
 
 
-class JacobianDerivativeRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class JacobianDerivativeRequest(msgspec.Struct, kw_only=True):
     """Along which motion."""
 
     q: Configuration
-    qd: Configuration
-    frame: FrameField = None
-    reference_frame: ReferenceFrameField = None
+    qd: JointRates
+    frame: Frame = LEFT_OUT
+    reference_frame: ReferenceFrameChoice = LEFT_OUT
 
 
-class JacobianDerivativeResponse(msgspec.Struct, kw_only=True):
+class JacobianDerivativeAnswer(TypedDict):
     """dJ/dt, and dJ/dt qd; for a batch with a leading axis n."""
 
-    units: UNITS_SCHEMA
-    jacobian_derivative: Numbers
-    bias_acceleration: Numbers
+    units: AnswerUnits
+    jacobian_derivative: EachJacobian
+    bias_acceleration: Annotated[FloatArray, each(vector(6))]
     rows: list[str]
     columns: list[str]
     frame: str
     reference_frame: str
+    warnings: list[str]
 
 
-class HessianRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class HessianRequest(msgspec.Struct, kw_only=True):
     """Where."""
 
     q: Configuration
-    frame: FrameField = None
-    reference_frame: ReferenceFrameField = None
+    frame: Frame = LEFT_OUT
+    reference_frame: ReferenceFrameChoice = LEFT_OUT
 
 
-class HessianResponse(msgspec.Struct, kw_only=True):
+class HessianAnswer(TypedDict):
     """``hessian[i][j][k] = ∂J[i][j]/∂q_k``; for a batch with a leading axis n."""
 
-    units: UNITS_SCHEMA
-    hessian: Numbers
+    units: AnswerUnits
+    hessian: Annotated[FloatArray, each(listed(rows(), 6))]
     rows: list[str]
     columns: list[str]
     frame: str
     reference_frame: str
+    warnings: list[str]
 
 
-class ManipulabilityGradientRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class ManipulabilityGradientRequest(msgspec.Struct, kw_only=True):
     """Where, and of which task."""
 
     q: Configuration
-    task: TaskField = "pose"
-    frame: FrameField = None
-    tolerance: RankToleranceField = RANK_TOLERANCE
+    task: TaskSpace = POSE
+    frame: Frame = LEFT_OUT
+    tolerance: RankTolerance = RANK_TOLERANCE
 
 
-class ManipulabilityGradientResponse(msgspec.Struct, kw_only=True):
+class ManipulabilityGradientAnswer(TypedDict):
     """w and ∂w/∂q; for a batch every leaf but the names has a leading axis n.
 
     At a singularity w has a kink: ``differentiable`` is false and ``gradient`` is zero there.
     ``determinant`` and its gradient are null where the task Jacobian is not square.
     """
 
-    units: UNITS_SCHEMA
-    manipulability: float | list[float]
-    gradient: Numbers
-    differentiable: bool | list[bool]
-    determinant: float | list[float] | None
-    determinant_gradient: Numbers | None
+    units: AnswerUnits
+    manipulability: EachNumber
+    gradient: EachVector
+    differentiable: EachFlag
+    determinant: Annotated[float | FloatArray | None, each_or_none(NUMBER)]
+    determinant_gradient: Annotated[FloatArray | None, each_or_none(vector())]
     columns: list[str]
     frame: str
     task: str
@@ -103,50 +109,50 @@ class ManipulabilityGradientResponse(msgspec.Struct, kw_only=True):
 def _jacobian_derivative(
     robot: Robot, request: JacobianDerivativeRequest, context: Context
 ) -> Answer:
-    reference_frame = read_reference_frame(request.reference_frame)
-    frame = read_frame(request.frame, robot)
-    q = read_configuration(request.q, robot, context)
-    qd = read_configuration(request.qd, robot, context, "/qd")
+    frame = request.frame
+    q = request.q
+    qd = request.qd
     check_size(qd if qd.ndim == 2 else q, 6 * robot.dof)
-    Jd = jacobian_derivative(robot, q, qd, frame, reference_frame)
-    payload = {
+    Jd = jacobian_derivative(robot, q, qd, frame, request.reference_frame)
+    answer: JacobianDerivativeAnswer = {
         "units": _UNITS,
         "jacobian_derivative": Jd,
         "bias_acceleration": (Jd @ qd[..., None])[..., 0],
         "rows": list(ROWS),
         "columns": list(joint_names(robot)),
         "frame": frame,
-        "reference_frame": reference_frame.value,
+        "reference_frame": request.reference_frame.value,
+        "warnings": context.warnings,
     }
-    return Answer(payload, Jd)
+    return Answer(answer, Jd)
 
 
 def _hessian(robot: Robot, request: HessianRequest, context: Context) -> Answer:
-    reference_frame = read_reference_frame(request.reference_frame)
-    frame = read_frame(request.frame, robot)
-    q = read_configuration(request.q, robot, context)
+    frame = request.frame
+    q = request.q
     check_size(q, 6 * robot.dof**2)
-    H = hessian(robot, q, frame, reference_frame)
-    payload = {
+    H = hessian(robot, q, frame, request.reference_frame)
+    answer: HessianAnswer = {
         "units": {"angle": "rad", "length": "m"},
         "hessian": H,
         "rows": list(ROWS),
         "columns": list(joint_names(robot)),
         "frame": frame,
-        "reference_frame": reference_frame.value,
+        "reference_frame": request.reference_frame.value,
+        "warnings": context.warnings,
     }
-    return Answer(payload, H)
+    return Answer(answer, H)
 
 
 def _manipulability_gradient(
     robot: Robot, request: ManipulabilityGradientRequest, context: Context
 ) -> Answer:
-    task = task_from(request.task)
-    frame = read_frame(request.frame, robot)
-    q = read_configuration(request.q, robot, context)
+    task = request.task
+    frame = request.frame
+    q = request.q
     check_size(q, 6 * robot.dof**2)
     found = manipulability_gradient(robot, q, task, frame, tolerance=request.tolerance)
-    payload = {
+    answer: ManipulabilityGradientAnswer = {
         "units": {"angle": "rad", "length": "m"},
         "manipulability": found.manipulability,
         "gradient": found.gradient,
@@ -157,9 +163,9 @@ def _manipulability_gradient(
         "frame": frame,
         "task": task.name,
         "tolerance": request.tolerance,
-        "warnings": list(unit_warnings(robot, task)),
+        "warnings": [*context.warnings, *unit_warnings(robot, task)],
     }
-    return Answer(payload, found.gradient)
+    return Answer(answer, found.gradient)
 
 
 JACOBIAN_DERIVATIVE = Operation(
@@ -169,12 +175,11 @@ JACOBIAN_DERIVATIVE = Operation(
     " left of the tip's acceleration J qdd + dJ/dt qd where the joints do not accelerate. In rad,"
     " m and s whatever `?angle=` says of q and qd. As npy: dJ/dt.",
     request=JacobianDerivativeRequest,
-    response=JacobianDerivativeResponse,
+    answer=JacobianDerivativeAnswer,
     run=_jacobian_derivative,
     example={"q": [0.5, 0.3], "qd": [1, -1]},
     example_robot="planar_2r",
-    query=("q", "qd", "frame", "reference_frame"),
-    array_field="q",
+    npy_field="q",
 )
 
 HESSIAN = Operation(
@@ -183,12 +188,11 @@ HESSIAN = Operation(
     description="`hessian[i][j][k]` = ∂J[i][j]/∂q_k, how column j changes with joint k; per rad and"
     " per m whatever `?angle=` says. As npy: shape (6, dof, dof) or (n, 6, dof, dof).",
     request=HessianRequest,
-    response=HessianResponse,
+    answer=HessianAnswer,
     run=_hessian,
     example={"q": [0.5, 0.3]},
     example_robot="planar_2r",
-    query=("q", "frame", "reference_frame"),
-    array_field="q",
+    npy_field="q",
 )
 
 MANIPULABILITY_GRADIENT = Operation(
@@ -198,10 +202,9 @@ MANIPULABILITY_GRADIENT = Operation(
     " task Jacobian also the determinant and its gradient. Per rad and per m whatever `?angle=`"
     " says. As npy: the gradient.",
     request=ManipulabilityGradientRequest,
-    response=ManipulabilityGradientResponse,
+    answer=ManipulabilityGradientAnswer,
     run=_manipulability_gradient,
     example={"q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], "task": "position"},
     example_robot="pa10",
-    query=("q", "task", "frame", "tolerance"),
-    array_field="q",
+    npy_field="q",
 )

@@ -2,40 +2,36 @@
 
 from __future__ import annotations
 
+from typing import Annotated, TypedDict
+
 import msgspec
 
+from app.fields.joints import Configuration
 from app.http.problems import INVALID_REQUEST, RequestProblem
-from app.operations.base import (
-    UNITS_SCHEMA,
-    Answer,
-    Configuration,
-    Context,
-    Numbers,
-    Operation,
-    check_size,
-    read_configuration,
-)
+from app.operations.operation import Answer, Context, Operation, check_size
+from app.operations.shapes import AnswerUnits, EachPose, Pose, each, listed, rows
 from dh_to_urdf import dh_matrices
-from robots.robot import Robot
+from robots.robot import FloatArray, Robot
 
 
-class DHMatricesRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class DHMatricesRequest(msgspec.Struct, kw_only=True):
     """Where to evaluate the table."""
 
     q: Configuration
 
 
-class DHMatricesResponse(msgspec.Struct, kw_only=True):
+class DHMatricesAnswer(TypedDict):
     """Link matrices A_k, partial products 0A_k (in frame 0), and T = base 0A_n tool."""
 
-    units: UNITS_SCHEMA
+    units: AnswerUnits
     convention: str
     joints: list[str]
-    A: Numbers
-    T0: Numbers
-    base: Numbers
-    tool: Numbers
-    T: Numbers
+    A: Annotated[FloatArray, each(listed(rows(4, 4)))]
+    T0: Annotated[FloatArray, each(listed(rows(4, 4)))]
+    base: Pose
+    tool: Pose
+    T: EachPose
+    warnings: list[str]
 
 
 def _run(robot: Robot, request: DHMatricesRequest, context: Context) -> Answer:
@@ -43,10 +39,10 @@ def _run(robot: Robot, request: DHMatricesRequest, context: Context) -> Answer:
         raise RequestProblem(
             INVALID_REQUEST, "this robot was made from a URDF and has no D-H table; use fk instead"
         )
-    q = read_configuration(request.q, robot, context)
+    q = request.q
     check_size(q, 32 * len(robot.table.rows))
     matrices = dh_matrices(robot.table, q)
-    payload = {
+    answer: DHMatricesAnswer = {
         "units": context.units.named,
         "convention": robot.table.convention.value,
         "joints": [row.name for row in robot.table.rows],
@@ -55,8 +51,9 @@ def _run(robot: Robot, request: DHMatricesRequest, context: Context) -> Answer:
         "base": robot.table.base,
         "tool": robot.table.tool,
         "T": matrices.T,
+        "warnings": context.warnings,
     }
-    return Answer(payload, matrices.T)
+    return Answer(answer, matrices.T)
 
 
 DH_MATRICES = Operation(
@@ -65,10 +62,9 @@ DH_MATRICES = Operation(
     description="Link matrices `A` (one a row), partial products `T0` = 0A_k in frame 0, and"
     " `T` = base 0A_n tool. As npy: T.",
     request=DHMatricesRequest,
-    response=DHMatricesResponse,
+    answer=DHMatricesAnswer,
     run=_run,
     example={"q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]},
     example_robot="pa10",
-    query=("q",),
-    array_field="q",
+    npy_field="q",
 )

@@ -3,35 +3,33 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, Any
+from typing import Annotated, Any, TypedDict
 
 import msgspec
 
+from app.fields import texts
+from app.fields.bounds import within
+from app.fields.field import LEFT_OUT, Field, Parameter, declared
+from app.fields.joints import Seed
+from app.fields.names import Frame, TaskSpace, one_of
+from app.fields.numbers import within_query
+from app.fields.targets import OptionalTarget, TargetList
+from app.http.negotiation import NDJSON
 from app.http.problems import INVALID_REQUEST, RequestProblem
-from app.operations.base import (
-    LIGHT_DOF,
-    NOT_GIVEN,
-    UNITS_SCHEMA,
-    Answer,
-    Context,
-    Numbers,
-    Operation,
-    OptionalConfiguration,
-    TaskField,
-    not_given,
-    read_frame,
-    read_single,
+from app.operations.operation import ARRAY_FORMS, LIGHT_DOF, Answer, Context, Operation
+from app.operations.shapes import (
+    AnswerUnits,
+    EachInteger,
+    EachNumber,
+    EachText,
+    EachVector,
+    Vector,
 )
-from app.operations.schema import (
-    one_of,
-    within,
-)
-from app.operations.targets import TARGET_QUERY, Target, TargetBatch, read_targets
 from dh_to_urdf.errors import quoted
-from kinematics.compiled import COMPILED
+from kinematics.configuration import joint_names
 from kinematics.inverse import (
     IKBatch,
     IKOptions,
@@ -42,13 +40,16 @@ from kinematics.inverse import (
     solve_ik_batch,
 )
 from kinematics.inverse.all_solutions import Choice, all_solutions, choose
-from kinematics.task import Task, task_from
+from kinematics.task import POSE
 from robots.robot import FloatArray, Robot
 
 STREAMED = 512
 """Targets whose results are sent together where they are streamed."""
 MAX_LISTED = 500
 """Targets not reached that the header of an npy answer lists."""
+QUICK_ITERATIONS = 1000
+QUICK_SECONDS = 0.0005
+"""Time that a single solve may take before it is moved to a thread."""
 
 
 class ToleranceField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -58,95 +59,110 @@ class ToleranceField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     orientation: Annotated[float, within(1e-12, 4)] = 1e-6
 
 
-class IKRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+@dataclass(frozen=True)
+class PoseTolerance(Field):
+    """Largest accepted errors; in a query one number for both."""
+
+    def gathered(self, name: str, values: Mapping[str, Any]) -> ToleranceField:
+        """Return the tolerance that one number gives."""
+        return ToleranceField(position=values[name], orientation=values[name])
+
+
+IKTolerance = Annotated[
+    ToleranceField,
+    declared(
+        PoseTolerance(
+            (
+                Parameter(
+                    texts.scalar, "singularity: relative tolerance of the rank; ik: m and rad."
+                ),
+            )
+        )
+    ),
+]
+RandomSeed = Annotated[
+    int, within_query(0, 2**53, None, "Seed of the random starts.", texts.integer)
+]
+
+
+class IKRequest(msgspec.Struct, kw_only=True):
     """What to reach, with what, from where."""
 
-    target: Target | None = None
-    targets: Annotated[
-        list[Target] | TargetBatch | None,
-        msgspec.Meta(description="Many targets: a list, or one object with leading axes n."),
-    ] = None
-    frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
-    task: TaskField = "pose"
-    seed: OptionalConfiguration = msgspec.field(default_factory=not_given)
-    tolerance: ToleranceField = msgspec.field(default_factory=ToleranceField)
-    max_restarts: Annotated[int, within(0, 10_000)] = 200
-    max_iterations: Annotated[int, within(1, 10_000)] = 100
-    random_seed: Annotated[int, within(0, 2**53)] = 0
+    target: OptionalTarget = None
+    targets: TargetList = None
+    frame: Frame = LEFT_OUT
+    task: TaskSpace = POSE
+    seed: Seed = None
+    tolerance: IKTolerance = msgspec.field(default_factory=ToleranceField)
+    max_restarts: Annotated[
+        int, within_query(0, 10_000, None, "Random starts after the seed.", texts.integer)
+    ] = 200
+    max_iterations: Annotated[
+        int, within_query(1, 10_000, None, "Steps of one start.", texts.integer)
+    ] = 100
+    random_seed: RandomSeed = 0
     choose: Annotated[
         str | None,
-        msgspec.Meta(
-            description="Which of all solutions within the limits: closest (to the seed),"
-            " most_manipulable or farthest_from_limits; default: what the solver finds first."
+        declared(
+            Field((Parameter(texts.text, "closest, most_manipulable or farthest_from_limits."),)),
+            "Which of all solutions within the limits: closest (to the seed), most_manipulable or"
+            " farthest_from_limits; default: what the solver finds first.",
+            one_of(Choice, null=True),
         ),
-        one_of(Choice, null=True),
     ] = None
     time_budget_ms: Annotated[
-        float, msgspec.Meta(description="For each target, milliseconds."), within(0, 60_000)
+        float, within_query(0, 60_000, "For each target, milliseconds.", "Milliseconds.")
     ] = 1000.0
 
 
-class IKResponse(msgspec.Struct, kw_only=True):
+class ToleranceView(TypedDict):
+    """Largest accepted errors, m and rad."""
+
+    position: float
+    orientation: float
+
+
+class IKAnswer(TypedDict):
     """The answer; for many targets status, q, errors and counts have a leading axis n.
 
     Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
     best that was found. Errors are in m and rad, in the axes of the task.
     """
 
-    units: UNITS_SCHEMA
-    status: str | list[str]
-    q: Numbers
-    position_error: float | list[float]
-    orientation_error: float | list[float]
-    iterations: int | list[int]
-    restarts: int | list[int]
-    elapsed_ms: float | list[float]
+    units: AnswerUnits
+    status: EachText
+    q: EachVector
+    position_error: EachNumber
+    orientation_error: EachNumber
+    iterations: EachInteger
+    restarts: EachInteger
+    elapsed_ms: EachNumber
     columns: list[str]
     frame: str
     task: str
-    seed: list[float]
-    tolerance: ToleranceField
+    seed: Vector
+    tolerance: ToleranceView
     max_restarts: int
     max_iterations: int
     random_seed: int
     time_budget_ms: float
+    warnings: list[str]
 
 
-QUICK_ITERATIONS = 1000
-QUICK_SECONDS = 0.0005
-"""What a single solve may take before it is moved to a thread."""
+def _poses(request: IKRequest) -> tuple[FloatArray, bool]:
+    """Return the target poses, shape (n, 4, 4), and whether the request gives many.
 
-
-@dataclass(frozen=True)
-class _Problem:
-    """A request, read and checked."""
-
-    frame: str
-    task: Task
-    options: IKOptions
-    quick_options: IKOptions
-    seed: FloatArray | None
-    poses: FloatArray
-    many: bool
-
-
-def _read(robot: Robot, request: IKRequest, context: Context) -> _Problem:
-    task = task_from(request.task)
-    frame = read_frame(request.frame, robot)
-    options, quick_options = _options(
-        request.tolerance.position,
-        request.tolerance.orientation,
-        request.max_restarts,
-        request.max_iterations,
-        request.random_seed,
-        request.time_budget_ms,
-        context.settings.max_request_seconds,
-    )
-    seed = None
-    if bytes(request.seed) != NOT_GIVEN:
-        seed = read_single(request.seed, robot, context, "/seed")
-    poses, many = read_targets(request.target, request.targets, task, context)
-    return _Problem(frame, task, options, quick_options, seed, poses, many)
+    Raises:
+        RequestProblem: Neither or both of target and targets are given.
+    """
+    if (request.target is None) == (request.targets is None):
+        raise RequestProblem(
+            INVALID_REQUEST, "give either target (one) or targets (many)", "/target"
+        )
+    if request.target is not None:
+        return request.target[None], False
+    assert request.targets is not None
+    return (request.targets, True) if request.targets.ndim == 3 else (request.targets[None], False)
 
 
 @lru_cache(maxsize=1024)
@@ -159,7 +175,7 @@ def _options(
     time_budget_ms: float,
     seconds: float,
 ) -> tuple[IKOptions, IKOptions]:
-    """What a request chose, and the same for a first look; most requests choose the same."""
+    """Return what a request chose, and the same for a first attempt; most choose the same."""
     tolerance = Tolerance(position, orientation)
     budget = time_budget_ms / 1e3
     options = IKOptions(tolerance, max_restarts, max_iterations, random_seed, budget)
@@ -167,86 +183,104 @@ def _options(
     return options, options.within(QUICK_SECONDS)
 
 
-def _quick(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
-    """A single target if half a millisecond is enough for it."""
-    if request.target is None or request.choose is not None or not COMPILED:
+def _options_of(request: IKRequest, context: Context) -> tuple[IKOptions, IKOptions]:
+    return _options(
+        request.tolerance.position,
+        request.tolerance.orientation,
+        request.max_restarts,
+        request.max_iterations,
+        request.random_seed,
+        request.time_budget_ms,
+        context.settings.max_request_seconds,
+    )
+
+
+def _attempt(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
+    """Return the answer for a single target if half a millisecond is enough for it."""
+    if request.target is None or request.choose is not None:
         return None
     if robot.dof > LIGHT_DOF or request.max_iterations > QUICK_ITERATIONS:
         return None
-    problem = _read(robot, request, context)
-    result = _solve_one(robot, problem, problem.quick_options)
-    if result.status is IKStatus.TIMEOUT and problem.quick_options is not problem.options:
+    poses, _ = _poses(request)
+    options, quick = _options_of(request, context)
+    result = _solve(robot, request, poses[0], quick)
+    if result.status is IKStatus.TIMEOUT and quick is not options:
         return None
-    return _single(robot, request, context, problem, result)
+    return _single(robot, request, context, result)
 
 
 def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
-    problem = _read(robot, request, context)
+    poses, many = _poses(request)
+    options, _ = _options_of(request, context)
     if request.choose is not None:
-        return _chosen(robot, request, context, problem)
-    if not problem.many:
-        result = _solve_one(robot, problem, problem.options)
-        return _single(robot, request, context, problem, result)
+        choice = _choice(request.choose)
+        if many:
+            raise RequestProblem(INVALID_REQUEST, "choose takes one target at a time", "/choose")
+        return _single(robot, request, context, _chosen(robot, request, poses[0], options, choice))
+    if not many:
+        return _single(robot, request, context, _solve(robot, request, poses[0], options))
     seconds = context.settings.max_request_seconds
-    batch = _solve_batch(robot, problem, problem.poses, context, seconds)
+    batch = _solve_batch(robot, request, poses, options, context, seconds)
     q = context.units.joints_out(robot, batch.q)
-    statuses = batch.statuses
-    missed = [k for k, status in enumerate(statuses) if status is not IKStatus.CONVERGED]
-    leaves = {
-        "status": [status.value for status in statuses],
+    statuses = [status.value for status in batch.statuses]
+    missed = [k for k, one in enumerate(batch.statuses) if one is not IKStatus.CONVERGED]
+    answer: IKAnswer = {
+        "units": context.units.named,
+        "status": statuses,
         "q": q,
         "position_error": batch.position_error,
         "orientation_error": batch.orientation_error,
         "iterations": batch.iterations,
         "restarts": batch.restarts,
         "elapsed_ms": batch.elapsed * 1e3,
+        **_echo(robot, request, context, batch.seed),
     }
     headers = {
         "x-converged": str(len(statuses) - len(missed)),
         "x-not-converged": ",".join(map(str, missed[:MAX_LISTED])),
     }
-    echo = _echo(robot, request, context, problem, batch.seed)
-    return Answer({"units": context.units.named, **leaves, **echo}, q, headers)
+    return Answer(answer, q, headers)
 
 
-def _solve_one(robot: Robot, problem: _Problem, options: IKOptions) -> IKResult:
+def _solve(robot: Robot, request: IKRequest, pose: FloatArray, options: IKOptions) -> IKResult:
     return solve_ik(
-        robot,
-        problem.poses[0],
-        frame=problem.frame,
-        task=problem.task,
-        seed=problem.seed,
-        options=options,
+        robot, pose, frame=request.frame, task=request.task, seed=request.seed, options=options
     )
 
 
 def _solve_batch(
-    robot: Robot, problem: _Problem, poses: FloatArray, context: Context, seconds: float
+    robot: Robot,
+    request: IKRequest,
+    poses: FloatArray,
+    options: IKOptions,
+    context: Context,
+    seconds: float,
 ) -> IKBatch:
     return solve_ik_batch(
         robot,
         poses,
-        frame=problem.frame,
-        task=problem.task,
-        seed=problem.seed,
-        options=problem.options,
+        frame=request.frame,
+        task=request.task,
+        seed=request.seed,
+        options=options,
         threads=context.settings.compute_threads,
         seconds=seconds,
     )
 
 
 def _stream(robot: Robot, request: IKRequest, context: Context) -> Iterator[list[dict[str, Any]]]:
-    """Results of many targets, some hundreds at a time, as they are solved."""
-    problem = _read(robot, request, context)
-    if not problem.many:
+    """Give the results of many targets, some hundreds at a time, as they are solved."""
+    poses, many = _poses(request)
+    if not many:
         raise RequestProblem(
             INVALID_REQUEST, "ndjson is for targets, not for one target", "/target"
         )
+    options, _ = _options_of(request, context)
     deadline = time.perf_counter() + context.settings.max_request_seconds
-    for first in range(0, len(problem.poses), STREAMED):
+    for first in range(0, len(poses), STREAMED):
         left = max(0.0, deadline - time.perf_counter())
-        poses = problem.poses[first : first + STREAMED]
-        batch = _solve_batch(robot, problem, poses, context, left)
+        part = poses[first : first + STREAMED]
+        batch = _solve_batch(robot, request, part, options, context, left)
         q = context.units.joints_out(robot, batch.q)
         yield [
             {
@@ -262,49 +296,32 @@ def _stream(robot: Robot, request: IKRequest, context: Context) -> Iterator[list
         ]
 
 
-def _chosen(robot: Robot, request: IKRequest, context: Context, problem: _Problem) -> Answer:
-    """The solution that the request prefers among all; the solver's where there is none."""
-    choices = tuple(Choice)
-    if request.choose not in choices:
-        raise RequestProblem(
-            INVALID_REQUEST,
-            f"choose is {quoted(request.choose)}; give {', '.join(choices)}",
-            "/choose",
-        )
-    if problem.many:
-        raise RequestProblem(INVALID_REQUEST, "choose takes one target at a time", "/choose")
+def _choice(name: str) -> Choice:
+    if name not in tuple(Choice):
+        message = f"choose is {quoted(name)}; give {', '.join(Choice)}"
+        raise RequestProblem(INVALID_REQUEST, message, "/choose")
+    return Choice(name)
+
+
+def _chosen(
+    robot: Robot, request: IKRequest, pose: FloatArray, options: IKOptions, choice: Choice
+) -> IKResult:
+    """Return the solution that the request prefers among all; the solver's where there is none."""
     started = time.perf_counter()
     found = all_solutions(
-        robot,
-        problem.poses[0],
-        frame=problem.frame,
-        task=problem.task,
-        seed=problem.seed,
-        options=problem.options,
+        robot, pose, frame=request.frame, task=request.task, seed=request.seed, options=options
     )
-    best = choose(robot, found, problem.frame, Choice(request.choose))
+    best = choose(robot, found, request.frame, choice)
     if best is None:
-        result = _solve_one(robot, problem, problem.options)
-    else:
-        elapsed = time.perf_counter() - started
-        result = IKResult(
-            IKStatus.CONVERGED,
-            best.q,
-            found.seed,
-            best.position_error,
-            best.orientation_error,
-            0,
-            0,
-            elapsed,
-        )
-    return _single(robot, request, context, problem, result)
+        return _solve(robot, request, pose, options)
+    elapsed = time.perf_counter() - started
+    errors = best.position_error, best.orientation_error
+    return IKResult(IKStatus.CONVERGED, best.q, found.seed, *errors, 0, 0, elapsed)
 
 
-def _single(
-    robot: Robot, request: IKRequest, context: Context, problem: _Problem, result: IKResult
-) -> Answer:
+def _single(robot: Robot, request: IKRequest, context: Context, result: IKResult) -> Answer:
     q = context.units.joints_out(robot, result.q)
-    payload = {
+    answer: IKAnswer = {
         "units": context.units.named,
         "status": result.status.value,
         "q": q,
@@ -313,28 +330,39 @@ def _single(
         "iterations": result.iterations,
         "restarts": result.restarts,
         "elapsed_ms": round(result.elapsed * 1e3, 6),
-        **_echo(robot, request, context, problem, result.seed),
+        **_echo(robot, request, context, result.seed),
     }
-    return Answer(payload, q)
+    return Answer(answer, q)
 
 
-def _echo(
-    robot: Robot, request: IKRequest, context: Context, problem: _Problem, seed: FloatArray
-) -> dict[str, Any]:
+class _Echo(TypedDict):
     """What the request chose, or what was taken where it did not."""
+
+    columns: list[str]
+    frame: str
+    task: str
+    seed: FloatArray
+    tolerance: ToleranceView
+    max_restarts: int
+    max_iterations: int
+    random_seed: int
+    time_budget_ms: float
+    warnings: list[str]
+
+
+def _echo(robot: Robot, request: IKRequest, context: Context, seed: FloatArray) -> _Echo:
+    tolerance = request.tolerance
     return {
-        "columns": [joint.name for joint in robot.joints],
-        "frame": problem.frame,
-        "task": problem.task.name,
+        "columns": list(joint_names(robot)),
+        "frame": request.frame,
+        "task": request.task.name,
         "seed": context.units.joints_out(robot, seed),
-        "tolerance": {
-            "position": request.tolerance.position,
-            "orientation": request.tolerance.orientation,
-        },
+        "tolerance": {"position": tolerance.position, "orientation": tolerance.orientation},
         "max_restarts": request.max_restarts,
         "max_iterations": request.max_iterations,
         "random_seed": request.random_seed,
         "time_budget_ms": request.time_budget_ms,
+        "warnings": context.warnings,
     }
 
 
@@ -347,23 +375,12 @@ IK = Operation(
     " out; the headers X-Converged and X-Not-Converged say how many and which. As ndjson: one line"
     " a target, sent while the others are being solved.",
     request=IKRequest,
-    response=IKResponse,
+    answer=IKAnswer,
     run=_run,
     example={"target": {"position": [0.5, 0.2, 0.6], "rpy": [0, 1.5, 0]}, "task": "pose"},
     example_robot="pa10",
-    query=(
-        *TARGET_QUERY,
-        "frame",
-        "task",
-        "seed",
-        "max_restarts",
-        "random_seed",
-        "time_budget_ms",
-        "max_iterations",
-        "tolerance",
-        "choose",
-    ),
-    quick=_quick,
+    forms=(*ARRAY_FORMS, NDJSON),
+    npy_field="targets",
+    attempt=_attempt,
     stream=_stream,
-    array_field="targets",
 )

@@ -2,92 +2,112 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, TypedDict
 
 import msgspec
 
+from app.fields import texts
+from app.fields.field import LEFT_OUT, Field, Parameter, declared
+from app.fields.joints import SingleConfiguration
+from app.fields.names import Frame, TaskSpace
+from app.fields.numbers import within_query
 from app.http.problems import INVALID_REQUEST, RequestProblem
-from app.operations.base import (
-    UNITS_SCHEMA,
+from app.operations.operation import (
+    ARRAY_FORMS,
+    PICTURES,
     Answer,
     Context,
-    FrameField,
-    Numbers,
     Operation,
-    SingleConfiguration,
-    TaskField,
-    read_single,
+    Runs,
 )
-from app.operations.schema import items, within
+from app.operations.shapes import AnswerUnits, Matrix, Position, Vector, rows, shaped
 from app.pictures.map_figure import heat_figure, workspace_figure
 from kinematics.manipulability_map import MAX_SAMPLES, MIN_SAMPLES, manipulability_map
-from kinematics.task import task_from
+from kinematics.task import POSE
 from kinematics.workspace import MAX_POINTS, workspace
-from robots.robot import Robot
+from robots.robot import FloatArray, Robot
+
+SAMPLES = "Number of samples, the start included."
 
 
-class WorkspaceRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class WorkspaceRequest(msgspec.Struct, kw_only=True):
     """How many points, and of which frame."""
 
     samples: Annotated[
-        int, msgspec.Meta(description=f"Points, 1 to {MAX_POINTS}."), within(1, MAX_POINTS)
+        int,
+        within_query(1, MAX_POINTS, f"Points, 1 to {MAX_POINTS}.", SAMPLES, texts.integer),
     ] = 20_000
-    frame: FrameField = None
+    frame: Frame = LEFT_OUT
     random_seed: Annotated[
-        int, msgspec.Meta(description="The same seed gives the same points.", ge=0)
+        int,
+        declared(
+            Field((Parameter(texts.integer, "Seed of the random starts."),)),
+            "The same seed gives the same points.",
+        ),
+        msgspec.Meta(ge=0),
     ] = 0
 
 
-class WorkspaceResponse(msgspec.Struct, kw_only=True):
+class WorkspaceAnswer(TypedDict):
     """A cloud of reached positions in base axes, and the box around it."""
 
-    units: UNITS_SCHEMA
+    units: AnswerUnits
     frame: str
     samples: int
     random_seed: int
-    low: Numbers
-    high: Numbers
-    points: Numbers
+    low: Position
+    high: Position
+    points: Annotated[FloatArray, shaped(rows(columns=3))]
     warnings: list[str]
 
 
-class MapRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class MapRequest(msgspec.Struct, kw_only=True):
     """Over which joints, and in which task space."""
 
     q: SingleConfiguration
     joints: Annotated[
-        list[str], msgspec.Meta(description="Names of the two joints that move."), items(2, 2)
+        list[str],
+        declared(
+            Field((Parameter(texts.names, "Names of two joints, comma-separated."),)),
+            "Names of the two joints that move.",
+            {"minItems": 2, "maxItems": 2},
+        ),
     ]
     samples: Annotated[
         int,
-        msgspec.Meta(description=f"Values of each, {MIN_SAMPLES} to {MAX_SAMPLES}."),
-        within(MIN_SAMPLES, MAX_SAMPLES),
+        within_query(
+            MIN_SAMPLES,
+            MAX_SAMPLES,
+            f"Values of each, {MIN_SAMPLES} to {MAX_SAMPLES}.",
+            SAMPLES,
+            texts.integer,
+        ),
     ] = 100
-    task: TaskField = "pose"
-    frame: FrameField = None
+    task: TaskSpace = POSE
+    frame: Frame = LEFT_OUT
 
 
-class MapResponse(msgspec.Struct, kw_only=True):
+class MapAnswer(TypedDict):
     """Measures over a grid: rows by the second joint, columns by the first.
 
     ``inverse_condition``: smallest over largest singular value, 0 where singular.
     """
 
-    units: UNITS_SCHEMA
+    units: AnswerUnits
     frame: str
     task: str
     joints: list[str]
-    x: Numbers
-    y: Numbers
-    manipulability: Numbers
-    inverse_condition: Numbers
+    x: Vector
+    y: Vector
+    manipulability: Matrix
+    inverse_condition: Matrix
     warnings: list[str]
 
 
 def _workspace(robot: Robot, request: WorkspaceRequest, context: Context) -> Answer:
     cloud = workspace(robot, request.samples, request.frame, request.random_seed)
-    frame = request.frame or robot.tip_frame
-    payload: dict[str, Any] = {
+    frame = request.frame
+    answer: WorkspaceAnswer = {
         "units": context.units.named,
         "frame": frame,
         "samples": request.samples,
@@ -95,19 +115,19 @@ def _workspace(robot: Robot, request: WorkspaceRequest, context: Context) -> Ans
         "low": cloud.low,
         "high": cloud.high,
         "points": cloud.points,
-        "warnings": list(cloud.assumed),
+        "warnings": [*context.warnings, *cloud.assumed],
     }
     title = f"{robot.name[:48]}: where {frame[:40]} gets"
-    return Answer(payload, cloud.points, picture=lambda: workspace_figure(cloud.points, title))
+    return Answer(answer, cloud.points, picture=lambda: workspace_figure(cloud.points, title))
 
 
 def _map(robot: Robot, request: MapRequest, context: Context) -> Answer:
-    q = read_single(request.q, robot, context)
+    q = request.q
     if len(request.joints) != 2:
         raise RequestProblem(
             INVALID_REQUEST, f"joints holds {len(request.joints)} names; give two", "/joints"
         )
-    task = task_from(request.task)
+    task = request.task
     first, second = request.joints
     found = manipulability_map(robot, q, (first, second), request.samples, task, request.frame)
     is_revolute = {joint.name: joint.type.is_revolute for joint in robot.joints}
@@ -116,8 +136,8 @@ def _map(robot: Robot, request: MapRequest, context: Context) -> Answer:
         units.angles_out(values) if is_revolute[name] else values
         for name, values in zip(found.joints, (found.x, found.y), strict=True)
     )
-    frame = request.frame or robot.tip_frame
-    payload: dict[str, Any] = {
+    frame = request.frame
+    answer: MapAnswer = {
         "units": units.named,
         "frame": frame,
         "task": task.name,
@@ -126,7 +146,7 @@ def _map(robot: Robot, request: MapRequest, context: Context) -> Answer:
         "y": y,
         "manipulability": found.manipulability,
         "inverse_condition": found.inverse_condition,
-        "warnings": list(found.assumed),
+        "warnings": [*context.warnings, *found.assumed],
     }
     names = [
         f"{name[:40]} [{units.named['angle'] if is_revolute[name] else 'm'}]"
@@ -137,7 +157,7 @@ def _map(robot: Robot, request: MapRequest, context: Context) -> Answer:
     def picture() -> str:
         return heat_figure(x, y, found.manipulability, [*names, "w"], title)
 
-    return Answer(payload, found.manipulability, picture=picture)
+    return Answer(answer, found.manipulability, picture=picture)
 
 
 WORKSPACE = Operation(
@@ -147,13 +167,12 @@ WORKSPACE = Operation(
     " turn without limits go through a whole turn. As npy: shape (samples, 3). As SVG or PNG: how"
     " many points fall where.",
     request=WorkspaceRequest,
-    response=WorkspaceResponse,
+    answer=WorkspaceAnswer,
     run=_workspace,
     example={"samples": 1000},
     example_robot="panda",
-    query=("samples", "frame", "random_seed"),
-    quick=lambda *_: None,
-    pictured=True,
+    runs=Runs.THREAD,
+    forms=(*ARRAY_FORMS, *PICTURES),
 )
 
 MANIPULABILITY_MAP = Operation(
@@ -163,11 +182,10 @@ MANIPULABILITY_MAP = Operation(
     " joints; the others stay at q. As npy: w, shape (samples, samples), rows by the second joint."
     " As SVG or PNG: w as colours.",
     request=MapRequest,
-    response=MapResponse,
+    answer=MapAnswer,
     run=_map,
     example={"q": [0, 0.5, -0.5], "joints": ["j2", "j3"], "task": "xy", "samples": 50},
     example_robot="planar_3r",
-    query=("q", "joints", "samples", "task", "frame"),
-    quick=lambda *_: None,
-    pictured=True,
+    runs=Runs.THREAD,
+    forms=(*ARRAY_FORMS, *PICTURES),
 )

@@ -2,41 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TypedDict
 
 import msgspec
 import numpy as np
 
-from app.operations.base import (
-    UNITS_SCHEMA,
-    Answer,
-    Context,
-    FrameField,
-    Operation,
-    RankToleranceField,
-    SingleConfiguration,
-    TaskField,
-    check_size,
-    read_frame,
-    read_single,
-)
+from app.fields.field import LEFT_OUT
+from app.fields.joints import SingleConfiguration
+from app.fields.names import Frame, TaskSpace
+from app.fields.numbers import RankTolerance
+from app.operations.operation import Answer, Context, Operation, Runs, check_size
+from app.operations.shapes import AnswerUnits, Vector
 from kinematics.configuration import joint_names
 from kinematics.nearest_singularity import SingularAlongJoint, nearest_singularity
 from kinematics.singularity import RANK_TOLERANCE
-from kinematics.task import task_from
-from robots.robot import Robot
+from kinematics.task import POSE
+from robots.robot import FloatArray, Robot
 
 
-class NearestSingularityRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class NearestSingularityRequest(msgspec.Struct, kw_only=True):
     """Near what, and in which task space."""
 
     q: SingleConfiguration
-    task: TaskField = "pose"
-    frame: FrameField = None
-    tolerance: RankToleranceField = RANK_TOLERANCE
+    task: TaskSpace = POSE
+    frame: Frame = LEFT_OUT
+    tolerance: RankTolerance = RANK_TOLERANCE
 
 
-class SingularAlongJointView(msgspec.Struct, kw_only=True):
+class SingularAlongJointView(TypedDict):
     """Where one joint alone makes the arm singular; nulls where it cannot within its limits.
 
     ``values``: all such values within the limits and a turn of q. ``singular_value``: the smallest
@@ -50,18 +43,18 @@ class SingularAlongJointView(msgspec.Struct, kw_only=True):
     singular_value: float | None
 
 
-class NearestView(msgspec.Struct, kw_only=True):
+class NearestView(TypedDict):
     """A singular configuration, and its Euclidean distance in the units of the answer."""
 
-    q: list[float]
+    q: Vector
     distance: float
     singular_value: float
 
 
-class NearestSingularityResponse(msgspec.Struct, kw_only=True):
+class NearestSingularityAnswer(TypedDict):
     """Along each joint alone, and the nearest with all joints moving that was found."""
 
-    units: UNITS_SCHEMA
+    units: AnswerUnits
     singular: bool
     nearest: NearestView | None
     joints: list[SingularAlongJointView]
@@ -69,24 +62,26 @@ class NearestSingularityResponse(msgspec.Struct, kw_only=True):
     frame: str
     task: str
     tolerance: float
+    warnings: list[str]
 
 
 def _run(robot: Robot, request: NearestSingularityRequest, context: Context) -> Answer:
-    task, units = task_from(request.task), context.units
-    frame = read_frame(request.frame, robot)
-    q = read_single(request.q, robot, context)
+    task, units = request.task, context.units
+    frame = request.frame
+    q = request.q
     check_size(q, robot.dof)
     found = nearest_singularity(robot, q, task, frame, tolerance=request.tolerance)
     here = units.joints_out(robot, q)
-    nearest, array = None, None
-    if found.q is not None:
+    nearest: NearestView | None = None
+    array: FloatArray | None = None
+    if found.q is not None and found.singular_value is not None:
         array = units.joints_out(robot, found.q)
         nearest = {
             "q": array,
             "distance": float(np.linalg.norm(array - here)),
             "singular_value": found.singular_value,
         }
-    payload = {
+    answer: NearestSingularityAnswer = {
         "units": units.named,
         "singular": found.singular,
         "nearest": nearest,
@@ -95,11 +90,12 @@ def _run(robot: Robot, request: NearestSingularityRequest, context: Context) -> 
         "frame": frame,
         "task": task.name,
         "tolerance": request.tolerance,
+        "warnings": context.warnings,
     }
-    return Answer(payload, array)
+    return Answer(answer, array)
 
 
-def _view(robot: Robot, one: SingularAlongJoint, context: Context) -> dict[str, Any]:
+def _view(robot: Robot, one: SingularAlongJoint, context: Context) -> SingularAlongJointView:
     degrees = context.units.degrees and robot.is_revolute[one.column]
     scale = 180.0 / np.pi if degrees else 1.0
     return {
@@ -119,10 +115,9 @@ NEAREST_SINGULARITY = Operation(
     " it is; and the nearest singular q with all joints moving, by descent from there: a local"
     " minimum of the distance. Each is checked on the model. As npy: that q.",
     request=NearestSingularityRequest,
-    response=NearestSingularityResponse,
+    answer=NearestSingularityAnswer,
     run=_run,
     example={"q": [0.1, 0.5, -1.2, 0.3, 0.6, 0.2]},
     example_robot="puma560",
-    query=("q", "task", "frame", "tolerance"),
-    quick=lambda robot, request, context: None,  # noqa: ARG005
+    runs=Runs.THREAD,
 )

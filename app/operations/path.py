@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import Annotated, Any, TypedDict
 
-import msgspec
 import numpy as np
 
-from app.operations.base import UNITS_SCHEMA, Answer, Context, Numbers, Operation
+from app.fields import texts
+from app.fields.field import Field, Parameter, declared
+from app.fields.names import one_of
+from app.http.negotiation import NDJSON
+from app.operations.operation import ARRAY_FORMS, PICTURES, Answer, Context, Operation, Runs
 from app.operations.path_fields import PathScenario, read_options, read_problem
-from app.operations.path_links import LinkPart, told_of_links
+from app.operations.path_links import LinksView, links_view
 from app.operations.retime import RetimedMotion, motion_samples, read_retime, timing_view
-from app.operations.schema import METHOD
-from app.operations.targets import TARGET_QUERY
+from app.operations.shapes import AnswerUnits, Matrix, Vector, or_null, shaped, vector
 from app.pictures.path_figure import path_figure
 from kinematics.configuration import joint_names
 from kinematics.redundancy.follow import PathResult, follow, followed
@@ -25,25 +27,22 @@ from kinematics.redundancy.timing.result import retimed
 from robots.robot import FloatArray, Robot
 
 
-class PathRequest(PathScenario, forbid_unknown_fields=True, kw_only=True):
+class PathRequest(PathScenario, kw_only=True):
     """A path and a method."""
 
-    method: Annotated[str, msgspec.Meta(description=", ".join(METHODS) + "."), METHOD] = "qp"
+    method: Annotated[
+        str,
+        declared(
+            Field((Parameter(texts.text, "Name of a method, such as qp."),)),
+            ", ".join(METHODS) + ".",
+            one_of(tuple(METHODS)),
+        ),
+    ] = "qp"
 
 
-class PathResponse(msgspec.Struct, kw_only=True):
-    """The followed path, and whether the task was done.
+class JudgedView(TypedDict):
+    """Verdict and figures of a followed path."""
 
-    ``success`` is measured: errors, limits, clearance (swept) and speeds hold at every sample, to
-    the end. Otherwise ``reason`` names what stands in the way: singular_start, singular,
-    unreachable, diverged, infeasible, collision, clearance, limits, velocity, tracking or timeout.
-    ``tracked`` is the part of the path, 0 to 1, that was followed within the tolerance. Lists have
-    a leading axis over the samples that were computed. ``clearance_swept`` belongs to a sample
-    and the next one, a lower bound. Errors are in m and rad; speeds come from differences of the
-    samples. ``links`` lists the capsules of the URDF where those are asked for.
-    """
-
-    units: UNITS_SCHEMA
     method: str
     success: bool
     reason: str | None
@@ -56,22 +55,36 @@ class PathResponse(msgspec.Struct, kw_only=True):
     summary: dict[str, float | None]
     velocity_limits_respected: bool
     closed: bool
-    drift: list[float] | None
+    drift: Annotated[FloatArray | None, shaped(or_null(vector()))]
+
+
+class PathAnswer(JudgedView, LinksView):
+    """The followed path, and whether the task was done.
+
+    ``success`` is measured: errors, limits, clearance (swept) and speeds hold at every sample, to
+    the end. Otherwise ``reason`` names what stands in the way: singular_start, singular,
+    unreachable, diverged, infeasible, collision, clearance, limits, velocity, tracking or timeout.
+    ``tracked`` is the part of the path, 0 to 1, that was followed within the tolerance. Lists have
+    a leading axis over the samples that were computed. ``clearance_swept`` belongs to a sample
+    and the next one, a lower bound. Errors are in m and rad; speeds come from differences of the
+    samples. ``links`` lists the capsules of the URDF where those are asked for.
+    """
+
+    units: AnswerUnits
     frame: str
     task: str
     time_law: str
     tf: float
     columns: list[str]
-    t: list[float]
-    r: list[float]
-    q: Numbers
-    velocity: Numbers
-    acceleration: Numbers
-    position_error: list[float]
-    orientation_error: list[float]
-    clearance: list[float] | None
-    clearance_swept: list[float] | None
-    links: list[LinkPart] | None
+    t: Vector
+    r: Vector
+    q: Matrix
+    velocity: Matrix
+    acceleration: Matrix
+    position_error: Vector
+    orientation_error: Vector
+    clearance: Annotated[FloatArray | None, shaped(or_null(vector()))]
+    clearance_swept: Annotated[FloatArray | None, shaped(or_null(vector()))]
     warnings: list[str]
     retimed: RetimedMotion | None
 
@@ -86,7 +99,8 @@ def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
     motion = None if timing is None else retimed(result, timing)
     q = context.units.joints_out(robot, result.q)
     measures, done = result.measures, len(q)
-    payload = {
+    links, warnings = links_view(problem)
+    answer: PathAnswer = {
         "units": {**context.units.named, "time": "s"},
         **judged(robot, result, context),
         "frame": problem.arm.frame,
@@ -103,19 +117,22 @@ def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
         "orientation_error": measures.orientation_error,
         "clearance": measures.clearance if request.obstacles else None,
         "clearance_swept": measures.swept if request.obstacles else None,
-        **told_of_links(problem),
+        **links,
+        "warnings": [*context.warnings, *warnings],
         "retimed": None
         if motion is None
-        else timing_view(robot, motion, problem.arm, context)
-        | motion_samples(robot, motion, context),
+        else {
+            **timing_view(robot, motion, problem.arm, context),
+            **motion_samples(robot, motion, context),
+        },
     }
     title = f"{robot.name}: {result.method}"
     shown = [(result.method, result)]
-    return Answer(payload, q, picture=lambda: path_figure(shown, title, motion=motion))
+    return Answer(answer, q, picture=lambda: path_figure(shown, title, motion=motion))
 
 
-def judged(robot: Robot, result: PathResult, context: Context) -> dict[str, Any]:
-    """Verdict and figures of a result."""
+def judged(robot: Robot, result: PathResult, context: Context) -> JudgedView:
+    """Return verdict and figures of a result."""
     verdict, drift = result.verdict, result.drift
     return {
         "method": result.method,
@@ -168,11 +185,17 @@ def _stream(robot: Robot, request: PathRequest, context: Context) -> Iterator[li
             }
             for k in range(len(Q))
         ]
-    told = {**judged(robot, result, context), **told_of_links(problem), "retimed": None}
+    links, warnings = links_view(problem)
+    told: dict[str, Any] = {
+        **judged(robot, result, context),
+        **links,
+        "warnings": [*context.warnings, *warnings],
+        "retimed": None,
+    }
     if timing is not None:
         motion = retimed(result, timing)
         told["retimed"] = timing_view(robot, motion, problem.arm, context)
-        samples = motion_samples(robot, motion, context)
+        samples: dict[str, Any] = {**motion_samples(robot, motion, context)}
         if len(motion.t):
             yield [
                 {"retimed_sample": k, **{name: values[k] for name, values in samples.items()}}
@@ -193,7 +216,7 @@ PATH = Operation(
     " while it is computed, then those of the retimed motion, and one with the verdict, or"
     " with the `problem` where time is up.",
     request=PathRequest,
-    response=PathResponse,
+    answer=PathAnswer,
     run=_run,
     example={
         "q": [1.9, -0.25, -0.45, -0.5, -0.5, -0.35, 0, 0.2],
@@ -207,21 +230,8 @@ PATH = Operation(
         "d_safe": 0.02,
     },
     example_robot="planar_8r",
-    query=(
-        "q",
-        *TARGET_QUERY,
-        "frame",
-        "task",
-        "method",
-        "time_law",
-        "tf",
-        "samples",
-        "damping",
-        "tolerance",
-    ),
-    quick=lambda robot, request, context: None,  # noqa: ARG005
+    runs=Runs.THREAD,
+    forms=(*ARRAY_FORMS, NDJSON, *PICTURES),
     stream=_stream,
-    pictured=True,
-    rehearsed=False,
-    extras=True,
+    needs="toppra",
 )

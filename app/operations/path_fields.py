@@ -2,33 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Annotated, TypeAlias
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeAlias
 
 import msgspec
 import numpy as np
-from kinematics.redundancy.path.time_law import TimeLaw
 
+from app.fields import texts
+from app.fields.bounds import coordinates, items, within
+from app.fields.field import LEFT_OUT, Field, Location, Parameter, declared
+from app.fields.joints import SingleConfiguration, optional_configuration
+from app.fields.names import TASK_META, Frame, TaskSpace, one_of
+from app.fields.numbers import within_query
+from app.fields.per_joint import PerJoint
+from app.fields.targets import EulerField, PathEnd, Target, target_pose
 from app.http.problems import INVALID_REQUEST, RequestProblem
-from app.operations.base import (
-    NOT_GIVEN,
-    Context,
-    OptionalConfiguration,
-    SingleConfiguration,
-    TaskField,
-    not_given,
-    read_single,
-)
+from app.operations.operation import Context
 from app.operations.path_links import GEOMETRIES, read_geometry, read_radius
-from app.operations.per_joint import PerJoint
 from app.operations.retime import RetimeField
-from app.operations.schema import coordinates, items, one_of, within
-from app.operations.targets import EulerField, Target, read_target
 from dh_to_urdf.errors import quoted
 from kinematics.errors import InvalidOption
 from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance import obstacles as solids
 from kinematics.redundancy.path.geometry import Circle, Path, Sampling, circle, polyline
+from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.redundancy.problem import (
     Gains,
     PathOptions,
@@ -36,11 +35,12 @@ from kinematics.redundancy.problem import (
     Problem,
     SecondaryTask,
 )
-from kinematics.task import TASKS, task_from
+from kinematics.task import POSE, TASKS, task_from
 from robots.robot import FloatArray, Robot
 
 MAX_WAYPOINTS = 1000
 MAX_SECONDARY = 16
+TIME_LAWS = "linear, cubic, quintic or trapezoidal."
 PLANES = {"xy": (0.0, 0.0, 1.0), "xz": (0.0, -1.0, 0.0), "yz": (1.0, 0.0, 0.0)}
 
 
@@ -53,7 +53,9 @@ class CircleField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
 
     center: Annotated[list[float], coordinates(2, 3)]
     normal: Annotated[list[float] | None, coordinates(3)] = None
-    plane: Annotated[str | None, one_of(PLANES, null=True)] = None
+    plane: Annotated[
+        str | None, msgspec.Meta(extra_json_schema=one_of(tuple(PLANES), null=True))
+    ] = None
     turns: Annotated[float, within(-100, 100)] = 1.0
 
 
@@ -108,6 +110,15 @@ class PathToleranceField(msgspec.Struct, forbid_unknown_fields=True, kw_only=Tru
     orientation: Annotated[float, within(1e-9, 1e3)] = 1e-4
 
 
+@dataclass(frozen=True)
+class PathToleranceForm(Field):
+    """Largest errors; in a query one number for both."""
+
+    def gathered(self, name: str, values: Mapping[str, Any]) -> PathToleranceField:
+        """Return the tolerance that one number gives."""
+        return PathToleranceField(position=values[name], orientation=values[name])
+
+
 class GainsField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Weights of the potentials that the null-space motion goes down."""
 
@@ -121,19 +132,21 @@ class SecondaryField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """A task of lower priority: a frame is drawn to a target; without one it is held."""
 
     frame: str | None = None
-    task: TaskField = "position"
+    task: Annotated[str | list[int], TASK_META] = "position"
     target: Target | None = None
     gain: Annotated[float, within(0, 1)] = 0.1
 
 
-class MethodOptions(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class MethodOptions(msgspec.Struct, kw_only=True):
     """What methods may be told; each takes what concerns it."""
 
     closed_loop: Annotated[
         bool,
         msgspec.Meta(description="pseudo_inverse: false is the open loop, which drifts."),
     ] = True
-    damping: Annotated[float, msgspec.Meta(description="damped: λ."), within(1e-9, 1e3)] = 0.01
+    damping: Annotated[
+        float, within_query(1e-9, 1e3, "damped: λ.", "0 (none), or such as 0.01.")
+    ] = 0.01
     iterations: Annotated[
         int, msgspec.Meta(description="Most corrections in a sample."), within(1, 100)
     ] = 10
@@ -141,8 +154,9 @@ class MethodOptions(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
         GainsField | None, msgspec.Meta(description="null_space; default limits and obstacles.")
     ] = None
     posture: Annotated[
-        OptionalConfiguration, msgspec.Meta(description="null_space: wanted q; default the start.")
-    ] = msgspec.field(default_factory=not_given)
+        FloatArray | None,
+        optional_configuration("", "null_space: wanted q; default the start."),
+    ] = None
     influence: Annotated[
         float | None,
         msgspec.Meta(description="Clearance from which on obstacles repel, m; default d_safe + a"
@@ -175,31 +189,37 @@ class MethodOptions(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     ] = 0.0  # fmt: skip
 
 
-class PathScenario(MethodOptions, forbid_unknown_fields=True, kw_only=True):
+class PathScenario(MethodOptions, kw_only=True):
     """From where, along what, among which obstacles."""
 
     q: Annotated[SingleConfiguration, msgspec.Meta(description="Start: sample 0.")]
-    target: Annotated[
-        Target | None, msgspec.Meta(description="End of a straight line; turns by SLERP.")
-    ] = None
+    target: PathEnd = None
     waypoints: Annotated[
         list[Target] | None,
         msgspec.Meta(description="Corners of a polyline, each a sample."),
         items(1, MAX_WAYPOINTS),
     ] = None
     circle: CircleField | None = None
-    frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
-    task: TaskField = "pose"
+    frame: Frame = LEFT_OUT
+    task: TaskSpace = POSE
     time_law: Annotated[
         str,
-        msgspec.Meta(description="linear, cubic, quintic or trapezoidal."),
-        one_of(TimeLaw),
+        declared(
+            Field((Parameter(texts.text, TIME_LAWS),)),
+            TIME_LAWS,
+            one_of(TimeLaw),
+        ),
     ] = "cubic"
-    tf: Annotated[float, msgspec.Meta(description="Duration, s."), within(1e-6, 1e6)] = 2.0
+    tf: Annotated[float, within_query(1e-6, 1e6, "Duration, s.", "Duration, s.")] = 2.0
     samples: Annotated[
         int,
-        msgspec.Meta(description="Samples, equally spaced in time, the start included."),
-        within(2, 10_000),
+        within_query(
+            2,
+            10_000,
+            "Samples, equally spaced in time, the start included.",
+            "Number of samples, the start included.",
+            texts.integer,
+        ),
     ] = 101
     obstacles: Annotated[list[ObstacleField], items(0, 100)] = []
     link_radius: Annotated[
@@ -219,7 +239,7 @@ class PathScenario(MethodOptions, forbid_unknown_fields=True, kw_only=True):
             " and capsules as they are, boxes and cylinders as the least capsule about them;"
             " meshes are not read, the skeleton stands for them."
         ),
-        one_of(GEOMETRIES),
+        msgspec.Meta(extra_json_schema=one_of(GEOMETRIES)),
     ] = "skeleton"
     d_safe: Annotated[float, msgspec.Meta(description="Clearance to keep, m."), within(0, 1e6)] = (
         0.0
@@ -231,18 +251,21 @@ class PathScenario(MethodOptions, forbid_unknown_fields=True, kw_only=True):
             examples=[{"acceleration": 5}],
         ),
     ] = None
-    tolerance: PathToleranceField = msgspec.field(default_factory=PathToleranceField)
+    tolerance: Annotated[
+        PathToleranceField,
+        declared(PathToleranceForm((Parameter(texts.scalar, "Largest errors, m and rad."),))),
+    ] = msgspec.field(default_factory=PathToleranceField)
 
 
 def read_problem(robot: Robot, request: PathScenario, context: Context) -> Problem:
-    """The problem of a request.
+    """Return the problem of a request.
 
     Raises:
         KinematicsError: A field is out of range or does not fit.
         RequestProblem: Not one of target, waypoints and circle.
     """
-    arm = Arm.of(robot, request.frame, task_from(request.task))
-    q = read_single(request.q, robot, context)
+    arm = Arm.of(robot, request.frame, request.task)
+    q = request.q
     if request.time_law not in list(TimeLaw):
         raise InvalidOption(
             f"time_law is {quoted(request.time_law)}; give {', '.join(TimeLaw)}", "/time_law"
@@ -284,17 +307,18 @@ def _path(
         where = "/circle/normal" if request.circle.plane is None else "/circle/plane"
         return circle(start, about, arm.task, sampling, where)
     if request.target is not None:
-        goals, pointers = [request.target], ["/target"]
+        goals: list[Target] = [request.target]
+        places: list[Location] = [("target",)]
     else:
         goals = request.waypoints or []
-        pointers = [f"/waypoints/{k}" for k in range(len(goals))]
+        places = [("waypoints", k) for k in range(len(goals))]
         if not 1 <= len(goals) <= MAX_WAYPOINTS:
             raise InvalidOption(
                 f"waypoints holds {len(goals)}; give 1 to {MAX_WAYPOINTS}", "/waypoints"
             )
     poses = [
-        read_target(one, arm.task, context.units, pointer)
-        for one, pointer in zip(goals, pointers, strict=True)
+        target_pose(one, arm.task, context.units, place)
+        for one, place in zip(goals, places, strict=True)
     ]
     return polyline(start, poses, arm.task, sampling)
 
@@ -334,8 +358,8 @@ def _solid(field: ObstacleField, index: int, context: Context) -> solids.Obstacl
     rotation = None
     if (field.rpy, field.quaternion_xyzw, field.euler) != (None, None, None):
         target = Target(rpy=field.rpy, quaternion_xyzw=field.quaternion_xyzw, euler=field.euler)
-        pointer = f"/obstacles/{index}"
-        rotation = read_target(target, TASKS["orientation"], context.units, pointer)[:3, :3]
+        place = ("obstacles", index)
+        rotation = target_pose(target, TASKS["orientation"], context.units, place)[:3, :3]
     return solids.Box(field.center, field.size, rotation)
 
 
@@ -347,10 +371,7 @@ def read_options(
     Raises:
         KinematicsError: A field is out of range or does not fit.
     """
-    posture = None
-    if bytes(request.posture) != NOT_GIVEN:
-        wanted = read_single(request.posture, robot, context, "/posture")
-        posture = problem.arm.reduced(wanted)
+    posture = None if request.posture is None else problem.arm.reduced(request.posture)
     if len(request.secondary) > MAX_SECONDARY:
         raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", "/secondary")
     gains = request.gains
@@ -384,5 +405,6 @@ def _secondary(
     if field.target is None:
         pose = fk(robot, problem.start, [arm.frame])[arm.frame]
     else:
-        pose = read_target(field.target, arm.task, context.units, f"{pointer}/target")
+        place = ("secondary", k, "target")
+        pose = target_pose(field.target, arm.task, context.units, place)
     return SecondaryTask(arm, np.ascontiguousarray(pose[:3].reshape(12)), field.gain)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Any
+from typing import TypedDict
 
-import msgspec
 import numpy as np
 
-from app.operations.per_joint import PerJoint, read_per_joint
+from app.fields.per_joint import PerJoint, read_per_joint
 from dh_to_urdf.errors import quoted
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
@@ -20,7 +18,7 @@ GEOMETRIES = ("skeleton", "urdf")
 MAX_RADIUS = 1e6
 
 
-class LinkPart(msgspec.Struct, kw_only=True):
+class LinkPart(TypedDict):
     """A capsule that is kept clear of obstacles: a shape of a link, or what bounds it.
 
     ``joint`` is the last joint that moves it; ``excess`` how far the capsule sticks out of the
@@ -58,10 +56,27 @@ def read_geometry(
     return link_geometry(arm, q, np.broadcast_to(np.asarray(radius, dtype=np.float64), (arm.K,)))
 
 
-def told_of_links(problem: Problem) -> dict[str, Any]:
-    """Capsules and warnings for the answer."""
+class LinksView(TypedDict):
+    """Capsules of the links, where they come from the URDF."""
+
+    links: list[LinkPart] | None
+
+
+def links_view(problem: Problem) -> tuple[LinksView, list[str]]:
+    """Return the capsules for the answer, and warnings."""
     shaped = problem.shaped
     if shaped is None:
-        return {"links": None, "warnings": []}
+        return {"links": None}, []
     warnings = [*shaped.warnings, *too_near(shaped, problem.obstacles, problem.d_safe)]
-    return {"links": [asdict(part) for part in shaped.parts], "warnings": warnings}
+    parts: list[LinkPart] = [
+        {
+            "link": part.link,
+            "joint": part.joint,
+            "shape": part.shape,
+            "radius": part.radius,
+            "length": part.length,
+            "excess": part.excess,
+        }
+        for part in shaped.parts
+    ]
+    return {"links": parts}, warnings

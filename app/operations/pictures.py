@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, TypedDict
 
 import msgspec
 import numpy as np
 
+from app.fields import texts
+from app.fields.field import Field, Parameter, declared
+from app.fields.joints import Configuration, is_one
+from app.fields.names import one_of
+from app.fields.numbers import within_query
 from app.http.negotiation import PNG, SVG
 from app.http.problems import INVALID_REQUEST, RequestProblem
-from app.operations.base import Answer, Configuration, Context, Operation, read_configuration
-from app.operations.schema import one_of, within
+from app.operations.operation import Answer, Context, Operation, Runs
 from app.pictures.arm_figure import arm_figure, caption_of, letters_of
 from app.pictures.camera import VIEWS
 from kinematics.forward import fk
@@ -23,36 +27,56 @@ MOST_VALUES, MOST_LINES = 24, 3
 LIGHT_DOF = 10
 
 
-class PictureRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class PictureRequest(msgspec.Struct, kw_only=True):
     """What to draw."""
 
     q: Configuration
     frames: Annotated[
         list[str] | str | None,
-        msgspec.Meta(
-            description='Frames whose axes are drawn: names, "all" or "none"; default the frames'
-            " of the D-H table, or base and tip."
+        declared(
+            Field(
+                (Parameter(texts.names, "Frame names, comma-separated, or all; default the tip."),)
+            ),
+            'Frames whose axes are drawn: names, "all" or "none"; default the frames of the D-H'
+            " table, or base and tip.",
         ),
     ] = None
     view: Annotated[
         str,
-        msgspec.Meta(
-            description="auto (default: the plane in which a planar arm moves, else iso), iso, xy,"
-            " xz or yz, in base axes."
+        declared(
+            Field((Parameter(texts.text, "auto (default), iso, xy, xz or yz."),)),
+            "auto (default: the plane in which a planar arm moves, else iso), iso, xy, xz or yz, in"
+            " base axes.",
+            one_of(VIEWS),
         ),
-        one_of(VIEWS),
     ] = "auto"
-    labels: Annotated[bool, msgspec.Meta(description="Whether the axes have names.")] = True
-    width: Annotated[int, msgspec.Meta(description="Pixels, 200 to 2000."), within(*SIZES)] = 640
-    height: Annotated[int, msgspec.Meta(description="Pixels, 200 to 2000."), within(*SIZES)] = 480
+    labels: Annotated[
+        bool,
+        declared(
+            Field((Parameter(texts.flag, "true (default) or false: names of the axes."),)),
+            "Whether the axes have names.",
+        ),
+    ] = True
+    width: Annotated[
+        int,
+        within_query(
+            *SIZES, "Pixels, 200 to 2000.", "Pixels, 200 to 2000; default 640.", texts.integer
+        ),
+    ] = 640
+    height: Annotated[
+        int,
+        within_query(
+            *SIZES, "Pixels, 200 to 2000.", "Pixels, 200 to 2000; default 480.", texts.integer
+        ),
+    ] = 480
 
 
-class PictureResponse(msgspec.Struct, kw_only=True):
+class PictureAnswer(TypedDict):
     """A picture has no JSON form."""
 
 
 def _draw(robot: Robot, request: PictureRequest, context: Context) -> Answer:
-    q = np.atleast_2d(read_configuration(request.q, robot, context))
+    q = np.atleast_2d(request.q)
     if len(q) > MOST_ARMS:
         raise RequestProblem(
             INVALID_REQUEST, f"q holds {len(q)} rows; give at most {MOST_ARMS} to draw", "/q"
@@ -111,14 +135,14 @@ def _caption(robot: Robot, q: FloatArray, context: Context, width: float) -> lis
     return [*joints, robot.tip_frame[: min(40, letters_of(width) - len(where))] + where]
 
 
-def _quickly(robot: Robot, request: PictureRequest, context: Context) -> Answer | None:
-    light = robot.dof <= LIGHT_DOF and bytes(request.q)[1:64].lstrip()[:1] != b"["
+def _attempt(robot: Robot, request: PictureRequest, context: Context) -> Answer | None:
+    light = robot.dof <= LIGHT_DOF and is_one(request.q)
     return _draw(robot, request, context) if light else None
 
 
 def _picture(form: str) -> Operation:
     word = form.partition("/")[2].partition("+")[0]
-    quick: Any = _quickly if form == SVG else lambda *_: None
+    in_loop = form == SVG
     return Operation(
         name=f"picture.{word}",
         summary=f"Picture of the arm as {word.upper()}",
@@ -126,13 +150,13 @@ def _picture(form: str) -> Operation:
         " along the common normal and the joint axis, as a and d are measured. Several q are drawn"
         " over each other, the last one solid.",
         request=PictureRequest,
-        response=PictureResponse,
+        answer=PictureAnswer,
         run=_draw,
         example={"q": [0.3, -0.6, 0.4, 0.2, 0.5, 0]},
         example_robot="puma560",
-        query=("q", "frames", "view", "labels", "width", "height"),
         forms=(form,),
-        quick=quick,
+        runs=Runs.EVENT_LOOP if in_loop else Runs.THREAD,
+        attempt=_attempt if in_loop else None,
     )
 
 

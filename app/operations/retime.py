@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, TypedDict
 
 import msgspec
 import numpy as np
 
-from app.operations.base import Context, Numbers
-from app.operations.per_joint import PerJoint, read_per_joint
+from app.fields.per_joint import PerJoint, read_per_joint
+from app.operations.operation import Context
+from app.operations.shapes import Matrix, Vector
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.judging.summary import finite
@@ -43,7 +44,7 @@ class RetimeField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     ] = None
 
 
-class RetimedMotion(msgspec.Struct, kw_only=True):
+class TimingView(TypedDict):
     """The path in the shortest time: a cubic spline through its samples, timed by TOPP-RA.
 
     ``status`` is retimed, no_motion (the arm does not move) or no_parametrisation (none was found;
@@ -70,10 +71,19 @@ class RetimedMotion(msgspec.Struct, kw_only=True):
     max_orientation_deviation: float | None
     min_clearance: float | None
     limit_margin: float | None
-    t: list[float]
-    q: Numbers
-    velocity: Numbers
-    acceleration: Numbers
+
+
+class MotionSamples(TypedDict):
+    """Samples of a motion."""
+
+    t: Vector
+    q: Matrix
+    velocity: Matrix
+    acceleration: Matrix
+
+
+class RetimedMotion(TimingView, MotionSamples):
+    """A motion in the shortest time: its verdict, its figures and its samples."""
 
 
 def read_retime(
@@ -108,7 +118,7 @@ def _limits(value: PerJoint, arm: Arm, pointer: str, context: Context) -> FloatA
     return arm.reduced(context.units.joints_in(arm.robot, found))
 
 
-def timing_view(robot: Robot, motion: Retimed, arm: Arm, context: Context) -> dict[str, Any]:
+def timing_view(robot: Robot, motion: Retimed, arm: Arm, context: Context) -> TimingView:
     """Verdict and figures of a motion, without its samples."""
     unit = context.units.joints_out(robot, np.ones(robot.dof))
     return {
@@ -130,7 +140,7 @@ def timing_view(robot: Robot, motion: Retimed, arm: Arm, context: Context) -> di
     }
 
 
-def motion_samples(robot: Robot, motion: Retimed, context: Context) -> dict[str, FloatArray]:
+def motion_samples(robot: Robot, motion: Retimed, context: Context) -> MotionSamples:
     """The samples of a motion for the answer."""
     out = context.units.joints_out
     return {

@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-from typing import Annotated, Any
+from typing import Annotated, Any, TypedDict
 
 import msgspec
 import numpy as np
 
-from app.operations.base import (
-    UNITS_SCHEMA,
-    Answer,
-    Configuration,
-    Context,
-    FrameField,
-    Numbers,
-    Operation,
-    RankToleranceField,
-    TaskField,
-    check_size,
-    read_configuration,
-    read_frame,
+from app.fields import texts
+from app.fields.field import LEFT_OUT
+from app.fields.joints import Configuration
+from app.fields.names import Frame, TaskSpace
+from app.fields.numbers import RankTolerance, within_query
+from app.operations.operation import Answer, Context, Operation, Runs, check_size
+from app.operations.shapes import (
+    FLAG,
+    NUMBER,
+    TEXT,
+    AnswerUnits,
+    EachFlag,
+    EachInteger,
+    EachMatrix,
+    EachNumber,
+    EachNumberOrNull,
+    EachVector,
+    each,
+    each_or_none,
+    listed,
+    or_null,
 )
-from app.operations.schema import within
 from kinematics.chain import chain_of
 from kinematics.configuration import joint_names
 from kinematics.deadline import checked
@@ -33,28 +39,31 @@ from kinematics.explanation import lost_direction_in_words, null_motion_in_words
 from kinematics.jacobian import jacobian, task_jacobian
 from kinematics.named_singularities import Factorization, factorization
 from kinematics.singularity import RANK_TOLERANCE, SingularityReport, report_on
-from kinematics.task import Task, task_from
+from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
 
-class SingularityRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class SingularityRequest(msgspec.Struct, kw_only=True):
     """Where to look, and in which task space."""
 
     q: Configuration
-    task: TaskField = "pose"
-    frame: FrameField = None
-    tolerance: RankToleranceField = RANK_TOLERANCE
+    task: TaskSpace = POSE
+    frame: Frame = LEFT_OUT
+    tolerance: RankTolerance = RANK_TOLERANCE
     characteristic_length: Annotated[
         float | None,
-        msgspec.Meta(
-            description="Length by which linear rows are divided in `dexterity`, m; default the"
-            " root mean square distance of the frame from the turning axes over all postures."
+        within_query(
+            1e-6,
+            1e6,
+            "Length by which linear rows are divided in `dexterity`, m; default the root mean"
+            " square distance of the frame from the turning axes over all postures.",
+            "Length by which m/s are divided, m; default the arm's own.",
+            texts.length,
         ),
-        within(1e-6, 1e6),
     ] = None
 
 
-class EllipsoidView(msgspec.Struct, kw_only=True):
+class EllipsoidView(TypedDict):
     """Ellipsoids of velocity and of force: the same axes, reciprocal semi-axes.
 
     ``axes``: unit vectors in base axes, one a row. ``velocity_semi_axes``: for unit joint
@@ -62,19 +71,19 @@ class EllipsoidView(msgspec.Struct, kw_only=True):
     structure carries any force.
     """
 
-    axes: Numbers
-    velocity_semi_axes: Numbers
-    force_semi_axes: Numbers
+    axes: EachMatrix
+    velocity_semi_axes: EachVector
+    force_semi_axes: Annotated[Any, each(listed(or_null(NUMBER)))]
 
 
-class EllipsoidsView(msgspec.Struct, kw_only=True):
+class EllipsoidsView(TypedDict):
     """Translation and rotation apart, so that m and rad do not mix; null without such rows."""
 
     translation: EllipsoidView | None
     rotation: EllipsoidView | None
 
 
-class DexterityView(msgspec.Struct, kw_only=True):
+class DexterityView(TypedDict):
     """Of the homogeneous Jacobian: linear rows over, sliding columns times a characteristic length.
 
     ``chosen``: ``given``, or ``mean_lever``: the root mean square distance of the frame from the
@@ -83,23 +92,23 @@ class DexterityView(msgspec.Struct, kw_only=True):
 
     characteristic_length: float
     chosen: str
-    condition_number: float | list[float | None] | None
-    isotropy: float | list[float]
+    condition_number: EachNumberOrNull
+    isotropy: EachNumber
 
 
-class FactorView(msgspec.Struct, kw_only=True):
+class FactorView(TypedDict):
     """One named factor; ``normalised`` is its value over its bound, -1 to 1."""
 
     name: str
-    value: float | list[float]
-    normalised: float | list[float]
+    value: EachNumber
+    normalised: EachNumber
     unit: str
-    vanishes: bool | list[bool]
+    vanishes: EachFlag
     joints: list[str]
     vanishes_where: str
 
 
-class FactorizationView(msgspec.Struct, kw_only=True):
+class FactorizationView(TypedDict):
     """``determinant`` (columns from base to frame) or ``manipulability`` = constant x factors.
 
     ``difference`` is measured against the model; ``exact`` where it is rounding. Where no
@@ -109,33 +118,35 @@ class FactorizationView(msgspec.Struct, kw_only=True):
     structure: str | None
     reason: str | None
     of: str | None
-    constant: float | list[float] | None
-    product: float | list[float] | None
-    difference: float | list[float] | None
-    exact: bool | list[bool] | None
+    constant: Annotated[float | FloatArray | None, each_or_none(NUMBER)]
+    product: Annotated[float | FloatArray | None, each_or_none(NUMBER)]
+    difference: Annotated[float | FloatArray | None, each_or_none(NUMBER)]
+    exact: Annotated[bool | list[bool] | None, each_or_none(FLAG)]
     factors: list[FactorView]
 
 
-class SingularityResponse(msgspec.Struct, kw_only=True):
+class _Report(TypedDict):
+    """What the singular values say, for each q."""
+
+    rank: EachInteger
+    singular_values: EachVector
+    condition_number: EachNumberOrNull
+    manipulability: EachNumber
+    lost_directions: EachMatrix
+    null_motions: EachMatrix
+    singular: EachFlag
+
+
+class SingularityAnswer(_Report):
     """The report; for a batch every leaf has a leading axis n."""
 
-    units: UNITS_SCHEMA
+    units: AnswerUnits
     task: str
     rows: list[str]
     columns: list[str]
     frame: str
-    rank: int | list[int]
-    singular_values: Numbers
-    condition_number: float | list[float | None] | None
-    manipulability: float | list[float]
-    lost_directions: Numbers
-    null_motions: Numbers
-    singular: bool | list[bool]
     tolerance: float
-    explanation: Annotated[
-        list[Any],
-        msgspec.Meta(description="In words: texts, or for a batch a list of texts for each q."),
-    ]
+    explanation: Annotated[list[str] | list[list[str]], each(listed(TEXT))]
     factorization: FactorizationView
     ellipsoids: EllipsoidsView
     dexterity: DexterityView
@@ -143,45 +154,35 @@ class SingularityResponse(msgspec.Struct, kw_only=True):
 
 
 _MAX_WORDS = 8
-_LEAVES = (
-    "rank",
-    "singular_values",
-    "condition_number",
-    "manipulability",
-    "lost_directions",
-    "null_motions",
-    "singular",
-)
 
 
 def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
-    task = task_from(request.task)
+    task = request.task
     if not 0 <= request.tolerance < 1:
         raise InvalidOption(
             f"tolerance is {request.tolerance:g}; give 0 up to below 1", "/tolerance"
         )
-    frame = read_frame(request.frame, robot)
-    q = read_configuration(request.q, robot, context)
+    frame = request.frame
+    q = request.q
     check_size(q, 6 * robot.dof + robot.dof**2)
     full = jacobian(robot, q, frame)
     J = task_jacobian(robot, q, task, frame)
     every = J if q.ndim == 2 else [J]
     batch = [report_on(one, robot, task, request.tolerance) for one in checked(every)]
     first = batch[0]
-    leaves = _stacked(batch) if q.ndim == 2 else {name: getattr(first, name) for name in _LEAVES}
     named = factorization(robot, q, task, frame)
     words = [
         _in_words(robot, task, one, report)
         for one, report in checked(zip(full if q.ndim == 2 else [full], batch, strict=True))
     ]
     translation, rotation = ellipsoids(J, task, request.tolerance)
-    payload = {
+    answer: SingularityAnswer = {
         "units": {"angle": "rad", "length": "m"},
         "task": task.name,
         "rows": list(task.row_names),
         "columns": list(joint_names(robot)),
         "frame": frame,
-        **leaves,
+        **_report(batch, many=q.ndim == 2),
         "tolerance": first.tolerance,
         "explanation": words if q.ndim == 2 else words[0],
         "factorization": _factorization_view(robot, frame, named, request.tolerance),
@@ -190,10 +191,10 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
             "rotation": _ellipsoid_view(rotation),
         },
         "dexterity": _dexterity_view(robot, J, task, frame, request),
-        "warnings": list(first.warnings),
+        "warnings": [*context.warnings, *first.warnings],
     }
     values = np.array([report.singular_values for report in batch])
-    return Answer(payload, values if q.ndim == 2 else values[0])
+    return Answer(answer, values if q.ndim == 2 else values[0])
 
 
 def _in_words(robot: Robot, task: Task, J: FloatArray, report: SingularityReport) -> list[str]:
@@ -205,10 +206,18 @@ def _in_words(robot: Robot, task: Task, J: FloatArray, report: SingularityReport
 
 def _factorization_view(
     robot: Robot, frame: str, named: Factorization, tolerance: float
-) -> dict[str, Any]:
+) -> FactorizationView:
     if named.structure is None:
-        nothing = dict.fromkeys(("of", "constant", "product", "difference", "exact"))
-        return {"structure": None, "reason": named.reason, **nothing, "factors": []}
+        return {
+            "structure": None,
+            "reason": named.reason,
+            "of": None,
+            "constant": None,
+            "product": None,
+            "difference": None,
+            "exact": None,
+            "factors": [],
+        }
     columns = chain_of(robot, frame).columns
     return {
         "structure": named.structure,
@@ -233,7 +242,7 @@ def _factorization_view(
     }
 
 
-def _ellipsoid_view(ellipsoid: Ellipsoid | None) -> dict[str, Any] | None:
+def _ellipsoid_view(ellipsoid: Ellipsoid | None) -> EllipsoidView | None:
     if ellipsoid is None:
         return None
     return {
@@ -245,7 +254,7 @@ def _ellipsoid_view(ellipsoid: Ellipsoid | None) -> dict[str, Any] | None:
 
 def _dexterity_view(
     robot: Robot, J: FloatArray, task: Task, frame: str, request: SingularityRequest
-) -> dict[str, Any]:
+) -> DexterityView:
     given = request.characteristic_length
     length = characteristic_length(robot, frame) if given is None else given
     found = dexterity(J, robot.is_revolute, task, length, request.tolerance)
@@ -266,9 +275,27 @@ def finite_or_null(values: FloatArray) -> Any:
     return nulls.tolist()
 
 
-def _stacked(batch: list[SingularityReport]) -> dict[str, Any]:
-    assert set(_LEAVES) <= {field.name for field in fields(SingularityReport)}
-    return {name: [getattr(report, name) for report in batch] for name in _LEAVES}
+def _report(batch: list[SingularityReport], *, many: bool) -> _Report:
+    if not many:
+        one = batch[0]
+        return {
+            "rank": one.rank,
+            "singular_values": one.singular_values,
+            "condition_number": one.condition_number,
+            "manipulability": one.manipulability,
+            "lost_directions": one.lost_directions,
+            "null_motions": one.null_motions,
+            "singular": one.singular,
+        }
+    return {
+        "rank": [one.rank for one in batch],
+        "singular_values": [one.singular_values for one in batch],
+        "condition_number": [one.condition_number for one in batch],
+        "manipulability": [one.manipulability for one in batch],
+        "lost_directions": [one.lost_directions for one in batch],
+        "null_motions": [one.null_motions for one in batch],
+        "singular": [one.singular for one in batch],
+    }
 
 
 SINGULARITY = Operation(
@@ -281,12 +308,11 @@ SINGULARITY = Operation(
     " does not mix m and rad. Choose a task that fits the arm: a planar arm is only seen as"
     " singular in `xy` or `xy_phi`. As npy: singular values.",
     request=SingularityRequest,
-    response=SingularityResponse,
+    answer=SingularityAnswer,
     run=_run,
     example={"q": [0.5236, 0.0], "task": "xy"},
     example_robot="planar_2r",
-    query=("q", "task", "frame", "tolerance", "characteristic_length"),
     # Milliseconds: in a thread as many a second, and others wait a tenth as long meanwhile.
-    quick=lambda robot, request, context: None,  # noqa: ARG005
-    array_field="q",
+    runs=Runs.THREAD,
+    npy_field="q",
 )

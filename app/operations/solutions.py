@@ -2,47 +2,39 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TypedDict
 
 import msgspec
 import numpy as np
 
-from app.operations.base import (
-    NOT_GIVEN,
-    UNITS_SCHEMA,
-    Answer,
-    Context,
-    Operation,
-    OptionalConfiguration,
-    TaskField,
-    not_given,
-    read_frame,
-    read_single,
-)
-from app.operations.inverse import ToleranceField
-from app.operations.schema import within
-from app.operations.targets import TARGET_QUERY, Target, read_target
+from app.fields.field import LEFT_OUT
+from app.fields.joints import Seed
+from app.fields.names import Frame, TaskSpace
+from app.fields.targets import RequiredTarget
+from app.operations.inverse import IKTolerance, RandomSeed, ToleranceField
+from app.operations.operation import Answer, Context, Operation, Runs
+from app.operations.shapes import AnswerUnits, Vector
 from kinematics.inverse import IKOptions, Tolerance
 from kinematics.inverse.all_solutions import IKSolution, all_solutions
-from kinematics.task import task_from
+from kinematics.task import POSE
 from robots.robot import Robot
 
 
-class IKSolutionsRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class IKSolutionsRequest(msgspec.Struct, kw_only=True):
     """What to reach."""
 
-    target: Target
-    frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
-    task: TaskField = "pose"
-    seed: OptionalConfiguration = msgspec.field(default_factory=not_given)
-    tolerance: ToleranceField = msgspec.field(default_factory=ToleranceField)
-    random_seed: Annotated[int, within(0, 2**53)] = 0
+    target: RequiredTarget
+    frame: Frame = LEFT_OUT
+    task: TaskSpace = POSE
+    seed: Seed = None
+    tolerance: IKTolerance = msgspec.field(default_factory=ToleranceField)
+    random_seed: RandomSeed = 0
 
 
-class IKSolutionView(msgspec.Struct, kw_only=True):
+class IKSolutionView(TypedDict):
     """One solution, checked on the model; errors in m and rad."""
 
-    q: list[float]
+    q: Vector
     posture: list[str]
     within_limits: bool
     position_error: float
@@ -51,35 +43,34 @@ class IKSolutionView(msgspec.Struct, kw_only=True):
     swivel: float | None
 
 
-class IKSolutionsResponse(msgspec.Struct, kw_only=True):
+class IKSolutionsAnswer(TypedDict):
     """All solutions, the closest to the seed first, those within the limits before the others.
 
     ``complete`` says that mathematics knows no others (but for whole turns). ``free`` names joints
     that a singular branch leaves free; they have the seed's value.
     """
 
-    units: UNITS_SCHEMA
+    units: AnswerUnits
     method: str
     complete: bool
     description: str
     columns: list[str]
     frame: str
     task: str
-    seed: list[float]
+    seed: Vector
     solutions: list[IKSolutionView]
+    warnings: list[str]
 
 
 def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
-    task = task_from(request.task)
-    frame = read_frame(request.frame, robot)
+    task = request.task
+    frame = request.frame
     tolerance = Tolerance(request.tolerance.position, request.tolerance.orientation)
     options = IKOptions(tolerance=tolerance, random_seed=request.random_seed)
-    seed = None
-    if bytes(request.seed) != NOT_GIVEN:
-        seed = read_single(request.seed, robot, context, "/seed")
-    target = read_target(request.target, task, context.units, "/target")
-    found = all_solutions(robot, target, frame=frame, task=task, seed=seed, options=options)
-    payload = {
+    found = all_solutions(
+        robot, request.target, frame=frame, task=task, seed=request.seed, options=options
+    )
+    answer: IKSolutionsAnswer = {
         "units": context.units.named,
         "method": found.method,
         "complete": found.complete,
@@ -89,13 +80,14 @@ def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
         "task": task.name,
         "seed": context.units.joints_out(robot, found.seed),
         "solutions": [_view(robot, one, context) for one in found.solutions],
+        "warnings": context.warnings,
     }
     rows = [one.q for one in found.solutions]
     q = np.array(rows).reshape(-1, robot.dof)
-    return Answer(payload, context.units.joints_out(robot, q))
+    return Answer(answer, context.units.joints_out(robot, q))
 
 
-def _view(robot: Robot, solution: IKSolution, context: Context) -> dict[str, Any]:
+def _view(robot: Robot, solution: IKSolution, context: Context) -> IKSolutionView:
     swivel = solution.swivel
     return {
         "q": context.units.joints_out(robot, solution.q),
@@ -116,17 +108,9 @@ SOLUTIONS = Operation(
     " spherical shoulder and wrist at sampled swivel angles; for others by search. As npy: q of"
     " each, shape (n, dof).",
     request=IKSolutionsRequest,
-    response=IKSolutionsResponse,
+    answer=IKSolutionsAnswer,
     run=_run,
     example={"target": {"position": [0.4, 0.2, 0.5], "rpy": [0.1, 0.2, 0.3]}},
     example_robot="puma560",
-    query=(
-        *TARGET_QUERY,
-        "frame",
-        "task",
-        "seed",
-        "tolerance",
-        "random_seed",
-    ),
-    quick=lambda robot, request, context: None,  # noqa: ARG005
+    runs=Runs.THREAD,
 )

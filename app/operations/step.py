@@ -2,61 +2,67 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, TypedDict
 
 import msgspec
 import numpy as np
 
-from app.operations.base import (
-    NOT_GIVEN,
-    UNITS_SCHEMA,
-    Answer,
-    Context,
-    Numbers,
-    Operation,
-    OptionalConfiguration,
-    SingleConfiguration,
-    TaskField,
-    not_given,
-    read_frame,
-    read_single,
-)
-from app.operations.schema import items, within
+from app.fields import texts
+from app.fields.bounds import items
+from app.fields.field import LEFT_OUT, Field, Parameter, declared
+from app.fields.joints import SingleConfiguration, optional_configuration
+from app.fields.names import TASK_META, Frame, TaskSpace
+from app.fields.numbers import within_query
+from app.operations.operation import Answer, Context, Operation
+from app.operations.shapes import AnswerUnits, Matrix, Vector, listed, shaped, vector
 from kinematics.configuration import joint_names
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.step import StepTask, differential_step
-from kinematics.task import Task, task_from
+from kinematics.task import POSE, Task, task_from
 from robots.robot import FloatArray, Robot
 
 MAX_SECONDARY = 16
+DELTA_X = "Wanted motion, comma-separated, one value a task row."
 
 
 class SecondaryStep(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """A motion of lower priority: of another frame, or in another task space."""
 
     delta_x: list[float]
-    task: TaskField = "pose"
+    task: Annotated[str | list[int], TASK_META] = "pose"
     frame: str | None = None
 
 
-class StepRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class StepRequest(msgspec.Struct, kw_only=True):
     """Where the arm is, and which motion is asked of the frame."""
 
     q: SingleConfiguration
     delta_x: Annotated[
         list[float],
-        msgspec.Meta(description="Wanted motion, one value a task row: m, and rad (or degrees)."),
+        declared(
+            Field(
+                (Parameter(texts.scalars, "Wanted motion, comma-separated, one value a task row."),)
+            ),
+            "Wanted motion, one value a task row: m, and rad (or degrees).",
+        ),
     ]
     z: Annotated[
-        OptionalConfiguration,
-        msgspec.Meta(description="Wanted joint motion; its part in the null space is added."),
-    ] = msgspec.field(default_factory=not_given)
-    task: TaskField = "pose"
-    frame: Annotated[str | None, msgspec.Meta(description="Frame name; default the tip.")] = None
+        FloatArray | None,
+        optional_configuration(
+            "Wanted joint motion, of which the part in the null space is added.",
+            "Wanted joint motion; its part in the null space is added.",
+        ),
+    ] = None
+    task: TaskSpace = POSE
+    frame: Frame = LEFT_OUT
     damping: Annotated[
         float,
-        msgspec.Meta(description="λ of damped least squares; 0: the pseudo-inverse."),
-        within(0, 1e3),
+        within_query(
+            0,
+            1e3,
+            "λ of damped least squares; 0: the pseudo-inverse.",
+            "0 (none), or such as 0.01.",
+        ),
     ] = 0.0
     secondary: Annotated[
         list[SecondaryStep],
@@ -65,7 +71,7 @@ class StepRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     ] = []
 
 
-class StepResponse(msgspec.Struct, kw_only=True):
+class StepAnswer(TypedDict):
     """The step and its parts.
 
     ``delta_q`` is ``task_motion`` plus ``null_motion``, in the units of the answer, as z and q are.
@@ -73,42 +79,42 @@ class StepResponse(msgspec.Struct, kw_only=True):
     m and rad, in the linear model.
     """
 
-    units: UNITS_SCHEMA
+    units: AnswerUnits
     task: str
     frame: str
     rows: list[str]
     columns: list[str]
-    delta_q: list[float]
+    delta_q: Vector
     norm: float
-    task_motion: list[float]
-    null_motion: list[float]
-    achieved: list[float]
-    residuals: Numbers
+    task_motion: Vector
+    null_motion: Vector
+    achieved: Vector
+    residuals: Annotated[list[FloatArray], shaped(listed(vector()))]
     rank: int
-    singular_values: list[float]
+    singular_values: Vector
     damping: float
-    jacobian: Numbers
-    jacobian_pinv: Numbers
-    null_projector: Numbers
+    jacobian: Matrix
+    jacobian_pinv: Matrix
+    null_projector: Matrix
+    warnings: list[str]
 
 
 def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
-    task = task_from(request.task)
-    frame = read_frame(request.frame, robot)
-    q = read_single(request.q, robot, context)
-    given = bytes(request.z) != NOT_GIVEN
+    task = request.task
+    frame = request.frame
+    q = request.q
     if len(request.secondary) > MAX_SECONDARY:
         raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", "/secondary")
     found = differential_step(
         robot,
         q,
         StepTask(_motion(request.delta_x, task, context), task, frame),
-        z=read_single(request.z, robot, context, "/z") if given else None,
+        z=request.z,
         secondary=[_secondary(robot, one, k, context) for k, one in enumerate(request.secondary)],
         damping=request.damping,
     )
     delta = context.units.joints_out(robot, found.delta_q)
-    payload: dict[str, Any] = {
+    answer: StepAnswer = {
         "units": context.units.named,
         "task": task.name,
         "frame": frame,
@@ -126,8 +132,9 @@ def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
         "jacobian": found.J,
         "jacobian_pinv": found.J_pinv,
         "null_projector": found.N,
+        "warnings": context.warnings,
     }
-    return Answer(payload, delta)
+    return Answer(answer, delta)
 
 
 def _secondary(robot: Robot, one: SecondaryStep, k: int, context: Context) -> StepTask:
@@ -153,9 +160,8 @@ STEP = Operation(
     " N = I − J†J and the null motion; or with secondary tasks in strict priority. Where J has"
     " lost rank it is refused, with the rank; give damping then. As npy: delta_q.",
     request=StepRequest,
-    response=StepResponse,
+    answer=StepAnswer,
     run=_run,
     example={"q": [0.5236, -0.7854, 1.0472], "delta_x": [0.01, 0], "task": "xy"},
     example_robot="planar_3r",
-    query=("q", "delta_x", "z", "task", "frame", "damping"),
 )

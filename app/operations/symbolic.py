@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import time
-from typing import Annotated, Any
+from typing import Annotated, Any, NotRequired, TypedDict
 
 import msgspec
 
+from app.fields import texts
+from app.fields.field import Field, Parameter, Text, declared
+from app.fields.names import FRAME_IN_QUERY, TASK_IN_QUERY, TASK_SCHEMA, TaskName, one_of
 from app.http.negotiation import C_SOURCE, JSON, LATEX, PYTHON_SOURCE, TEXT
-from app.operations.base import UNITS_SCHEMA, Answer, Context, Operation, TaskField
-from app.operations.schema import any_of, one_of
+from app.operations.operation import Answer, Context, Operation, Runs
+from app.operations.shapes import AnswerUnits
 from dh_to_urdf import Convention, extract
 from kinematics import symbolic
 from kinematics.symbolic.request import (
@@ -19,70 +22,101 @@ from kinematics.symbolic.request import (
     notation_from,
     quantity_from,
 )
-from kinematics.task import task_from
+from kinematics.task import Task
 from robots.chains import chain_of_robot
 from robots.robot import Robot
 
 _NOTATIONS = {LATEX: Notation.LATEX, PYTHON_SOURCE: Notation.PYTHON, C_SOURCE: Notation.C}
 
 
-class SymbolicRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+_QUANTITY = {"enum": list(Quantity)}
+_ANY_QUANTITY = {"enum": ["all", *Quantity]}
+
+
+def _text(
+    read: Text, in_query: str, text: str, schema: dict[str, Any] | None = None
+) -> msgspec.Meta:
+    """Return the annotation of a field that a query gives too."""
+    return declared(Field((Parameter(read, in_query),)), text, schema)
+
+
+class SymbolicRequest(msgspec.Struct, kw_only=True):
     """What to write down, and how."""
 
     quantities: Annotated[
         list[str] | str,
-        msgspec.Meta(
-            description="Of A (link matrices), T0 (products 0A_k), T, position, rotation,"
-            ' jacobian, det_jacobian; or "all". Default T.',
+        _text(
+            texts.names,
+            "Comma-separated: A, T0, T, position, rotation, jacobian, det_jacobian.",
+            "Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian,"
+            ' det_jacobian; or "all". Default T.',
+            {"allOf": [{"anyOf": [_ANY_QUANTITY, {"type": "array", "items": _QUANTITY}]}]},
         ),
-        any_of({"enum": ["all", *Quantity]}, {"type": "array", "items": {"enum": list(Quantity)}}),
     ] = msgspec.field(default_factory=lambda: ["T"])
     parameters: Annotated[
         str,
-        msgspec.Meta(
-            description="numeric (default): lengths as numbers; symbolic: by name, a2 and d4, in"
-            " khalil D2 and R4, of the base xb yb zb, of the tool xt yt zt."
+        _text(
+            texts.text,
+            "numeric (default) or symbolic: names instead of lengths.",
+            "numeric (default): lengths as numbers; symbolic: by name, a2 and d4, in khalil D2 and"
+            " R4, of the base xb yb zb, of the tool xt yt zt.",
+            one_of(("numeric", "symbolic")),
         ),
-        one_of(("numeric", "symbolic")),
     ] = "numeric"
     symbols: Annotated[
         dict[str, str],
-        msgspec.Meta(
-            description='Other names for lengths: {"a2": "L1"}. With numeric, only these are named.'
+        _text(
+            texts.renamings,
+            "Names of lengths: a2:L1,a3:L2.",
+            'Other names for lengths: {"a2": "L1"}. With numeric, only these are named.',
         ),
     ] = msgspec.field(default_factory=dict)
     frame: Annotated[
-        str | None, msgspec.Meta(description="tool (default) or frame_k, without the tool.")
+        str | None,
+        declared(Field((FRAME_IN_QUERY,)), "tool (default) or frame_k, without the tool."),
     ] = None
     base: Annotated[
-        str | None, msgspec.Meta(description="base_link (default) or frame_0, without the base.")
+        str | None,
+        _text(
+            texts.text,
+            "base_link (default) or frame_0.",
+            "base_link (default) or frame_0, without the base.",
+        ),
     ] = None
     expressed_in: Annotated[
         str | None,
-        msgspec.Meta(description="Frame in whose axes the Jacobian is written; default the base."),
+        _text(
+            texts.text,
+            "Frame in whose axes the Jacobian is written.",
+            "Frame in whose axes the Jacobian is written; default the base.",
+        ),
     ] = None
     task: Annotated[
-        TaskField | None,
-        msgspec.Meta(
-            description="Rows of the determinant: a task or a mask; default the rows that do not"
-            " vanish, or vx, vy, vz."
+        Task | None,
+        declared(
+            TaskName((TASK_IN_QUERY,), optional=True),
+            "Rows of the determinant: a task or a mask; default the rows that do not vanish, or"
+            " vx, vy, vz.",
+            {"allOf": [{"anyOf": [TASK_SCHEMA, {"type": "null"}]}]},
         ),
     ] = None
     format: Annotated[
         str,
         msgspec.Meta(description="How expressions are written: text, latex, python or c."),
-        one_of(Notation),
+        msgspec.Meta(extra_json_schema=one_of(Notation)),
     ] = "text"
     time_budget_ms: Annotated[
         float,
-        msgspec.Meta(
-            description="For simplification, milliseconds.",
-            extra_json_schema={"exclusiveMinimum": 0},
+        _text(
+            texts.scalar,
+            "Milliseconds.",
+            "For simplification, milliseconds.",
+            {"exclusiveMinimum": 0},
         ),
     ] = DEFAULT_BUDGET * 1e3
 
 
-class JacobianForms(msgspec.Struct, kw_only=True):
+class JacobianForms(TypedDict):
     """The Jacobian as expressions."""
 
     matrix: list[list[str]]
@@ -90,14 +124,14 @@ class JacobianForms(msgspec.Struct, kw_only=True):
     columns: list[str]
 
 
-class FactorForm(msgspec.Struct, kw_only=True):
+class FactorForm(TypedDict):
     """A factor of a determinant."""
 
     factor: str
     exponent: int
 
 
-class UnsolvedDeterminant(msgspec.Struct, kw_only=True):
+class UnsolvedDeterminant(TypedDict):
     """A matrix whose determinant is meant; columns of parallel axes are differences."""
 
     matrix: list[list[str]]
@@ -105,27 +139,27 @@ class UnsolvedDeterminant(msgspec.Struct, kw_only=True):
     at_origin_of: str
 
 
-class DeterminantForm(msgspec.Struct, kw_only=True, omit_defaults=True):
+class DeterminantForm(TypedDict):
     """det J in factors. Of a redundant arm: the determinants without some joints."""
 
     expression: str | None
-    factors: list[FactorForm] = []
-    determinant_of: UnsolvedDeterminant | None = None
-    rows: list[str] = []
-    columns: list[str] = []
-    without: list[str] = []
-    note: str = ""
-    minors: list[DeterminantForm] = []
+    factors: NotRequired[list[FactorForm]]
+    determinant_of: NotRequired[UnsolvedDeterminant]
+    rows: NotRequired[list[str]]
+    columns: NotRequired[list[str]]
+    without: NotRequired[list[str]]
+    note: NotRequired[str]
+    minors: NotRequired[list[DeterminantForm]]
 
 
-class SymbolicResponse(msgspec.Struct, kw_only=True, omit_defaults=True):
+class SymbolicAnswer(TypedDict):
     """Expressions as texts. ``simplified`` says of which quantities they are in their last form.
 
     ``definitions`` says what C1 or S23 is, ``values`` what the named lengths are, in m; q1, q2, …
     are the joints in ``columns``. A quantity is null where it is too large, with a note.
     """
 
-    units: UNITS_SCHEMA
+    units: AnswerUnits
     convention: str
     parameters: str
     values: dict[str, float]
@@ -138,14 +172,15 @@ class SymbolicResponse(msgspec.Struct, kw_only=True, omit_defaults=True):
     simplified: dict[str, bool]
     notes: list[str]
     elapsed_ms: float
-    A: list[list[list[str]]] | None = None
-    T0: list[list[list[str]]] | None = None
-    T: list[list[str]] | None = None
-    position: dict[str, str] | None = None
-    rotation: dict[str, list[str]] | None = None
-    jacobian: JacobianForms | None = None
-    det_jacobian: DeterminantForm | None = None
-    code: str | None = None
+    A: NotRequired[list[list[list[str]]] | None]
+    T0: NotRequired[list[list[list[str]]] | None]
+    T: NotRequired[list[list[str]] | None]
+    position: NotRequired[dict[str, str] | None]
+    rotation: NotRequired[dict[str, list[str]] | None]
+    jacobian: NotRequired[JacobianForms | None]
+    det_jacobian: NotRequired[DeterminantForm | None]
+    code: NotRequired[str | None]
+    warnings: list[str]
 
 
 def _run(robot: Robot, request: SymbolicRequest, context: Context) -> Answer:
@@ -159,6 +194,7 @@ def _run(robot: Robot, request: SymbolicRequest, context: Context) -> Answer:
         "units": {"angle": "rad", "length": "m"},
         **answer,
         "elapsed_ms": 1e3 * (time.perf_counter() - started),
+        "warnings": context.warnings,
     }
     return Answer(payload, listing=listing)
 
@@ -166,17 +202,16 @@ def _run(robot: Robot, request: SymbolicRequest, context: Context) -> Answer:
 def _read(request: SymbolicRequest, context: Context) -> symbolic.SymbolicRequest:
     named = [request.quantities] if isinstance(request.quantities, str) else request.quantities
     everything = request.quantities == "all"
-    asked = [] if everything else [
-        quantity_from(name, f"/quantities/{k}") for k, name in enumerate(named)
-    ]  # fmt: skip
+    asked = () if everything else enumerate(named)
+    found = [quantity_from(name, f"/quantities/{k}") for k, name in asked]
     return symbolic.SymbolicRequest(
-        quantities=tuple(Quantity) if everything else tuple(asked),
+        quantities=tuple(Quantity) if everything else tuple(found),
         parameters=request.parameters,
         symbols=tuple(sorted(request.symbols.items())),
         frame=request.frame or "tool",
         base=request.base or "base_link",
         expressed_in=request.expressed_in,
-        task=None if request.task is None else task_from(request.task),
+        task=request.task,
         notation=_NOTATIONS.get(context.form) or notation_from(request.format, "/format"),
         time_budget=min(request.time_budget_ms / 1e3, context.settings.max_request_seconds),
         listing=context.form != JSON,
@@ -190,20 +225,10 @@ SYMBOLIC = Operation(
     " (C23 = cos(q2 + q3)), as text, LaTeX, or a function of Python or C. Worked out in a process"
     " of its own; what is not simplified in time is given as it is.",
     request=SymbolicRequest,
-    response=SymbolicResponse,
+    answer=SymbolicAnswer,
     run=_run,
     example={"quantities": ["position", "det_jacobian"], "parameters": "symbolic"},
     example_robot="puma560",
-    query=(
-        "quantities",
-        "parameters",
-        "symbols",
-        "frame",
-        "base",
-        "expressed_in",
-        "task",
-        "time_budget_ms",
-    ),
     forms=(JSON, TEXT, LATEX, PYTHON_SOURCE, C_SOURCE),
-    out_of_process=True,
+    runs=Runs.PROCESS,
 )

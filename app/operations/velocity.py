@@ -2,74 +2,75 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, TypedDict
 
 import msgspec
 import numpy as np
 
-from app.operations.base import (
-    UNITS_SCHEMA,
-    Answer,
-    Configuration,
-    Context,
-    FrameField,
-    Numbers,
-    Operation,
-    RankToleranceField,
-    ReferenceFrameField,
-    TaskField,
-    check_size,
-    read_configuration,
-    read_frame,
-    read_reference_frame,
+from app.fields.field import LEFT_OUT
+from app.fields.joints import Configuration, JointRates
+from app.fields.names import Frame, ReferenceFrameChoice, TaskSpace
+from app.fields.numbers import RankTolerance, within_query
+from app.fields.vectors import Twist, angular_rows
+from app.operations.operation import Answer, Context, Operation, check_size
+from app.operations.shapes import (
+    AnswerUnits,
+    EachFlag,
+    EachInteger,
+    EachMatrix,
+    EachText,
+    EachVector,
+    each,
+    vector,
 )
-from app.operations.schema import within
-from app.operations.spatial import TwistField, angular_rows, read_vector
 from kinematics.configuration import joint_names
 from kinematics.singularity import RANK_TOLERANCE
-from kinematics.task import POSE, Task, task_from
+from kinematics.task import POSE, Task
 from kinematics.velocity import JointVelocities, joint_velocities, twist_of
-from robots.robot import Robot
+from robots.robot import FloatArray, Robot
 
 
-class TwistRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class TwistRequest(msgspec.Struct, kw_only=True):
     """Which motion."""
 
     q: Configuration
-    qd: Configuration
-    frame: FrameField = None
-    reference_frame: ReferenceFrameField = None
+    qd: JointRates
+    frame: Frame = LEFT_OUT
+    reference_frame: ReferenceFrameChoice = LEFT_OUT
 
 
-class TwistResponse(msgspec.Struct, kw_only=True):
+class TwistAnswer(TypedDict):
     """The twist; for a batch with a leading axis n."""
 
-    units: UNITS_SCHEMA
-    twist: Numbers
+    units: AnswerUnits
+    twist: Annotated[FloatArray, each(vector(6))]
     rows: list[str]
     frame: str
     reference_frame: str
+    warnings: list[str]
 
 
-class JointVelocitiesRequest(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class JointVelocitiesRequest(msgspec.Struct, kw_only=True):
     """Which twist to follow, and how."""
 
     q: Configuration
-    twist: TwistField
-    task: TaskField = "pose"
-    frame: FrameField = None
-    reference_frame: ReferenceFrameField = None
+    twist: Twist
+    task: TaskSpace = POSE
+    frame: Frame = LEFT_OUT
+    reference_frame: ReferenceFrameChoice = LEFT_OUT
     damping: Annotated[
         float,
-        msgspec.Meta(
-            description="λ of qd = Jᵀ (J Jᵀ + λ² I)⁻¹ twist; 0 (none), or 1e-12 up to 1e6."
+        within_query(
+            0,
+            1e6,
+            "λ of qd = Jᵀ (J Jᵀ + λ² I)⁻¹ twist; 0 (none), or 1e-12 up to 1e6.",
+            "0 (none), or such as 0.01.",
         ),
-        within(0, 1e6),
     ] = 0.0
-    tolerance: RankToleranceField = RANK_TOLERANCE
+    tolerance: RankTolerance = RANK_TOLERANCE
 
 
-class JointVelocitiesResponse(msgspec.Struct, kw_only=True):
+class JointVelocitiesAnswer(TypedDict):
     """Joint velocities; for a batch every leaf but the names has a leading axis n.
 
     ``status``: ``exact``; ``damped``, as asked; or ``rank_deficient``: not every twist can be had
@@ -77,13 +78,13 @@ class JointVelocitiesResponse(msgspec.Struct, kw_only=True):
     this one is.
     """
 
-    units: UNITS_SCHEMA
-    status: str | list[str]
-    qd: Numbers
-    residual: Numbers
-    rank: int | list[int]
-    null_motions: Numbers
-    within_velocity_limits: bool | list[bool]
+    units: AnswerUnits
+    status: EachText
+    qd: EachVector
+    residual: EachVector
+    rank: EachInteger
+    null_motions: EachMatrix
+    within_velocity_limits: EachFlag
     rows: list[str]
     columns: list[str]
     frame: str
@@ -95,35 +96,39 @@ class JointVelocitiesResponse(msgspec.Struct, kw_only=True):
 
 
 def _twist(robot: Robot, request: TwistRequest, context: Context) -> Answer:
-    reference_frame = read_reference_frame(request.reference_frame)
-    frame = read_frame(request.frame, robot)
-    q = read_configuration(request.q, robot, context)
+    frame = request.frame
+    q = request.q
     check_size(q, 6 * robot.dof)
-    qd = read_configuration(request.qd, robot, context, "/qd")
-    twist = twist_of(robot, q, qd, frame, reference_frame)
+    twist = twist_of(robot, q, request.qd, frame, request.reference_frame)
     twist = context.units.rows_out(angular_rows(POSE), twist)
-    payload = {
+    answer: TwistAnswer = {
         "units": context.units.named_rates,
         "twist": twist,
         "rows": list(POSE.row_names),
         "frame": frame,
-        "reference_frame": reference_frame.value,
+        "reference_frame": request.reference_frame.value,
+        "warnings": context.warnings,
     }
-    return Answer(payload, twist)
+    return Answer(answer, twist)
 
 
 def _joint_velocities(robot: Robot, request: JointVelocitiesRequest, context: Context) -> Answer:
-    task, units = task_from(request.task), context.units
-    reference_frame = read_reference_frame(request.reference_frame)
-    frame = read_frame(request.frame, robot)
-    q = read_configuration(request.q, robot, context)
-    twist = read_vector(request.twist, task.row_names, context, "/twist")
+    task, units = request.task, context.units
+    frame = request.frame
+    q = request.q
+    twist = request.twist
     check_size(twist if twist.ndim == 2 else q, 6 * robot.dof + robot.dof**2)
     angular = angular_rows(task)
     found = joint_velocities(
-        robot, q, units.rows_in(angular, twist), task, frame, reference_frame,
-        damping=request.damping, tolerance=request.tolerance,
-    )  # fmt: skip
+        robot,
+        q,
+        twist,
+        task,
+        frame,
+        request.reference_frame,
+        damping=request.damping,
+        tolerance=request.tolerance,
+    )
     batch = found.qd.ndim == 2
     null_motions = [units.directions_out(robot.is_revolute, basis) for basis in found.null_motions]
     qd = units.joints_out(robot, found.qd)
@@ -134,7 +139,7 @@ def _joint_velocities(robot: Robot, request: JointVelocitiesRequest, context: Co
     rank, status = (np.broadcast_to(x, found.qd.shape[:-1]) for x in (found.rank, status))
     if batch and len(null_motions) == 1:
         null_motions *= len(qd)
-    payload = {
+    answer: JointVelocitiesAnswer = {
         "units": units.named_rates,
         "status": status.tolist(),
         "qd": qd,
@@ -146,12 +151,12 @@ def _joint_velocities(robot: Robot, request: JointVelocitiesRequest, context: Co
         "columns": list(joint_names(robot)),
         "frame": frame,
         "task": task.name,
-        "reference_frame": reference_frame.value,
+        "reference_frame": request.reference_frame.value,
         "damping": request.damping,
         "tolerance": request.tolerance,
-        "warnings": _warnings(robot, task, found, request.damping),
+        "warnings": [*context.warnings, *_warnings(robot, task, found, request.damping)],
     }
-    return Answer(payload, qd)
+    return Answer(answer, qd)
 
 
 def _warnings(robot: Robot, task: Task, found: JointVelocities, damping: float) -> list[str]:
@@ -166,8 +171,9 @@ def _warnings(robot: Robot, task: Task, found: JointVelocities, damping: float) 
     if not np.all(found.within_velocity_limits):
         warnings.append("a joint would be faster than its limit; ask for a slower twist or damp")
     if robot.is_revolute.any() and not robot.is_revolute.all():
-        warnings.append("the least norm weighs rad/s and m/s alike, as some joints turn and others"
-                        " slide")  # fmt: skip
+        warnings.append(
+            "the least norm weighs rad/s and m/s alike, as some joints turn and others slide"
+        )
     return warnings
 
 
@@ -177,7 +183,7 @@ TWIST = Operation(
     description="`[v; ω] = J(q) qd` of a frame against the base, in a `reference_frame`. q and qd"
     " may be batches of equal length, or one of them a batch. As npy: the twist.",
     request=TwistRequest,
-    response=TwistResponse,
+    answer=TwistAnswer,
     run=_twist,
     example={
         "q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7],
@@ -185,8 +191,7 @@ TWIST = Operation(
         "reference_frame": "local_world_aligned",
     },
     example_robot="pa10",
-    query=("q", "qd", "frame", "reference_frame"),
-    array_field="q",
+    npy_field="q",
 )
 
 JOINT_VELOCITIES = Operation(
@@ -196,7 +201,7 @@ JOINT_VELOCITIES = Operation(
     " damped least squares; with the residual twist, the rank, and the null motions that may be"
     " added. Where the rank is deficient, `status` and `warnings` say so. As npy: qd.",
     request=JointVelocitiesRequest,
-    response=JointVelocitiesResponse,
+    answer=JointVelocitiesAnswer,
     run=_joint_velocities,
     example={
         "q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7],
@@ -204,6 +209,5 @@ JOINT_VELOCITIES = Operation(
         "task": "position",
     },
     example_robot="pa10",
-    query=("q", "twist", "task", "frame", "reference_frame", "damping", "tolerance"),
-    array_field="q",
+    npy_field="q",
 )

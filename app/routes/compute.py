@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from typing import Any
 
 import msgspec
-import numpy as np
 from fastapi import FastAPI, Request, Response
 from fastapi.responses import StreamingResponse
 from starlette.routing import Match, Route
@@ -15,22 +14,16 @@ from starlette.types import Scope
 from app.admission.buffers import SMALL_BODY, AdmittedResponse
 from app.admission.thread_pool import ThreadPool, while_connected
 from app.dependencies import Services, services_of
+from app.fields.field import Reading
 from app.http.bodies import read_body
 from app.http.negotiation import JSON, NDJSON, NPY, PNG, SVG, require_type, wanted_type
 from app.http.npy import decode_npy
-from app.http.problems import INVALID_REQUEST, RequestProblem, domain_problem
-from app.http.query import body_from_query, check_query, units_of
+from app.http.problems import domain_problem
+from app.http.query import check_query, units_of
 from app.http.responses import json_lines, respond
-from app.http.strict_json import (
-    MAX_FIELD,
-    check_fields,
-    decode_json,
-    refuse_doubled_keys,
-)
+from app.http.strict_json import MAX_FIELD, check_fields, decode_json, refuse_doubled_keys
 from app.http.units import Units
-from app.openapi.document import inline_request_type
-from app.operations import OPERATIONS, Answer, Operation
-from app.operations.base import Context
+from app.operations.operation import Answer, Context, Operation, Runs
 from app.pictures.png import png_of
 from app.settings import Settings
 from kinematics.errors import OutOfTime
@@ -39,23 +32,22 @@ from robots.robot import Robot
 PLAIN = Units()
 INLINE_BYTES = 4_000
 """Bodies above this are read in a thread, so that they do not delay other requests."""
-BATCHES = ("q", "qd", "tau", "twist", "wrench")
-"""Fields of rows of numbers, which are read piece by piece."""
 TARGET_BYTES = 1_000
 """Room for one of many targets."""
 
 
-def add_routes(app: FastAPI, max_body: int) -> None:
-    """Adds the routes of all computations.
+def add_routes(app: FastAPI, operations: Iterable[Operation], max_body: int) -> None:
+    """Add the routes of computations.
 
     They are plain Starlette routes, first in the list: a solve takes 20 µs, which would be lost
-    behind FastAPI's resolution of dependencies. ``app.openapi`` adds what the docs say of them.
+    behind FastAPI's resolution of dependencies. ``app.openapi`` adds what the documents say.
 
     Args:
         app: The application.
+        operations: The computations.
         max_body: Largest body in bytes.
     """
-    for operation in OPERATIONS:
+    for operation in operations:
         handlers = _Handlers(operation, max_body)
         path = f"/v1/robots/{{robot_id}}/{operation.name}"
         app.router.routes += [
@@ -88,115 +80,139 @@ class _Handlers:
 
     def __init__(self, operation: Operation, max_body: int) -> None:
         self.operation = operation
+        self.form = operation.form
         self.max_body = max_body
-        self.inline_type = inline_request_type(operation)
-        self.offers = operation.offers
+        self.bodies = (JSON, NPY) if operation.npy_field else (JSON,)
+        self.batches = {name for name, field in self.form.fields.items() if field.large}
 
     async def post(self, request: Request) -> Response:
-        """On a stored robot, from a JSON or npy body."""
-        operation, services = self.operation, await services_of(request)
+        """Compute on a stored robot, from a JSON or npy body."""
+        services = await services_of(request)
         stored = await services.robot(request.path_params["robot_id"])
-        kind = require_type(request, *((JSON, NPY) if operation.array_field else (JSON,)))
-        units, parameters = PLAIN, b"{}"
+        kind = require_type(request, *self.bodies)
+        units, query = PLAIN, None
         if request.scope["query_string"]:
-            check_query(request, *(operation.query if kind == NPY else ()))
-            units = units_of(request)
-            if kind == NPY:
-                parameters = body_from_query(request, units, stored.robot, operation.query)
-        wanted = wanted_type(request, *self.offers)
+            check_query(request, *(self.form.parameters if kind == NPY else ()))
+            units, query = units_of(request), request.query_params
+        wanted = wanted_type(request, *self.operation.forms)
         body = await read_body(request, self.max_body)
-        decode = _npy_decoder if kind == NPY else _json_decoder
-        return await _answer(
-            request, services, operation, stored.robot, units, wanted, len(body),
-            lambda: decode(operation, body, parameters, services.settings),
-        )  # fmt: skip
+        reading = Reading(stored.robot, units, services.settings, [], {})
+        if kind == NPY:
+            parameters: Mapping[str, str] = {} if query is None else query
+            return await self._answer(
+                request, reading, wanted, len(body), lambda: self._npy(body, parameters, reading)
+            )
+        return await self._answer(
+            request, reading, wanted, len(body), lambda: self._json(body, services.settings)
+        )
 
     async def get(self, request: Request) -> Response:
-        """On a stored robot, from a query."""
-        operation, services = self.operation, await services_of(request)
+        """Compute on a stored robot, from a query."""
+        services = await services_of(request)
         stored = await services.robot(request.path_params["robot_id"])
-        check_query(request, *operation.query)
-        units, wanted = units_of(request), wanted_type(request, *self.offers)
-        body = body_from_query(request, units, stored.robot, operation.query)
-        return await _answer(
-            request, services, operation, stored.robot, units, wanted, len(body),
-            lambda: decode_json(body, operation.request),
-        )  # fmt: skip
+        check_query(request, *self.form.parameters)
+        units, wanted = units_of(request), wanted_type(request, *self.operation.forms)
+        reading = Reading(stored.robot, units, services.settings, [], {})
+        decoded = self.form.from_query(request.query_params, reading)
+        size = len(request.scope["query_string"])
+        return await self._answer(request, reading, wanted, size, lambda: decoded)
 
     async def inline(self, request: Request) -> Response:
-        """On a robot in the body."""
-        operation, services = self.operation, await services_of(request)
+        """Compute on a robot in the body."""
+        services = await services_of(request)
         require_type(request, JSON)
         check_query(request)
-        units, wanted = units_of(request), wanted_type(request, *self.offers)
+        units, wanted = units_of(request), wanted_type(request, *self.operation.forms)
         body = await read_body(request, self.max_body)
         if len(body) > INLINE_BYTES:
-            parsed = await services.computed(lambda: self._inline(body, services.settings), request)
+            decoded = await services.computed(
+                lambda: self._with_robot(body, services.settings), request
+            )
         else:
-            parsed = self._inline(body, services.settings)
-        robot = await services.inline_robot(parsed.robot)
-        return await _answer(
-            request, services, operation, robot, units, wanted, len(body), lambda: parsed
-        )
+            decoded = self._with_robot(body, services.settings)
+        robot = await services.inline_robot(decoded.robot)
+        reading = Reading(robot, units, services.settings, [], {})
+        return await self._answer(request, reading, wanted, len(body), lambda: decoded)
 
-    def _inline(self, body: bytes, settings: Settings) -> Any:
+    def _json(self, body: bytes, settings: Settings) -> msgspec.Struct:
         if len(body) > MAX_FIELD:
-            limits = _most_bytes(settings) | {"robot": settings.max_document_bytes}
-            check_fields(body, limits)
-        parsed: Any = decode_json(body, self.inline_type)
-        robot = bytes(parsed.robot)
+            check_fields(body, self._most_bytes(settings))
+        decoded = self.form.from_json(body)
+        refuse_doubled_keys(body)
+        return decoded
+
+    def _npy(self, body: bytes, query: Mapping[str, str], reading: Reading) -> msgspec.Struct:
+        assert self.operation.npy_field is not None
+        array = decode_npy(body)
+        return self.form.from_npy(self.operation.npy_field, array, query, reading)
+
+    def _with_robot(self, body: bytes, settings: Settings) -> Any:
+        if len(body) > MAX_FIELD:
+            check_fields(body, self._most_bytes(settings) | {"robot": settings.max_document_bytes})
+        decoded: Any = decode_json(body, self.form.inline)
+        robot = bytes(decoded.robot)
         # A robot is looked at by itself, once for many requests.
         refuse_doubled_keys(body.replace(robot, b"0", 1) if robot[:1] == b"{" else body)
-        return parsed
+        return decoded
 
+    def _most_bytes(self, settings: Settings) -> dict[str, int]:
+        """Return the bytes of the fields that may hold batches."""
+        most = dict.fromkeys(self.batches, settings.max_compute_bytes)
+        return most | {"targets": settings.max_ik_batch * TARGET_BYTES}
 
-def _most_bytes(settings: Settings) -> dict[str, int]:
-    """Bytes of the fields that hold batches."""
-    batches = dict.fromkeys(BATCHES, settings.max_compute_bytes)
-    return batches | {"targets": settings.max_ik_batch * TARGET_BYTES}
-
-
-async def _answer(
-    request: Request,
-    services: Services,
-    operation: Operation,
-    robot: Robot,
-    units: Units,
-    wanted: str,
-    size: int,
-    read: Any,
-) -> Response:
-    context = Context(units, services.settings, wanted, services.symbolic)
-
-    def written(answer: Answer, *, short: bool = False) -> Response:
-        if answer.picture is not None and wanted == SVG:
-            return Response(answer.picture(), headers=answer.headers, media_type=SVG)
-        if answer.picture is not None and wanted == PNG:
-            return Response(png_of(answer.picture()), headers=answer.headers, media_type=PNG)
-        if answer.listing is not None and wanted != JSON:
-            return Response(answer.listing, media_type=f"{wanted}; charset=utf-8")
-        return respond(
-            answer.payload,
-            wanted,
-            array=answer.array,
-            rows=answer.rows,
-            headers=answer.headers,
-            short=short,
+    async def _answer(
+        self,
+        request: Request,
+        reading: Reading,
+        wanted: str,
+        size: int,
+        decode: Callable[[], msgspec.Struct],
+    ) -> Response:
+        """Run the computation where it belongs, and write its answer."""
+        services, operation, robot = await services_of(request), self.operation, reading.robot
+        context = Context(
+            reading.units, reading.settings, wanted, services.symbolic, reading.warnings
         )
 
-    def compute(asked: msgspec.Struct) -> Response:
-        return written(operation.run(robot, asked, context))
+        def read() -> msgspec.Struct:
+            asked: msgspec.Struct = self.form.resolved(decode(), reading)
+            return asked
 
-    pool = services.out_of_process if operation.out_of_process else services.compute
-    if wanted == NDJSON:
-        return await _streamed(request, services, operation, robot, context, read)
-    if operation.out_of_process or size > INLINE_BYTES:
-        return await _computed(request, services, pool, lambda: compute(read()))
-    asked = read()
-    answer = operation.run_quickly(robot, asked, context)
-    if answer is not None:
-        return written(answer, short=True)
-    return await _computed(request, services, pool, lambda: compute(asked))
+        if wanted == NDJSON:
+            return await _streamed(request, services, operation, robot, context, read)
+        pool = services.out_of_process if operation.runs is Runs.PROCESS else services.compute
+        if operation.runs is Runs.PROCESS or size > INLINE_BYTES:
+            return await _computed(
+                request,
+                services,
+                pool,
+                lambda: _written(operation.run(robot, read(), context), wanted),
+            )
+        asked = read()
+        answer = operation.run_at_once(robot, asked, context)
+        if answer is not None:
+            return _written(answer, wanted, short=True)
+        return await _computed(
+            request, services, pool, lambda: _written(operation.run(robot, asked, context), wanted)
+        )
+
+
+def _written(answer: Answer, wanted: str, *, short: bool = False) -> Response:
+    """Return an answer in the wanted form."""
+    if answer.picture is not None and wanted == SVG:
+        return Response(answer.picture(), headers=answer.headers, media_type=SVG)
+    if answer.picture is not None and wanted == PNG:
+        return Response(png_of(answer.picture()), headers=answer.headers, media_type=PNG)
+    if answer.listing is not None and wanted != JSON:
+        return Response(answer.listing, media_type=f"{wanted}; charset=utf-8")
+    return respond(
+        answer.payload,
+        wanted,
+        array=answer.array,
+        rows=answer.rows,
+        headers=answer.headers,
+        short=short,
+    )
 
 
 async def _computed(
@@ -259,35 +275,3 @@ async def _streamed(
     # proxy that gathers answers must not gather this one.
     lines = StreamingResponse(body(), media_type=NDJSON, headers={"X-Accel-Buffering": "no"})
     return AdmittedResponse(lines, admission, services.buffers, 0)
-
-
-def _json_decoder(
-    operation: Operation,
-    body: bytes,
-    parameters: bytes,  # noqa: ARG001
-    settings: Settings,
-) -> msgspec.Struct:
-    if len(body) > MAX_FIELD:
-        check_fields(body, _most_bytes(settings))
-    request = decode_json(body, operation.request)
-    refuse_doubled_keys(body)
-    return request
-
-
-def _npy_decoder(
-    operation: Operation,
-    body: bytes,
-    parameters: bytes,
-    settings: Settings,  # noqa: ARG001
-) -> msgspec.Struct:
-    array = decode_npy(body)
-    field = operation.array_field or "q"
-    values = decode_json(parameters, dict[str, Any])
-    if field in values:
-        raise RequestProblem(
-            INVALID_REQUEST, f"{field} is in the npy body and in the query", f"/{field}"
-        )
-    values[field] = []
-    request = decode_json(msgspec.json.encode(values), operation.request)
-    setattr(request, field, np.asarray(array))
-    return request

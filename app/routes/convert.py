@@ -8,7 +8,8 @@ from app.dependencies import ServicesDep
 from app.documents import TABLES, XML_TYPES, robot_from_body
 from app.http.bodies import read_body
 from app.http.negotiation import media_type, unsupported
-from app.openapi.document import PROBLEMS, REF
+from app.openapi.answers import REF
+from app.openapi.problems import PROBLEMS
 
 
 def build_router(max_body: int) -> APIRouter:

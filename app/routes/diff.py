@@ -16,8 +16,9 @@ from app.http.query import check_query, units_of
 from app.http.responses import respond
 from app.http.strict_json import decode_body
 from app.http.units import Units
-from app.openapi.document import PROBLEMS, REF
-from app.operations.base import UNITS_SCHEMA
+from app.openapi.answers import REF
+from app.openapi.problems import PROBLEMS
+from app.operations.shapes import AnswerUnits
 from dh_to_urdf import DHError, Problem
 from dh_to_urdf.extraction.comparison import Comparison, Difference, compare
 from robots.chains import chain_of_robot
@@ -96,7 +97,7 @@ class DiffResidual(msgspec.Struct, kw_only=True):
 class DiffResponse(msgspec.Struct, kw_only=True):
     """Where two robots diverge: ``identical``, ``equivalent`` or ``different``."""
 
-    units: UNITS_SCHEMA
+    units: AnswerUnits
     verdict: str
     summary: str
     first_difference: DifferenceView | None

@@ -13,7 +13,8 @@ from app.dependencies import RobotDep, ServicesDep
 from app.http.negotiation import JSON, TEXT, wanted_type
 from app.http.query import check_query
 from app.http.responses import respond
-from app.openapi.document import PROBLEMS, REF
+from app.openapi.answers import REF
+from app.openapi.problems import PROBLEMS
 from robots.meshes import Mesh, digest_of, mesh_of, meshes_of
 
 AGE = "public, max-age=86400"

@@ -18,7 +18,8 @@ from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import check_query, units_of
 from app.http.responses import respond
 from app.http.units import Units
-from app.openapi.document import PROBLEMS, REF
+from app.openapi.answers import REF
+from app.openapi.problems import PROBLEMS
 from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.robot import Robot
 from robots.store import ANY, StoredRobot

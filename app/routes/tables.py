@@ -16,7 +16,8 @@ from app.http.query import check_query, number, units_of
 from app.http.responses import respond
 from app.http.strict_json import decode_body
 from app.http.units import Units
-from app.openapi.document import PROBLEMS, REF
+from app.openapi.answers import REF
+from app.openapi.problems import PROBLEMS
 from app.routes.robots import etag, not_modified
 from dh_to_urdf import Convention, DHTable
 from dh_to_urdf.documents.layouts import document, to_csv, to_text, to_yaml

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterable
 from typing import Any
 
 import msgspec
@@ -12,7 +13,7 @@ from fastapi import FastAPI
 from app.access.control import CALLER, ITSELF
 from app.dependencies import Services
 from app.http.negotiation import JSON
-from app.operations import OPERATIONS
+from app.operations import Operation
 from app.telemetry.observed import REHEARSAL
 from kinematics.warm import warm_up_on
 from robots.shipped import shipped_ids
@@ -21,13 +22,13 @@ ROUNDS = 10
 """After some calls of a function, Python has specialised its code."""
 
 
-async def rehearse(app: FastAPI, services: Services) -> None:
+async def rehearse(app: FastAPI, services: Services, operations: Iterable[Operation]) -> None:
     """Loads the whole library, computes with each robot once, and sends examples as requests."""
     for robot_id in shipped_ids():
         stored = await services.robot(robot_id)
         await run_sync(warm_up_on, stored.robot)
-    for operation in OPERATIONS:
-        if operation.rehearsed:
+    for operation in operations:
+        if operation.needs is None:
             path = f"/v1/robots/{operation.example_robot}/{operation.name}"
             for _ in range(ROUNDS):
                 await _request(app, path, msgspec.json.encode(operation.example))

@@ -1,191 +1,260 @@
-"""Target poses as requests give them -> 4x4 matrices, checked against the task."""
+"""Target poses in any of their forms -> 4x4 matrices, checked against the task."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from dh_to_urdf.poses import rigid_transform, rigid_transforms
 from kinematics.errors import InvalidTarget
 from kinematics.orientation import rotation_from_euler, rotation_from_quaternion
-from kinematics.task import POSE, Task
+from kinematics.task import Task
 from robots.robot import FloatArray
 
 MAX_VALUE = 1e6
+"""Largest coordinate of a target, m or rad."""
+Rows: TypeAlias = Sequence[Sequence[float]] | FloatArray
+Location: TypeAlias = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
-class TargetSpec:
-    """One target in any of its forms, in m and rad; None where not given.
+class Targets:
+    """Target poses, all in one form, each field with a leading axis n, m and rad.
 
     Attributes:
-        matrix: 4x4.
-        position: x, y, z; for tasks without z also x, y.
-        quaternion_xyzw: Unit quaternion.
-        rpy: Roll, pitch, yaw.
-        euler: Sequence and its three angles.
-        phi: Angle about z, alone: a planar orientation.
-        direction: Of the frame's z axis, of any length: for tasks without the turn about it.
+        matrix: Homogeneous matrices, shape (n, 4, 4).
+        position: x, y, z of each, shape (n, 3); for tasks without z also (n, 2).
+        quaternion_xyzw: Unit quaternions, shape (n, 4).
+        rpy: Roll, pitch, yaw, shape (n, 3).
+        euler: Sequence, and its angles, shape (n, 3).
+        phi: Angles about z, alone: planar orientations, shape (n,).
+        direction: Of the frame's z axis, of any length, shape (n, 3).
+        count: n.
+        location: Where the targets stand among the caller's arguments, for errors.
+        many: Whether the caller gives a list of them; else n is 1.
+        by_field: Whether the caller gives one list a field, not one object a target.
     """
 
-    matrix: Sequence[Sequence[float]] | None = None
-    position: Sequence[float] | None = None
-    quaternion_xyzw: Sequence[float] | None = None
-    rpy: Sequence[float] | None = None
-    euler: tuple[str, Sequence[float]] | None = None
-    phi: float | None = None
-    direction: Sequence[float] | None = None
+    matrix: Sequence[Sequence[Sequence[float]]] | FloatArray | None = None
+    position: Rows | None = None
+    quaternion_xyzw: Rows | None = None
+    rpy: Rows | None = None
+    euler: tuple[str, Rows] | None = None
+    phi: Sequence[float] | FloatArray | None = None
+    direction: Rows | None = None
+    count: int = 1
+    location: Location = ("target",)
+    many: bool = False
+    by_field: bool = False
+
+    def place(self, k: int, *field: str) -> Location:
+        """Return where target ``k``, or a field of it, stands among the caller's arguments."""
+        if not self.many:
+            return (*self.location, *field)
+        return (*self.location, *field, k) if self.by_field else (*self.location, k, *field)
+
+    def called(self, k: int, *field: str) -> str:
+        """Return the same in words: ``targets.3.position``."""
+        return ".".join(map(str, self.place(k, *field)))
+
+    def refusal(self, k: int, message: str, *field: str) -> InvalidTarget:
+        """Return the exception that says what is wrong with a field of target ``k``."""
+        argument, *index = self.place(k, *field)
+        return InvalidTarget(message, "/" + "/".join(map(str, (argument, *index))))
 
 
-def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> FloatArray:
-    """The pose of a target; what the task does not look at may be missing.
+def target_poses(targets: Targets, task: Task) -> FloatArray:
+    """Return the poses of targets, shape (n, 4, 4); the identity in what is not given.
 
     Args:
-        spec: The target.
-        task: The task space.
-        pointer: JSON pointer for errors.
-
-    Returns:
-        4x4; the identity in what is not given.
+        targets: The targets.
+        task: The task space: what it does not look at may be missing.
 
     Raises:
-        InvalidTarget: A part that the task needs is missing, two forms contradict, or a value
-            is not finite or no rotation.
+        InvalidTarget: A part that the task needs is missing, two forms contradict, or a value is
+            not finite, beyond 1e6 or no rotation.
         UnknownSequence: Not an Euler sequence.
     """
-    orientations = {
-        "quaternion_xyzw": spec.quaternion_xyzw,
-        "rpy": spec.rpy,
-        "euler": spec.euler,
-        "phi": spec.phi,
-        "direction": spec.direction,
-    }
-    given = [name for name, value in orientations.items() if value is not None]
-    if spec.matrix is not None:
-        if given or spec.position is not None:
-            raise InvalidTarget(
-                f"{_called(pointer)} has a matrix and other fields; give one form", pointer
-            )
-        try:
-            matrix = rigid_transform(spec.matrix)
-        except ValueError as error:
-            where = pointer if "matrix" in pointer else f"{pointer}/matrix"
-            raise InvalidTarget(f"target.matrix {error}", where) from None
-        _vector(matrix[:3, 3].tolist(), 3, "matrix", pointer)
-        return matrix
-    if len(given) > 1:
-        raise InvalidTarget(
-            f"{_called(pointer)} has {' and '.join(given)}; give one orientation", pointer
-        )
-    if task.positions and spec.position is None:
-        raise InvalidTarget(
-            f"task {task.name} needs a position; give {_called(pointer)}.position or .matrix",
-            f"{pointer}/position",
-        )
-    if task.rotations and not given:
-        raise InvalidTarget(
-            f"task {task.name} needs an orientation; give {_called(pointer)}.rpy, quaternion_xyzw,"
-            " euler, phi, direction or matrix, or choose task position",
-            pointer,
-        )
-    if spec.phi is not None and task.rotations not in ((), (2,)):
-        raise InvalidTarget(
-            f"{_called(pointer)}.phi is an angle about z alone, but task {task.name} needs a whole"
-            " orientation; give rpy, quaternion_xyzw, euler or matrix",
-            f"{pointer}/phi",
-        )
-    if spec.direction is not None and task.rotations and not task.own_axes:
-        raise InvalidTarget(
-            f"{_called(pointer)}.direction leaves the turn about it open, but task {task.name}"
-            " needs it; choose task position_direction or direction, or give rpy, quaternion_xyzw,"
-            " euler or matrix",
-            f"{pointer}/direction",
-        )
-    T = np.eye(4)
-    if spec.position is not None:
-        T[:3, 3] = _position(spec.position, task, pointer)
-    if spec.quaternion_xyzw is not None:
-        quaternion = _vector(spec.quaternion_xyzw, 4, "quaternion_xyzw", pointer)
-        try:
-            T[:3, :3] = rotation_from_quaternion(quaternion)
-        except ValueError as error:
-            raise InvalidTarget(
-                f"{_called(pointer)}.quaternion_xyzw {error}", f"{pointer}/quaternion_xyzw"
-            ) from None
-    elif spec.rpy is not None:
-        T[:3, :3] = rotation_from_euler("xyz", _vector(spec.rpy, 3, "rpy", pointer))
-    elif spec.euler is not None:
-        sequence, angles = spec.euler
-        values = _vector(angles, 3, "euler", pointer)
-        T[:3, :3] = rotation_from_euler(sequence, values, f"{pointer}/euler/sequence")
-    elif spec.direction is not None:
-        T[:3, :3] = _along(_vector(spec.direction, 3, "direction", pointer), pointer)
-    elif spec.phi is not None:
-        T[:3, :3] = rotation_from_euler("xyz", _vector([0.0, 0.0, spec.phi], 3, "phi", pointer))
-    return T
-
-
-def target_poses(matrices: FloatArray, pointer: str = "/targets/matrix") -> FloatArray:
-    """Checks many target matrices, shape (n, 4, 4).
-
-    Raises:
-        InvalidTarget: One is no rigid placement; the pointer says which.
-    """
-    if matrices.ndim != 3 or matrices.shape[1:] != (4, 4):
-        raise InvalidTarget("targets are no 4x4 matrices; give shape (n, 4, 4)", pointer)
-    try:
-        poses = rigid_transforms(matrices)
-    except ValueError:
-        for index, matrix in enumerate(matrices):
-            target_pose(TargetSpec(matrix=matrix.tolist()), POSE, f"{pointer}/{index}")
-        raise
-    if poses.size and not np.abs(poses).max() <= MAX_VALUE:
-        raise InvalidTarget("a target is beyond ±1e6", pointer)
+    given = [
+        name
+        for name in ("quaternion_xyzw", "rpy", "euler", "phi", "direction")
+        if getattr(targets, name) is not None
+    ]
+    if targets.matrix is not None:
+        if given or targets.position is not None:
+            message = f"{targets.called(0)} has a matrix and other fields; give one form"
+            raise targets.refusal(0, message)
+        return _matrices(targets)
+    _check_parts(targets, task, given)
+    rotations = _rotations(targets)
+    positions = None if targets.position is None else _positions(targets, task)
+    poses = np.zeros((targets.count, 4, 4))
+    poses[:, 3, 3] = 1.0
+    poses[:, :3, :3] = np.eye(3) if rotations is None else rotations
+    if positions is not None:
+        poses[:, :3, 3] = positions
     return poses
 
 
-def _along(direction: FloatArray, pointer: str) -> FloatArray:
-    """A rotation whose z axis has a direction."""
+def _check_parts(targets: Targets, task: Task, given: list[str]) -> None:
+    """Check that the task finds what it needs, once."""
+    name = targets.called(0)
+    if len(given) > 1:
+        raise targets.refusal(0, f"{name} has {' and '.join(given)}; give one orientation")
+    if task.positions and targets.position is None:
+        message = f"task {task.name} needs a position; give {name}.position or .matrix"
+        raise targets.refusal(0, message, "position")
+    if task.rotations and not given:
+        raise targets.refusal(
+            0,
+            f"task {task.name} needs an orientation; give {name}.rpy, quaternion_xyzw, euler, phi,"
+            " direction or matrix, or choose task position",
+        )
+    if targets.phi is not None and task.rotations not in ((), (2,)):
+        raise targets.refusal(
+            0,
+            f"{name}.phi is an angle about z alone, but task {task.name} needs a whole"
+            " orientation; give rpy, quaternion_xyzw, euler or matrix",
+            "phi",
+        )
+    if targets.direction is not None and task.rotations and not task.own_axes:
+        raise targets.refusal(
+            0,
+            f"{name}.direction leaves the turn about it open, but task {task.name} needs it;"
+            " choose task position_direction or direction, or give rpy, quaternion_xyzw, euler or"
+            " matrix",
+            "direction",
+        )
+
+
+def _matrices(targets: Targets) -> FloatArray:
+    """Return checked matrices, shape (n, 4, 4), with their rounding mended."""
+    given = targets.matrix
+    assert given is not None
+    if not targets.many:
+        return _matrix(targets, 0, given[0])[None]
+    if isinstance(given, np.ndarray) and given.shape[1:] != (4, 4):
+        place = "/" + "/".join(map(str, (*targets.location, "matrix")))
+        raise InvalidTarget("targets are no 4x4 matrices; give shape (n, 4, 4)", place)
+    try:
+        poses = rigid_transforms(_regular(given))
+    except ValueError:
+        # One of them, or their shape: looked at one by one for the place and the reason.
+        return np.array([_matrix(targets, k, one) for k, one in enumerate(given)])
+    if poses.size and not np.abs(poses[:, :3, 3]).max() <= MAX_VALUE:
+        k = int(np.flatnonzero(~(np.abs(poses[:, :3, 3]) <= MAX_VALUE).all(axis=1))[0])
+        _matrix(targets, k, poses[k])
+    return poses
+
+
+def _regular(matrices: Sequence[Sequence[Sequence[float]]] | FloatArray) -> FloatArray:
+    array = np.asarray(matrices, dtype=np.float64)
+    if array.ndim != 3 or array.shape[1:] != (4, 4):
+        raise ValueError("not 4x4 matrices")
+    return array
+
+
+def _matrix(targets: Targets, k: int, given: Sequence[Sequence[float]] | FloatArray) -> FloatArray:
+    try:
+        matrix = rigid_transform(given)
+    except ValueError as error:
+        raise targets.refusal(k, f"target.matrix {error}", "matrix") from None
+    _check_values(targets, k, "matrix", matrix[:3, 3])
+    return matrix
+
+
+def _positions(targets: Targets, task: Task) -> FloatArray:
+    """Return positions, shape (n, 3); z is 0 where it is not given."""
+    given = targets.position
+    assert given is not None
+    sizes = (3,) if 2 in task.positions else (2, 3)
+    rows = np.zeros((len(given), 3))
+    for k, row in enumerate(given):
+        if len(row) not in sizes:
+            name = targets.called(k, "position")
+            wanted = (
+                "3" if sizes == (3,) else f"2, or 3, of which task {task.name} does not look at z"
+            )
+            message = f"{name} has {len(row)} values; give {wanted}"
+            raise targets.refusal(k, message, "position")
+        rows[k, : len(row)] = row
+    _check_rows(targets, "position", rows)
+    return rows
+
+
+def _rotations(targets: Targets) -> FloatArray | None:
+    """Return rotations, shape (n, 3, 3); None where no orientation is given."""
+    if targets.quaternion_xyzw is not None:
+        return _each(targets, "quaternion_xyzw", targets.quaternion_xyzw, 4, _of_quaternion)
+    if targets.rpy is not None:
+        return _each(targets, "rpy", targets.rpy, 3, lambda _, row: rotation_from_euler("xyz", row))
+    if targets.euler is not None:
+        sequence, angles = targets.euler
+        first = (0,) if targets.many and not targets.by_field else ()
+        place = "/" + "/".join(map(str, (*targets.location, *first, "euler", "sequence")))
+        return _each(
+            targets, "euler", angles, 3, lambda _, row: rotation_from_euler(sequence, row, place)
+        )
+    if targets.direction is not None:
+        return _each(targets, "direction", targets.direction, 3, _along)
+    if targets.phi is not None:
+        rows = np.zeros((len(targets.phi), 3))
+        rows[:, 2] = targets.phi
+        return _each(targets, "phi", rows, 3, lambda _, row: rotation_from_euler("xyz", row))
+    return None
+
+
+def _each(
+    targets: Targets,
+    name: str,
+    given: Rows,
+    size: int,
+    rotation: Callable[[Callable[[str], InvalidTarget], FloatArray], FloatArray],
+) -> FloatArray:
+    """Return the rotation of each row of a field, which must have ``size`` values."""
+    for k, row in enumerate(given):
+        if len(row) != size:
+            message = f"{targets.called(k, name)} has {len(row)} values; give {size}"
+            raise targets.refusal(k, message, name)
+    rows = np.asarray(given, dtype=np.float64)
+    _check_rows(targets, name, rows)
+
+    def refusal(k: int) -> Callable[[str], InvalidTarget]:
+        return lambda why: targets.refusal(k, f"{targets.called(k, name)} {why}", name)
+
+    return np.array([rotation(refusal(k), row) for k, row in enumerate(rows)])
+
+
+def _check_rows(targets: Targets, name: str, rows: FloatArray) -> None:
+    good = np.abs(rows) <= MAX_VALUE  # False for NaN too
+    if not good.all():
+        k = int(np.flatnonzero(~good.all(axis=1))[0])
+        _check_values(targets, k, name, rows[k])
+
+
+def _check_values(targets: Targets, k: int, name: str, values: FloatArray) -> None:
+    if not (np.abs(values) <= MAX_VALUE).all():
+        shown = targets.called(k, name)
+        message = f"{shown} has a value that is not finite or beyond ±1e6"
+        raise targets.refusal(k, message, name)
+
+
+def _of_quaternion(refusal: Callable[[str], InvalidTarget], row: FloatArray) -> FloatArray:
+    try:
+        return rotation_from_quaternion(row)
+    except ValueError as error:
+        raise refusal(str(error)) from None
+
+
+def _along(refusal: Callable[[str], InvalidTarget], direction: FloatArray) -> FloatArray:
+    """Return a rotation whose z axis has a direction."""
     length = float(np.linalg.norm(direction))
     if length < 1e-9:
-        raise InvalidTarget(
-            f"{_called(pointer)}.direction is zero; give the frame's z axis, such as [0, 0, -1]",
-            f"{pointer}/direction",
-        )
+        raise refusal("is zero; give the frame's z axis, such as [0, 0, -1]")
     z = direction / length
     x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
     x /= np.linalg.norm(x)
     return np.column_stack((x, np.cross(z, x), z))
-
-
-def _position(position: Sequence[float], task: Task, pointer: str) -> FloatArray:
-    if 2 in task.positions:
-        return _vector(position, 3, "position", pointer)
-    if len(position) not in (2, 3):
-        raise InvalidTarget(
-            f"{_called(pointer)}.position has {len(position)} values; give 2, or 3, of which task"
-            f" {task.name} does not look at z",
-            f"{pointer}/position",
-        )
-    return _vector([*position, 0.0][:3], 3, "position", pointer)
-
-
-def _vector(values: Sequence[float], size: int, name: str, pointer: str) -> FloatArray:
-    if len(values) != size:
-        raise InvalidTarget(
-            f"{_called(pointer)}.{name} has {len(values)} values; give {size}", f"{pointer}/{name}"
-        )
-    for value in values:
-        if not -MAX_VALUE <= value <= MAX_VALUE:
-            raise InvalidTarget(
-                f"{_called(pointer)}.{name} has a value that is not finite or beyond ±1e6",
-                f"{pointer}/{name}",
-            )
-    return np.array(values, dtype=np.float64)
-
-
-def _called(pointer: str) -> str:
-    """What a message calls the field that a pointer leads to."""
-    return pointer.strip("/").replace("/", ".") or "target"

@@ -1,0 +1,1 @@
+"""Request fields, each declared once: its type, unit, reader, bounds, text and example."""

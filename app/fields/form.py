@@ -1,0 +1,180 @@
+"""The forms of a request: JSON, query and npy -> one typed request, from its declaration alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Generic, TypeVar, get_args, get_origin, get_type_hints
+
+import msgspec
+from numpy.typing import NDArray
+
+from app.fields.field import KEY, Field, Parameter, Reading
+from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.query import COMMON
+from app.http.strict_json import decode_json, validation_problem
+
+R = TypeVar("R", bound=msgspec.Struct)
+PLAIN = Field()
+"""The declaration of a field that only a body gives, as JSON has it."""
+_ROBOT = Annotated[
+    msgspec.Raw,
+    msgspec.Meta(
+        description='A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot.',
+        extra_json_schema={
+            "anyOf": [
+                {"type": "string"},
+                {"$ref": "#/components/schemas/DHTable"},
+                {"$ref": "#/components/schemas/InlineURDF"},
+            ]
+        },
+    ),
+]
+
+
+class RequestForm(Generic[R]):
+    """How a request is given and read.
+
+    Args:
+        request: Its type, whose annotations declare the fields.
+
+    Attributes:
+        fields: The declaration of each field.
+        wire: What JSON is decoded to.
+        inline: The same, with the field ``robot`` besides.
+        parameters: Parameters of the GET form by name, each with the field that it belongs to.
+    """
+
+    def __init__(self, request: type[R]) -> None:
+        self.request = request
+        types = get_type_hints(request, include_extras=True)
+        self.fields = {name: declaration(types[name]) for name in request.__struct_fields__}
+        self._wires: dict[str, Any] = {}
+        defaults: dict[str, Any] = {}
+        for info in msgspec.structs.fields(request):
+            field = self.fields[info.name]
+            self._wires[info.name] = _wire_type(types[info.name], field)
+            defaults[info.name] = _default_on_wire(info, field)
+        self.required = tuple(name for name, one in defaults.items() if one is msgspec.NODEFAULT)
+        members = [
+            (name, wire) if name in self.required else (name, wire, defaults[name])
+            for name, wire in self._wires.items()
+        ]
+        self.wire = _struct(request.__name__, members, request.__doc__)
+        self.inline = _struct(
+            f"Inline{request.__name__}", [("robot", _ROBOT), *members], request.__doc__
+        )
+        self.parameters: dict[str, tuple[str, Parameter]] = {
+            parameter.name or name: (name, parameter)
+            for name, field in self.fields.items()
+            for parameter in field.parameters
+        }
+        ordered = sorted(self.fields.items(), key=lambda item: item[1].late)
+        self._in_order = tuple((name, field, (name,)) for name, field in ordered)
+
+    def from_json(self, body: bytes) -> msgspec.Struct:
+        """Decode a body.
+
+        Raises:
+            RequestProblem: 400 for text that is no JSON, 422 with a pointer for a wrong type.
+        """
+        decoded: msgspec.Struct = decode_json(body, self.wire)
+        return decoded
+
+    def from_query(self, query: Mapping[str, str], reading: Reading) -> msgspec.Struct:
+        """Read the parameters of a GET form, whose names have been checked.
+
+        Raises:
+            RequestProblem: A value cannot be read, or a field is missing.
+        """
+        return self._complete(self._values(query, reading))
+
+    def from_npy(
+        self, name: str, array: NDArray[Any], query: Mapping[str, str], reading: Reading
+    ) -> msgspec.Struct:
+        """Take an array as one field, and the others from the query.
+
+        Raises:
+            RequestProblem: The query gives that field too, a value cannot be read, or a field is
+                missing.
+        """
+        values = self._values(query, reading)
+        if name in values:
+            raise RequestProblem(
+                INVALID_REQUEST, f"{name} is in the npy body and in the query", f"/{name}"
+            )
+        return self._complete({**values, name: array})
+
+    def resolved(self, decoded: msgspec.Struct, reading: Reading) -> R:
+        """Return the request, with every value in the units of ``kinematics``.
+
+        Raises:
+            RequestProblem: A value cannot be read.
+            KinematicsError: A value does not fit.
+        """
+        given = reading.given
+        for name, field, location in self._in_order:
+            given[name] = field.resolve(getattr(decoded, name), location, reading)
+        return self.request(**given)
+
+    def _values(self, query: Mapping[str, str], reading: Reading) -> dict[str, Any]:
+        read: dict[str, dict[str, Any]] = {}
+        for key, text in query.items():
+            if key not in COMMON:
+                name, parameter = self.parameters[key]
+                read.setdefault(name, {})[key] = parameter.read(key, text, reading)
+        return {
+            name: self._checked(name, self.fields[name].gathered(name, values))
+            for name, values in read.items()
+        }
+
+    def _checked(self, name: str, value: Any) -> Any:
+        wire = self._wires[name]
+        if isinstance(value, msgspec.Struct) or get_args(wire)[:1] == (msgspec.Raw,):
+            return value
+        try:
+            return msgspec.convert(value, wire)
+        except msgspec.ValidationError as error:
+            raise validation_problem(error, f"/{name}") from None
+
+    def _complete(self, values: dict[str, Any]) -> msgspec.Struct:
+        missing = next((name for name in self.required if name not in values), None)
+        if missing is not None:
+            raise RequestProblem(
+                INVALID_REQUEST, f"the field {missing!r} is missing; give it", f"/{missing}"
+            )
+        return self.wire(**values)
+
+
+def declaration(annotation: Any) -> Field:
+    """Return what an annotated type declares; ``PLAIN`` where it declares nothing."""
+    if get_origin(annotation) is Annotated:
+        for meta in reversed(get_args(annotation)[1:]):
+            extra = meta.extra if isinstance(meta, msgspec.Meta) else None
+            if extra and KEY in extra:
+                found: Field = extra[KEY]
+                return found
+    return PLAIN
+
+
+def _wire_type(annotation: Any, field: Field) -> Any:
+    if field.wire is None:
+        return annotation
+    metas = get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()
+    wire: Any = field.wire
+    for meta in metas:
+        wire = Annotated[wire, meta]
+    return wire
+
+
+def _default_on_wire(info: msgspec.structs.FieldInfo, field: Field) -> Any:
+    if info.default is not msgspec.NODEFAULT:
+        return field.written(info.default)
+    if info.default_factory is not msgspec.NODEFAULT:
+        return msgspec.field(default_factory=info.default_factory)
+    return msgspec.NODEFAULT
+
+
+def _struct(name: str, members: list[Any], doc: str | None) -> type[msgspec.Struct]:
+    return msgspec.defstruct(
+        name, members, kw_only=True, forbid_unknown_fields=True, namespace={"__doc__": doc}
+    )

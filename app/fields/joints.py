@@ -1,0 +1,170 @@
+"""Joint values of requests: one q, a batch, or values by joint name -> arrays in rad and m."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, TypeAlias
+
+import msgspec
+import numpy as np
+
+from app.fields import texts
+from app.fields.field import Field, Location, Parameter, Reading, declared
+from app.http.pointers import json_pointer
+from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.strict_json import (
+    PIECE,
+    RowLengthError,
+    decode_json,
+    decode_numbers,
+    decode_rows,
+)
+from dh_to_urdf.errors import quoted
+from kinematics.configuration import configuration, configuration_by_name
+from robots.robot import FloatArray
+
+MAX_INTEGER = 10**300
+"""An integer beyond it is no floating-point number."""
+_ONE = {"type": "array", "items": {"type": "number"}}
+_BY_NAME = {"type": "object", "additionalProperties": {"type": "number"}}
+_BATCH = {"type": "array", "items": _ONE, "minItems": 1}
+
+
+@dataclass(frozen=True)
+class JointField(Field):
+    """One value a joint, in the robot's order or by name.
+
+    Attributes:
+        many: Whether a batch is taken too, shape (n, dof).
+        angular: Whether values of revolute joints are in the angle unit of the request.
+        optional: Whether it may be left out or null.
+    """
+
+    many: bool = True
+    angular: bool = True
+    optional: bool = False
+
+    @property
+    def wire(self) -> Any:
+        """The text itself, so that large batches are decoded piece by piece."""
+        return msgspec.Raw
+
+    @property
+    def late(self) -> bool:
+        """Batches may be large."""
+        return True
+
+    @property
+    def large(self) -> bool:
+        """Batches may be large."""
+        return self.many
+
+    def resolve(self, value: Any, location: Location, reading: Reading) -> FloatArray | None:
+        """Return an array of shape (dof,) or (n, dof), rad and m; None where nothing is given.
+
+        Raises:
+            RequestProblem: Not numbers, more rows than one request may hold, or a batch where one
+                list is taken.
+            WrongConfiguration: It does not fit the robot.
+        """
+        raw = isinstance(value, msgspec.Raw)
+        if value is None or (self.optional and raw and bytes(value) == b"null"):
+            return None
+        q = self._array(value, location, reading)
+        if q.ndim != 1 and not self.many:
+            message = f"{location[-1]} is a batch; give one list"
+            raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
+        return reading.units.joints_in(reading.robot, q) if self.angular else q
+
+    def _array(self, value: Any, location: Location, reading: Reading) -> FloatArray:
+        most = reading.settings.max_batch
+        if isinstance(value, msgspec.Raw):
+            value = _from_json(bytes(value), location, reading)
+        q = configuration(reading.robot, value, json_pointer(location))
+        if q.ndim == 2 and not 1 <= len(q) <= most:
+            message = f"{location[-1]} holds {len(q)} rows; give 1 to {most}"
+            raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
+        return q
+
+
+def _from_json(text: bytes, location: Location, reading: Reading) -> Any:
+    pointer, name, robot = json_pointer(location), location[-1], reading.robot
+    if text[:1] == b"{":
+        return _by_name(text, location, reading)
+    if text[:1] != b"[":
+        shown = text[:32].decode(errors="replace")
+        message = f"{name} is {shown}; give a list of numbers, one a joint"
+        raise RequestProblem(INVALID_REQUEST, message, pointer)
+    if text[1:64].lstrip()[:1] == b"[":
+        try:
+            return decode_rows(text, pointer, robot.dof, reading.settings.max_batch)
+        except RowLengthError as odd:
+            return configuration(robot, odd.row, json_pointer((*location, odd.index)))
+    return decode_numbers(text, pointer)
+
+
+def _by_name(text: bytes, location: Location, reading: Reading) -> FloatArray:
+    pointer, name = json_pointer(location), location[-1]
+    if len(text) > PIECE:
+        message = f"{name} has {len(text)} bytes; name each joint once"
+        raise RequestProblem(INVALID_REQUEST, message, pointer)
+    values = decode_json(text, dict[str, Any], pointer)
+    for joint, value in values.items():
+        plain = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not plain or abs(value) > MAX_INTEGER:
+            raise RequestProblem(
+                INVALID_REQUEST,
+                f"{name} of joint {joint[:64]} is {quoted(value)}; give a number",
+                json_pointer((*location, joint)),
+            )
+    return configuration_by_name(reading.robot, values, pointer)
+
+
+def is_one(q: object) -> bool:
+    """Return whether an array of joint values is one configuration, not a batch."""
+    return isinstance(q, np.ndarray) and q.ndim == 1
+
+
+_Q_TEXT = "Joint values, one a joint in the robot's order: a list, "
+_UNITS = "rad and m, or degrees with ?angle=deg."
+_MANY = f"{_Q_TEXT}a batch (list of lists), or an object {{joint name: value}}. {_UNITS}"
+_SINGLE = f"{_Q_TEXT}or an object {{joint name: value}}. {_UNITS}"
+_Q_QUERY = "Joint values, comma-separated, in the robot's order; pi/2 and 90deg are read too."
+
+
+def _meta(query: str, text: str, field: JointField) -> msgspec.Meta:
+    schemas: list[dict[str, Any]] = [_ONE, *([_BATCH] if field.many else []), _BY_NAME]
+    if field.optional:
+        schemas.append({"type": "null"})
+    parameters = (Parameter(texts.joint_values, query),) if query else ()
+    return declared(replace(field, parameters=parameters), text, {"anyOf": schemas})
+
+
+def optional_configuration(query: str, text: str) -> msgspec.Meta:
+    """Return the annotation of one q that may be left out, with its texts for the documents."""
+    return _meta(query, text, JointField(many=False, optional=True))
+
+
+Configuration: TypeAlias = Annotated[FloatArray, _meta(_Q_QUERY, _MANY, JointField())]
+SingleConfiguration: TypeAlias = Annotated[
+    FloatArray, _meta(_Q_QUERY, _SINGLE, JointField(many=False))
+]
+JointRates: TypeAlias = Annotated[
+    FloatArray,
+    _meta("Joint velocities, comma-separated, in the robot's order.", _MANY, JointField()),
+]
+JointEfforts: TypeAlias = Annotated[
+    FloatArray,
+    _meta(
+        "Joint torques and forces, comma-separated, in N m and N.",
+        f"{_Q_TEXT}a batch (list of lists), or an object {{joint name: value}}; N m and N.",
+        JointField(angular=False),
+    ),
+]
+Seed: TypeAlias = Annotated[
+    FloatArray | None,
+    optional_configuration(
+        "First start, comma-separated joint values.",
+        "One q, as a list or an object {joint name: value}; may be left out.",
+    ),
+]

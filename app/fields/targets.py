@@ -1,0 +1,288 @@
+"""Targets of requests: one pose or many, in any one of their forms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeAlias
+
+import msgspec
+import numpy as np
+
+from app.fields import texts
+from app.fields.bounds import batch_of, coordinates, within
+from app.fields.field import Field, Location, Parameter, Reading, declared
+from app.fields.names import SEQUENCES, one_of
+from app.http.pointers import json_pointer
+from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.strict_json import validation_problem
+from app.http.units import Units
+from kinematics.inverse.target import Targets, target_poses
+from kinematics.task import Task
+from robots.robot import FloatArray
+
+_ROW = {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4}
+_MATRIX = {"type": "array", "items": _ROW, "minItems": 4, "maxItems": 4}
+_FORMS = ("matrix", "position", "quaternion_xyzw", "rpy", "euler", "phi", "direction")
+_SEQUENCE = msgspec.Meta(extra_json_schema=one_of(SEQUENCES))
+
+
+class EulerField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """An orientation as Euler angles."""
+
+    sequence: Annotated[str, _SEQUENCE]
+    angles: Annotated[list[float], coordinates(3)]
+
+
+class Target(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """A pose: a matrix, or a position with one orientation; what the task ignores may be left out.
+
+    For the task xy the position may be [x, y]. phi is an angle about z: a frame that follows a
+    path turns to it with whatever tilt it has. direction is that of the frame's z axis, for tasks
+    that leave the turn about it open.
+    """
+
+    matrix: Annotated[
+        list[list[float]] | None,
+        msgspec.Meta(extra_json_schema={k: v for k, v in _MATRIX.items() if k != "type"}),
+    ] = None
+    position: Annotated[list[float] | None, coordinates(2, 3)] = None
+    quaternion_xyzw: Annotated[list[float] | None, coordinates(4)] = None
+    rpy: Annotated[list[float] | None, coordinates(3)] = None
+    euler: EulerField | None = None
+    phi: Annotated[float | None, within(-1e6, 1e6)] = None
+    direction: Annotated[list[float] | None, coordinates(3)] = None
+
+
+class EulerBatch(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """Orientations as Euler angles of one sequence."""
+
+    sequence: Annotated[str, _SEQUENCE]
+    angles: Annotated[list[list[float]], batch_of(3)]
+
+
+class TargetBatch(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """Many targets: every field with a leading axis n."""
+
+    matrix: Annotated[
+        list[list[list[float]]] | None, msgspec.Meta(extra_json_schema={"items": _MATRIX})
+    ] = None
+    position: Annotated[list[list[float]] | None, batch_of(2, 3)] = None
+    quaternion_xyzw: Annotated[list[list[float]] | None, batch_of(4)] = None
+    rpy: Annotated[list[list[float]] | None, batch_of(3)] = None
+    euler: EulerBatch | None = None
+    phi: list[float] | None = None
+    direction: Annotated[list[list[float]] | None, batch_of(3)] = None
+
+
+def target_pose(target: Target, task: Task, units: Units, location: Location) -> FloatArray:
+    """Return the pose of one target, shape (4, 4), m.
+
+    Raises:
+        InvalidTarget: The target is no pose, or lacks what the task needs.
+    """
+    pose: FloatArray = target_poses(_one(target, units, location), task)[0]
+    return pose
+
+
+def _one(target: Target, units: Units, location: Location) -> Targets:
+    euler = target.euler
+    return Targets(
+        matrix=None if target.matrix is None else [target.matrix],
+        position=None if target.position is None else [target.position],
+        quaternion_xyzw=None if target.quaternion_xyzw is None else [target.quaternion_xyzw],
+        rpy=None if target.rpy is None else [_in(target.rpy, units)],
+        euler=None if euler is None else (euler.sequence, [_in(euler.angles, units)]),
+        phi=None if target.phi is None else _in([target.phi], units),
+        direction=None if target.direction is None else [target.direction],
+        location=location,
+    )
+
+
+def _in(angles: Sequence[float], units: Units) -> list[float]:
+    """Return angles of a request, rad."""
+    return [math.radians(angle) for angle in angles] if units.degrees else list(angles)
+
+
+@dataclass(frozen=True)
+class OneTarget(Field):
+    """One target, in a query by the fields of its form; it goes with a field ``task``.
+
+    Attributes:
+        optional: Whether it may be left out.
+    """
+
+    optional: bool = False
+
+    @property
+    def wire(self) -> Any:
+        """An object, or nothing."""
+        return Target | None if self.optional else Target
+
+    @property
+    def late(self) -> bool:
+        """The task says what a target must give."""
+        return True
+
+    def gathered(self, name: str, values: Mapping[str, Any]) -> Target:
+        """Return the target that the parameters give.
+
+        Raises:
+            RequestProblem: A value has the wrong form.
+        """
+        try:
+            return msgspec.convert(values, Target)
+        except msgspec.ValidationError as error:
+            raise validation_problem(error, f"/{name}") from None
+
+    def resolve(self, value: Any, location: Location, reading: Reading) -> FloatArray | None:
+        """Return the pose, shape (4, 4), m.
+
+        Raises:
+            InvalidTarget: It is no pose, or lacks what the task needs.
+        """
+        if value is None:
+            return None
+        return target_pose(value, reading.given["task"], reading.units, location)
+
+
+@dataclass(frozen=True)
+class PathTarget(OneTarget):
+    """One target, whose pose is read with what else a path needs."""
+
+    def resolve(self, value: Any, location: Location, reading: Reading) -> Target | None:  # type: ignore[override]
+        """Return the target as it is given."""
+        del location, reading
+        found: Target | None = value
+        return found
+
+
+@dataclass(frozen=True)
+class ManyTargets(Field):
+    """Many targets: a list, one object with leading axes, or an array of npy."""
+
+    @property
+    def wire(self) -> Any:
+        """A list or an object."""
+        return list[Target] | TargetBatch | None
+
+    @property
+    def late(self) -> bool:
+        """They may be many, and the task says what they must give."""
+        return True
+
+    def resolve(self, value: Any, location: Location, reading: Reading) -> FloatArray | None:
+        """Return the poses, shape (n, 4, 4); of an array with two axes the one, shape (4, 4).
+
+        Raises:
+            RequestProblem: Too many, none, or fields of unequal lengths.
+            InvalidTarget: One is no pose, or lacks what the task needs.
+        """
+        if value is None:
+            return None
+        task: Task = reading.given["task"]
+        if isinstance(value, np.ndarray):
+            array = value if value.ndim == 3 else value[None]
+            _check_count(len(array), location, reading)
+            targets = Targets(matrix=array, location=location, many=True, by_field=True)
+            poses = target_poses(targets, task)
+            return poses if value.ndim == 3 else poses[0]
+        if isinstance(value, TargetBatch):
+            return target_poses(_by_field(value, location, reading), task)
+        _check_count(len(value), location, reading)
+        groups = _listed(value, location, reading)
+        return np.concatenate([target_poses(group, task) for group in groups])
+
+
+def _listed(targets: Sequence[Target], location: Location, reading: Reading) -> tuple[Targets, ...]:
+    """Return targets of one form together, others one by one."""
+    forms = {
+        tuple(
+            value.sequence if isinstance(value, EulerField) else value is not None
+            for value in (getattr(one, name) for name in _FORMS)
+        )
+        for one in targets
+    }
+    if len(forms) > 1:
+        return tuple(_one(one, reading.units, (*location, k)) for k, one in enumerate(targets))
+    columns = {
+        name: [getattr(one, name) for one in targets]
+        for name in _FORMS
+        if getattr(targets[0], name) is not None
+    }
+    return (_together(columns, location, reading, len(targets), by_field=False),)
+
+
+def _by_field(batch: TargetBatch, location: Location, reading: Reading) -> Targets:
+    columns: dict[str, Any] = {
+        name: value for name in _FORMS if (value := getattr(batch, name)) is not None
+    }
+    if isinstance(batch.euler, EulerBatch):
+        sequence = batch.euler.sequence
+        columns["euler"] = [
+            EulerField(sequence=sequence, angles=angles) for angles in batch.euler.angles
+        ]
+    lengths = {name: len(value) for name, value in columns.items()}
+    if len(set(lengths.values())) != 1:
+        found = ", ".join(f"{name} {length}" for name, length in lengths.items()) or "nothing"
+        message = f"{location[-1]} has fields of unequal lengths ({found})"
+        raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
+    count = next(iter(lengths.values()))
+    _check_count(count, location, reading)
+    return _together(columns, location, reading, count, by_field=True)
+
+
+def _together(
+    columns: Mapping[str, Any], location: Location, reading: Reading, count: int, *, by_field: bool
+) -> Targets:
+    units = reading.units
+    rpy, phi = columns.get("rpy"), columns.get("phi")
+    euler: list[EulerField] | None = columns.get("euler")
+    return Targets(
+        matrix=columns.get("matrix"),
+        position=columns.get("position"),
+        quaternion_xyzw=columns.get("quaternion_xyzw"),
+        rpy=None if rpy is None else [_in(row, units) for row in rpy],
+        euler=None
+        if euler is None
+        else (euler[0].sequence, [_in(one.angles, units) for one in euler]),
+        phi=None if phi is None else _in(phi, units),
+        direction=columns.get("direction"),
+        count=count,
+        location=location,
+        many=True,
+        by_field=by_field,
+    )
+
+
+def _check_count(count: int, location: Location, reading: Reading) -> None:
+    limit = reading.settings.max_ik_batch
+    if not 1 <= count <= limit:
+        message = f"{location[-1]} holds {count}; give 1 to {limit}"
+        raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
+
+
+_PARAMETERS = (
+    Parameter(texts.lengths, "Target x,y,z in m.", "position"),
+    Parameter(texts.angles, "Target roll,pitch,yaw.", "rpy"),
+    Parameter(texts.scalars, "Target quaternion x,y,z,w.", "quaternion_xyzw"),
+    Parameter(
+        texts.euler, "Euler sequence such as ZXZ; for ik with angles: ZXZ:10,20,30.", "euler"
+    ),
+    Parameter(texts.angle, "Target angle about z.", "phi"),
+    Parameter(texts.scalars, "Target direction of the frame's z axis, x,y,z.", "direction"),
+    Parameter(texts.matrix, "Target matrix, 16 numbers row by row.", "matrix"),
+)
+RequiredTarget: TypeAlias = Annotated[FloatArray, declared(OneTarget(_PARAMETERS))]
+OptionalTarget: TypeAlias = Annotated[
+    FloatArray | None, declared(OneTarget(_PARAMETERS, optional=True))
+]
+TargetList: TypeAlias = Annotated[
+    FloatArray | None,
+    declared(ManyTargets(), "Many targets: a list, or one object with leading axes n."),
+]
+PathEnd: TypeAlias = Annotated[
+    Target | None,
+    declared(PathTarget(_PARAMETERS, optional=True), "End of a straight line; turns by SLERP."),
+]

@@ -1,0 +1,39 @@
+"""What the OpenAPI document says of problems."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from app.openapi.answers import REF
+
+
+class ProblemItem(msgspec.Struct, kw_only=True):
+    """One thing wrong with a request."""
+
+    pointer: str
+    message: str
+
+
+class ProblemDetails(msgspec.Struct, kw_only=True):
+    """RFC 9457 problem document."""
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    errors: list[ProblemItem]
+    request_id: str
+
+
+PROBLEMS: dict[int | str, dict[str, Any]] = {
+    "4XX": {
+        "description": "A problem: what is wrong, where, and what to write instead.",
+        "content": {
+            "application/problem+json": {"schema": {"$ref": REF.format(name="ProblemDetails")}},
+            # To those who ask for text: the same in lines.
+            "text/plain": {"schema": {"type": "string"}},
+        },
+    }
+}
