@@ -10,12 +10,13 @@ import msgspec
 import numpy as np
 
 from app.http.negotiation import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT
+from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.strict_json import PIECE, RowLengthError, decode_json, decode_numbers, decode_rows
 from app.http.units import Units
 from app.operations.schema import TASK, one_of
 from app.settings import Settings
-from dh_to_urdf.errors import escaped, quoted
+from dh_to_urdf.errors import quoted
 from kinematics.configuration import configuration, configuration_by_name
 from kinematics.jacobian import ReferenceFrame
 from kinematics.symbolic import SymbolicWorkers
@@ -223,7 +224,7 @@ def check_size(q: FloatArray, numbers: int, pointer: str = "/q") -> None:
 
 
 def read_configuration(
-    raw: msgspec.Raw | FloatArray, robot: Robot, context: Context, pointer: str = "/q"
+    raw: msgspec.Raw | FloatArray, robot: Robot, context: Context, argument: str = "q"
 ) -> FloatArray:
     """Q of a request in rad and m, shape (dof,) or (n, dof).
 
@@ -232,19 +233,19 @@ def read_configuration(
         WrongConfiguration: It does not fit the robot.
     """
     most = context.settings.max_batch
-    q = raw if isinstance(raw, np.ndarray) else _from_json(raw, robot, pointer, most)
-    q = configuration(robot, q, pointer)
+    q = raw if isinstance(raw, np.ndarray) else _from_json(raw, robot, argument, most)
+    q = configuration(robot, q, argument)
     if q.ndim == 2 and not 1 <= len(q) <= most:
         raise RequestProblem(
             INVALID_REQUEST,
-            f"{pointer.rsplit('/', 1)[-1]} holds {len(q)} rows; give 1 to {most}",
-            pointer,
+            f"{argument} holds {len(q)} rows; give 1 to {most}",
+            json_pointer((argument,)),
         )
     return context.units.joints_in(robot, q)
 
 
 def read_single(
-    raw: msgspec.Raw, robot: Robot, context: Context, pointer: str = "/q"
+    raw: msgspec.Raw, robot: Robot, context: Context, argument: str = "q"
 ) -> FloatArray:
     """One q of a request in rad and m, shape (dof,).
 
@@ -252,10 +253,11 @@ def read_single(
         RequestProblem: Not one list of numbers.
         WrongConfiguration: It does not fit the robot.
     """
-    q = read_configuration(raw, robot, context, pointer)
+    q = read_configuration(raw, robot, context, argument)
     if q.ndim != 1:
-        name = pointer.rsplit("/", 1)[-1]
-        raise RequestProblem(INVALID_REQUEST, f"{name} is a batch; give one list", pointer)
+        raise RequestProblem(
+            INVALID_REQUEST, f"{argument} is a batch; give one list", json_pointer((argument,))
+        )
     return q
 
 
@@ -288,13 +290,12 @@ def read_reference_frame(name: str | None) -> ReferenceFrame:
     return ReferenceFrame(name)
 
 
-def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str, most: int) -> Any:
-    text = bytes(raw)
-    name = pointer.rsplit("/", 1)[-1]
+def _from_json(raw: msgspec.Raw, robot: Robot, argument: str, most: int) -> Any:
+    text, pointer = bytes(raw), json_pointer((argument,))
     if text[:1] == b"{":
         if len(text) > PIECE:
             raise RequestProblem(
-                INVALID_REQUEST, f"{name} has {len(text)} bytes; name each joint once", pointer
+                INVALID_REQUEST, f"{argument} has {len(text)} bytes; name each joint once", pointer
             )
         values = decode_json(text, dict[str, Any], pointer)
         for joint, value in values.items():
@@ -302,21 +303,22 @@ def _from_json(raw: msgspec.Raw, robot: Robot, pointer: str, most: int) -> Any:
             if not plain or abs(value) > MAX_INTEGER:
                 raise RequestProblem(
                     INVALID_REQUEST,
-                    f"{name} of joint {joint[:64]} is {quoted(value)}; give a number",
-                    f"{pointer}/{escaped(joint)}",
+                    f"{argument} of joint {joint[:64]} is {quoted(value)}; give a number",
+                    json_pointer((argument, joint)),
                 )
-        return configuration_by_name(robot, values, pointer)
+        return configuration_by_name(robot, values, argument)
     if text[:1] != b"[":
         raise RequestProblem(
             INVALID_REQUEST,
-            f"{name} is {text[:32].decode(errors='replace')}; give a list of numbers, one a joint",
+            f"{argument} is {text[:32].decode(errors='replace')}; give a list of numbers, one a"
+            " joint",
             pointer,
         )
     if text[1:64].lstrip()[:1] == b"[":
         try:
             return decode_rows(text, pointer, robot.dof, most)
         except RowLengthError as odd:
-            return configuration(robot, odd.row, f"{pointer}/{odd.index}")
+            return configuration(robot, odd.row, argument, (odd.index,))
     return decode_numbers(text, pointer)
 
 

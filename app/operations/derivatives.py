@@ -106,7 +106,7 @@ def _jacobian_derivative(
     reference_frame = read_reference_frame(request.reference_frame)
     frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
-    qd = read_configuration(request.qd, robot, context, "/qd")
+    qd = read_configuration(request.qd, robot, context, "qd")
     check_size(qd if qd.ndim == 2 else q, 6 * robot.dof)
     Jd = jacobian_derivative(robot, q, qd, frame, reference_frame)
     payload = {

@@ -144,7 +144,7 @@ def _read(robot: Robot, request: IKRequest, context: Context) -> _Problem:
     )
     seed = None
     if bytes(request.seed) != NOT_GIVEN:
-        seed = read_single(request.seed, robot, context, "/seed")
+        seed = read_single(request.seed, robot, context, "seed")
     poses, many = read_targets(request.target, request.targets, task, context)
     return _Problem(frame, task, options, quick_options, seed, poses, many)
 

@@ -6,7 +6,6 @@ from typing import Annotated, TypeAlias
 
 import msgspec
 import numpy as np
-from kinematics.redundancy.path.time_law import TimeLaw
 
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.base import (
@@ -29,6 +28,7 @@ from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance import obstacles as solids
 from kinematics.redundancy.path.geometry import Circle, Path, Sampling, circle, polyline
+from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.redundancy.problem import (
     Gains,
     PathOptions,
@@ -245,7 +245,10 @@ def read_problem(robot: Robot, request: PathScenario, context: Context) -> Probl
     q = read_single(request.q, robot, context)
     if request.time_law not in list(TimeLaw):
         raise InvalidOption(
-            f"time_law is {quoted(request.time_law)}; give {', '.join(TimeLaw)}", "/time_law"
+            f"time_law is {quoted(request.time_law)}; give {', '.join(TimeLaw)}",
+            argument="time_law",
+            value=request.time_law,
+            known=tuple(TimeLaw),
         )
     sampling = Sampling(TimeLaw(request.time_law), request.tf, request.samples)
     radius = read_radius(request.link_radius, arm)
@@ -281,31 +284,41 @@ def _path(
     start = fk(robot, q, [arm.frame])[arm.frame]
     if request.circle is not None:
         about = _circle(request.circle)
-        where = "/circle/normal" if request.circle.plane is None else "/circle/plane"
-        return circle(start, about, arm.task, sampling, where)
+        where = "normal" if request.circle.plane is None else "plane"
+        return circle(start, about, arm.task, sampling, "circle", (where,))
     if request.target is not None:
-        goals, pointers = [request.target], ["/target"]
+        target = request.target
+        poses = [read_target(target, arm.task, context.units, "target")]
     else:
         goals = request.waypoints or []
-        pointers = [f"/waypoints/{k}" for k in range(len(goals))]
         if not 1 <= len(goals) <= MAX_WAYPOINTS:
             raise InvalidOption(
-                f"waypoints holds {len(goals)}; give 1 to {MAX_WAYPOINTS}", "/waypoints"
+                f"waypoints holds {len(goals)}; give 1 to {MAX_WAYPOINTS}",
+                argument="waypoints",
+                value=len(goals),
+                lower=1,
+                upper=MAX_WAYPOINTS,
             )
-    poses = [
-        read_target(one, arm.task, context.units, pointer)
-        for one, pointer in zip(goals, pointers, strict=True)
-    ]
+        poses = [
+            read_target(one, arm.task, context.units, "waypoints", (k,))
+            for k, one in enumerate(goals)
+        ]
     return polyline(start, poses, arm.task, sampling)
 
 
 def _circle(field: CircleField) -> Circle:
     if field.normal is not None and field.plane is not None:
-        raise InvalidOption("circle has a normal and a plane; give one", "/circle/plane")
+        raise InvalidOption(
+            "circle has a normal and a plane; give one", argument="circle", index=("plane",)
+        )
     plane = field.plane or "xy"
     if plane not in PLANES:
         raise InvalidOption(
-            f"circle.plane is {quoted(plane)}; give {', '.join(PLANES)}", "/circle/plane"
+            f"circle.plane is {quoted(plane)}; give {', '.join(PLANES)}",
+            argument="circle",
+            index=("plane",),
+            value=plane,
+            known=tuple(PLANES),
         )
     normal = list(PLANES[plane]) if field.normal is None else field.normal
     center = [*field.center, 0.0] if len(field.center) == 2 else field.center
@@ -317,7 +330,8 @@ def _three(values: list[float], name: str) -> FloatArray:
         sizes = "two (in the plane z = 0) or three" if name == "center" else "three"
         raise InvalidOption(
             f"circle.{name} is no point or direction; give {sizes} numbers up to 1e6",
-            f"/circle/{name}",
+            argument="circle",
+            index=(name,),
         )
     return np.array(values)
 
@@ -334,8 +348,8 @@ def _solid(field: ObstacleField, index: int, context: Context) -> solids.Obstacl
     rotation = None
     if (field.rpy, field.quaternion_xyzw, field.euler) != (None, None, None):
         target = Target(rpy=field.rpy, quaternion_xyzw=field.quaternion_xyzw, euler=field.euler)
-        pointer = f"/obstacles/{index}"
-        rotation = read_target(target, TASKS["orientation"], context.units, pointer)[:3, :3]
+        pose = read_target(target, TASKS["orientation"], context.units, "obstacles", (index,))
+        rotation = pose[:3, :3]
     return solids.Box(field.center, field.size, rotation)
 
 
@@ -349,10 +363,10 @@ def read_options(
     """
     posture = None
     if bytes(request.posture) != NOT_GIVEN:
-        wanted = read_single(request.posture, robot, context, "/posture")
+        wanted = read_single(request.posture, robot, context, "posture")
         posture = problem.arm.reduced(wanted)
     if len(request.secondary) > MAX_SECONDARY:
-        raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", "/secondary")
+        raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", argument="secondary")
     gains = request.gains
     options = PathOptions(
         closed_loop=request.closed_loop,
@@ -378,11 +392,10 @@ def read_options(
 def _secondary(
     robot: Robot, field: SecondaryField, k: int, problem: Problem, context: Context
 ) -> SecondaryTask:
-    pointer = f"/secondary/{k}"
-    task = task_from(field.task, f"{pointer}/task")
-    arm = Arm.of(robot, field.frame, task, f"{pointer}/frame")
+    task = task_from(field.task, "secondary", (k, "task"))
+    arm = Arm.of(robot, field.frame, task, "secondary", (k, "frame"))
     if field.target is None:
         pose = fk(robot, problem.start, [arm.frame])[arm.frame]
     else:
-        pose = read_target(field.target, arm.task, context.units, f"{pointer}/target")
+        pose = read_target(field.target, arm.task, context.units, "secondary", (k, "target"))
     return SecondaryTask(arm, np.ascontiguousarray(pose[:3].reshape(12)), field.gain)

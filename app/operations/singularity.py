@@ -158,7 +158,7 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
     task = task_from(request.task)
     if not 0 <= request.tolerance < 1:
         raise InvalidOption(
-            f"tolerance is {request.tolerance:g}; give 0 up to below 1", "/tolerance"
+            f"tolerance is {request.tolerance:g}; give 0 up to below 1", argument="tolerance"
         )
     frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)

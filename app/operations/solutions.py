@@ -76,8 +76,8 @@ def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
     options = IKOptions(tolerance=tolerance, random_seed=request.random_seed)
     seed = None
     if bytes(request.seed) != NOT_GIVEN:
-        seed = read_single(request.seed, robot, context, "/seed")
-    target = read_target(request.target, task, context.units, "/target")
+        seed = read_single(request.seed, robot, context, "seed")
+    target = read_target(request.target, task, context.units, "target")
     found = all_solutions(robot, target, frame=frame, task=task, seed=seed, options=options)
     payload = {
         "units": context.units.named,

@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from app.http.pointers import json_pointer
 from app.http.strict_json import RowLengthError, decode_numbers, decode_rows
 from app.operations.base import Context
 from kinematics.spatial_vectors import spatial_vector
@@ -37,7 +38,7 @@ WrenchField = Annotated[
 
 
 def read_vector(
-    raw: msgspec.Raw, rows: Sequence[str], context: Context, pointer: str
+    raw: msgspec.Raw, rows: Sequence[str], context: Context, argument: str
 ) -> FloatArray:
     """A twist or wrench of a request, shape (m,) or (n, m), in the units of the request.
 
@@ -45,15 +46,14 @@ def read_vector(
         RequestProblem: Not numbers, or more rows than one request may hold.
         WrongVector: Not one value a row, or not finite.
     """
-    text = bytes(raw)
+    text, pointer = bytes(raw), json_pointer((argument,))
     if text[:1] == b"[" and text[1:64].lstrip()[:1] == b"[":
         try:
             batch = decode_rows(text, pointer, len(rows), context.settings.max_batch)
         except RowLengthError as odd:
-            place = f"{pointer}/{odd.index}" if odd.index else pointer
-            return spatial_vector(odd.row, rows, place)
-        return spatial_vector(batch, rows, pointer)
-    return spatial_vector(decode_numbers(text, pointer), rows, pointer)
+            return spatial_vector(odd.row, rows, argument, (odd.index,) if odd.index else ())
+        return spatial_vector(batch, rows, argument)
+    return spatial_vector(decode_numbers(text, pointer), rows, argument)
 
 
 def angular_rows(task: Task) -> NDArray[np.bool_]:

@@ -91,7 +91,7 @@ def _joint_torques(robot: Robot, request: JointTorquesRequest, context: Context)
     frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
     check_size(q, 6 * robot.dof)
-    wrench = read_vector(request.wrench, WRENCH_ROWS, context, "/wrench")
+    wrench = read_vector(request.wrench, WRENCH_ROWS, context, "wrench")
     check_size(wrench, robot.dof, "/wrench")
     tau = joint_torques(robot, q, wrench, frame, reference_frame)
     limits = np.array([np.inf if j.effort is None else j.effort for j in robot.joints])
@@ -113,7 +113,7 @@ def _wrench(robot: Robot, request: WrenchRequest, context: Context) -> Answer:
     frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
     # Torques are no angles: ?angle=deg leaves them alone.
-    tau = read_configuration(request.tau, robot, Context(Units(), context.settings), "/tau")
+    tau = read_configuration(request.tau, robot, Context(Units(), context.settings), "tau")
     check_size(tau if tau.ndim == 2 else q, 6 * robot.dof + robot.dof**2)
     found = wrench_of(
         robot, q, tau, task, frame, reference_frame, tolerance=request.tolerance

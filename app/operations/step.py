@@ -98,12 +98,12 @@ def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
     q = read_single(request.q, robot, context)
     given = bytes(request.z) != NOT_GIVEN
     if len(request.secondary) > MAX_SECONDARY:
-        raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", "/secondary")
+        raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", argument="secondary")
     found = differential_step(
         robot,
         q,
         StepTask(_motion(request.delta_x, task, context), task, frame),
-        z=read_single(request.z, robot, context, "/z") if given else None,
+        z=read_single(request.z, robot, context, "z") if given else None,
         secondary=[_secondary(robot, one, k, context) for k, one in enumerate(request.secondary)],
         damping=request.damping,
     )
@@ -131,7 +131,7 @@ def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
 
 
 def _secondary(robot: Robot, one: SecondaryStep, k: int, context: Context) -> StepTask:
-    task = task_from(one.task, f"/secondary/{k}/task")
+    task = task_from(one.task, "secondary", (k, "task"))
     frame = robot.tip_frame if one.frame is None else one.frame
     robot.frame_id(frame, f"/secondary/{k}/frame")
     return StepTask(_motion(one.delta_x, task, context), task, frame)

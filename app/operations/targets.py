@@ -11,7 +11,7 @@ from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.units import Units
 from app.operations.base import Context
 from app.operations.schema import MATRICES, MATRIX, SEQUENCE, batch_of, coordinates, within
-from kinematics.errors import InvalidTarget
+from kinematics.errors import InvalidTarget, Location
 from kinematics.inverse.target import TargetSpec, target_pose, target_poses
 from kinematics.task import Task
 from robots.robot import FloatArray
@@ -86,7 +86,7 @@ def read_targets(
             INVALID_REQUEST, "give either target (one) or targets (many)", "/target"
         )
     if target is not None:
-        return read_target(target, task, context.units, "/target")[None], False
+        return read_target(target, task, context.units, "target")[None], False
     if isinstance(targets, np.ndarray):
         _check_count(len(targets) if targets.ndim == 3 else 1, context)
         return target_poses(targets if targets.ndim == 3 else targets[None]), targets.ndim == 3
@@ -101,7 +101,7 @@ def read_targets(
     listed = targets if isinstance(targets, list) else _split(targets)
     _check_count(len(listed), context)
     poses = [
-        read_target(one, task, context.units, f"/targets/{index}")
+        read_target(one, task, context.units, "targets", (index,))
         for index, one in enumerate(listed)
     ]
     return np.array(poses), True
@@ -139,7 +139,9 @@ def _split(batch: TargetBatch) -> list[Target]:
     return [Target(**{name: value[k] for name, value in columns.items()}) for k in range(count)]
 
 
-def read_target(target: Target, task: Task, units: Units, pointer: str) -> FloatArray:
+def read_target(
+    target: Target, task: Task, units: Units, argument: str, index: Location = ()
+) -> FloatArray:
     """The pose of a target, 4x4, in m and rad.
 
     Raises:
@@ -162,4 +164,4 @@ def read_target(target: Target, task: Task, units: Units, pointer: str) -> Float
         phi=phi[0] if phi else None,
         direction=target.direction,
     )
-    return target_pose(spec, task, pointer)
+    return target_pose(spec, task, argument, index)

@@ -99,7 +99,7 @@ def _twist(robot: Robot, request: TwistRequest, context: Context) -> Answer:
     frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
     check_size(q, 6 * robot.dof)
-    qd = read_configuration(request.qd, robot, context, "/qd")
+    qd = read_configuration(request.qd, robot, context, "qd")
     twist = twist_of(robot, q, qd, frame, reference_frame)
     twist = context.units.rows_out(angular_rows(POSE), twist)
     payload = {
@@ -117,7 +117,7 @@ def _joint_velocities(robot: Robot, request: JointVelocitiesRequest, context: Co
     reference_frame = read_reference_frame(request.reference_frame)
     frame = read_frame(request.frame, robot)
     q = read_configuration(request.q, robot, context)
-    twist = read_vector(request.twist, task.row_names, context, "/twist")
+    twist = read_vector(request.twist, task.row_names, context, "twist")
     check_size(twist if twist.ndim == 2 else q, 6 * robot.dof + robot.dof**2)
     angular = angular_rows(task)
     found = joint_velocities(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dh_to_urdf.poses import rigid_transform, rigid_transforms
-from kinematics.errors import InvalidTarget
+from kinematics.errors import InvalidTarget, Location, dotted
 from kinematics.orientation import rotation_from_euler, rotation_from_quaternion
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray
@@ -39,13 +39,16 @@ class TargetSpec:
     direction: Sequence[float] | None = None
 
 
-def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> FloatArray:
+def target_pose(
+    spec: TargetSpec, task: Task, argument: str = "target", index: Location = ()
+) -> FloatArray:
     """The pose of a target; what the task does not look at may be missing.
 
     Args:
         spec: The target.
         task: The task space.
-        pointer: JSON pointer for errors.
+        argument: What errors call it.
+        index: Place of the target within that argument.
 
     Returns:
         4x4; the identity in what is not given.
@@ -55,6 +58,7 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
             is not finite or no rotation.
         UnknownSequence: Not an Euler sequence.
     """
+    name = dotted(argument, index)
     orientations = {
         "quaternion_xyzw": spec.quaternion_xyzw,
         "rpy": spec.rpy,
@@ -62,97 +66,131 @@ def target_pose(spec: TargetSpec, task: Task, pointer: str = "/target") -> Float
         "phi": spec.phi,
         "direction": spec.direction,
     }
-    given = [name for name, value in orientations.items() if value is not None]
+    given = [form for form, value in orientations.items() if value is not None]
     if spec.matrix is not None:
         if given or spec.position is not None:
             raise InvalidTarget(
-                f"{_called(pointer)} has a matrix and other fields; give one form", pointer
+                f"{name} has a matrix and other fields; give one form",
+                argument=argument,
+                index=index,
             )
         try:
             matrix = rigid_transform(spec.matrix)
         except ValueError as error:
-            where = pointer if "matrix" in pointer else f"{pointer}/matrix"
-            raise InvalidTarget(f"target.matrix {error}", where) from None
-        _vector(matrix[:3, 3].tolist(), 3, "matrix", pointer)
+            where = index if "matrix" in index else (*index, "matrix")
+            raise InvalidTarget(f"target.matrix {error}", argument=argument, index=where) from None
+        _vector(matrix[:3, 3].tolist(), 3, "matrix", argument, index)
         return matrix
     if len(given) > 1:
         raise InvalidTarget(
-            f"{_called(pointer)} has {' and '.join(given)}; give one orientation", pointer
+            f"{name} has {' and '.join(given)}; give one orientation",
+            argument=argument,
+            index=index,
+            known=tuple(given),
         )
     if task.positions and spec.position is None:
         raise InvalidTarget(
-            f"task {task.name} needs a position; give {_called(pointer)}.position or .matrix",
-            f"{pointer}/position",
+            f"task {task.name} needs a position; give {name}.position or .matrix",
+            argument=argument,
+            index=(*index, "position"),
+            task=task.name,
         )
     if task.rotations and not given:
         raise InvalidTarget(
-            f"task {task.name} needs an orientation; give {_called(pointer)}.rpy, quaternion_xyzw,"
+            f"task {task.name} needs an orientation; give {name}.rpy, quaternion_xyzw,"
             " euler, phi, direction or matrix, or choose task position",
-            pointer,
+            argument=argument,
+            index=index,
+            task=task.name,
+            known=(*orientations, "matrix"),
         )
     if spec.phi is not None and task.rotations not in ((), (2,)):
         raise InvalidTarget(
-            f"{_called(pointer)}.phi is an angle about z alone, but task {task.name} needs a whole"
+            f"{name}.phi is an angle about z alone, but task {task.name} needs a whole"
             " orientation; give rpy, quaternion_xyzw, euler or matrix",
-            f"{pointer}/phi",
+            argument=argument,
+            index=(*index, "phi"),
+            task=task.name,
+            known=("rpy", "quaternion_xyzw", "euler", "matrix"),
         )
     if spec.direction is not None and task.rotations and not task.own_axes:
         raise InvalidTarget(
-            f"{_called(pointer)}.direction leaves the turn about it open, but task {task.name}"
+            f"{name}.direction leaves the turn about it open, but task {task.name}"
             " needs it; choose task position_direction or direction, or give rpy, quaternion_xyzw,"
             " euler or matrix",
-            f"{pointer}/direction",
+            argument=argument,
+            index=(*index, "direction"),
+            task=task.name,
+            known=("rpy", "quaternion_xyzw", "euler", "matrix"),
         )
     T = np.eye(4)
     if spec.position is not None:
-        T[:3, 3] = _position(spec.position, task, pointer)
+        T[:3, 3] = _position(spec.position, task, argument, index)
     if spec.quaternion_xyzw is not None:
-        quaternion = _vector(spec.quaternion_xyzw, 4, "quaternion_xyzw", pointer)
+        quaternion = _vector(spec.quaternion_xyzw, 4, "quaternion_xyzw", argument, index)
         try:
             T[:3, :3] = rotation_from_quaternion(quaternion)
         except ValueError as error:
             raise InvalidTarget(
-                f"{_called(pointer)}.quaternion_xyzw {error}", f"{pointer}/quaternion_xyzw"
+                f"{name}.quaternion_xyzw {error}",
+                argument=argument,
+                index=(*index, "quaternion_xyzw"),
             ) from None
     elif spec.rpy is not None:
-        T[:3, :3] = rotation_from_euler("xyz", _vector(spec.rpy, 3, "rpy", pointer))
+        T[:3, :3] = rotation_from_euler("xyz", _vector(spec.rpy, 3, "rpy", argument, index))
     elif spec.euler is not None:
         sequence, angles = spec.euler
-        values = _vector(angles, 3, "euler", pointer)
-        T[:3, :3] = rotation_from_euler(sequence, values, f"{pointer}/euler/sequence")
+        values = _vector(angles, 3, "euler", argument, index)
+        T[:3, :3] = rotation_from_euler(sequence, values, argument, (*index, "euler", "sequence"))
     elif spec.direction is not None:
-        T[:3, :3] = _along(_vector(spec.direction, 3, "direction", pointer), pointer)
+        T[:3, :3] = _along(
+            _vector(spec.direction, 3, "direction", argument, index), argument, index
+        )
     elif spec.phi is not None:
-        T[:3, :3] = rotation_from_euler("xyz", _vector([0.0, 0.0, spec.phi], 3, "phi", pointer))
+        T[:3, :3] = rotation_from_euler(
+            "xyz", _vector([0.0, 0.0, spec.phi], 3, "phi", argument, index)
+        )
     return T
 
 
-def target_poses(matrices: FloatArray, pointer: str = "/targets/matrix") -> FloatArray:
+def target_poses(
+    matrices: FloatArray, argument: str = "targets", index: Location = ("matrix",)
+) -> FloatArray:
     """Checks many target matrices, shape (n, 4, 4).
 
     Raises:
-        InvalidTarget: One is no rigid placement; the pointer says which.
+        InvalidTarget: One is no rigid placement; the index says which.
     """
     if matrices.ndim != 3 or matrices.shape[1:] != (4, 4):
-        raise InvalidTarget("targets are no 4x4 matrices; give shape (n, 4, 4)", pointer)
+        raise InvalidTarget(
+            "targets are no 4x4 matrices; give shape (n, 4, 4)", argument=argument, index=index
+        )
     try:
         poses = rigid_transforms(matrices)
     except ValueError:
-        for index, matrix in enumerate(matrices):
-            target_pose(TargetSpec(matrix=matrix.tolist()), POSE, f"{pointer}/{index}")
+        for k, matrix in enumerate(matrices):
+            target_pose(TargetSpec(matrix=matrix.tolist()), POSE, argument, (*index, k))
         raise
     if poses.size and not np.abs(poses).max() <= MAX_VALUE:
-        raise InvalidTarget("a target is beyond ±1e6", pointer)
+        raise InvalidTarget(
+            "a target is beyond ±1e6",
+            argument=argument,
+            index=index,
+            lower=-MAX_VALUE,
+            upper=MAX_VALUE,
+        )
     return poses
 
 
-def _along(direction: FloatArray, pointer: str) -> FloatArray:
+def _along(direction: FloatArray, argument: str, index: Location) -> FloatArray:
     """A rotation whose z axis has a direction."""
     length = float(np.linalg.norm(direction))
     if length < 1e-9:
         raise InvalidTarget(
-            f"{_called(pointer)}.direction is zero; give the frame's z axis, such as [0, 0, -1]",
-            f"{pointer}/direction",
+            f"{dotted(argument, index)}.direction is zero; give the frame's z axis, such as"
+            " [0, 0, -1]",
+            argument=argument,
+            index=(*index, "direction"),
         )
     z = direction / length
     x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
@@ -160,32 +198,40 @@ def _along(direction: FloatArray, pointer: str) -> FloatArray:
     return np.column_stack((x, np.cross(z, x), z))
 
 
-def _position(position: Sequence[float], task: Task, pointer: str) -> FloatArray:
+def _position(position: Sequence[float], task: Task, argument: str, index: Location) -> FloatArray:
     if 2 in task.positions:
-        return _vector(position, 3, "position", pointer)
+        return _vector(position, 3, "position", argument, index)
     if len(position) not in (2, 3):
         raise InvalidTarget(
-            f"{_called(pointer)}.position has {len(position)} values; give 2, or 3, of which task"
-            f" {task.name} does not look at z",
-            f"{pointer}/position",
+            f"{dotted(argument, index)}.position has {len(position)} values; give 2, or 3, of which"
+            f" task {task.name} does not look at z",
+            argument=argument,
+            index=(*index, "position"),
+            task=task.name,
+            expected=2,
         )
-    return _vector([*position, 0.0][:3], 3, "position", pointer)
+    return _vector([*position, 0.0][:3], 3, "position", argument, index)
 
 
-def _vector(values: Sequence[float], size: int, name: str, pointer: str) -> FloatArray:
+def _vector(
+    values: Sequence[float], size: int, name: str, argument: str, index: Location
+) -> FloatArray:
+    place = (*index, name)
     if len(values) != size:
         raise InvalidTarget(
-            f"{_called(pointer)}.{name} has {len(values)} values; give {size}", f"{pointer}/{name}"
+            f"{dotted(argument, place)} has {len(values)} values; give {size}",
+            argument=argument,
+            index=place,
+            expected=size,
         )
     for value in values:
         if not -MAX_VALUE <= value <= MAX_VALUE:
             raise InvalidTarget(
-                f"{_called(pointer)}.{name} has a value that is not finite or beyond ±1e6",
-                f"{pointer}/{name}",
+                f"{dotted(argument, place)} has a value that is not finite or beyond ±1e6",
+                argument=argument,
+                index=place,
+                value=float(value),
+                lower=-MAX_VALUE,
+                upper=MAX_VALUE,
             )
     return np.array(values, dtype=np.float64)
-
-
-def _called(pointer: str) -> str:
-    """What a message calls the field that a pointer leads to."""
-    return pointer.strip("/").replace("/", ".") or "target"

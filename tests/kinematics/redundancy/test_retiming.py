@@ -5,7 +5,6 @@ import sys
 
 import numpy as np
 import pytest
-from kinematics.redundancy.path.time_law import TimeLaw
 
 from kinematics.errors import InvalidOption, MethodUnavailable
 from kinematics.forward import fk
@@ -15,6 +14,7 @@ from kinematics.redundancy.follow import followed
 from kinematics.redundancy.measure import clearances_at
 from kinematics.redundancy.methods import METHODS
 from kinematics.redundancy.path.geometry import Circle, Sampling, circle, polyline
+from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.redundancy.problem import PathOptions, Problem
 from kinematics.redundancy.timing import toppra as retiming
 from kinematics.redundancy.timing.result import RetimeStatus, retimed
@@ -268,7 +268,8 @@ def test_without_toppra_it_is_refused(monkeypatch):
     monkeypatch.setitem(sys.modules, "toppra", None)
     with pytest.raises(MethodUnavailable, match="retiming") as caught:
         timed(lines((0, 0.2, -0.1)), 5.0)
-    assert caught.value.pointer == "/retime"
+    assert caught.value.location == ("retime",)
+    assert (caught.value.package, caught.value.extra) == ("toppra", "retiming")
 
 
 def test_it_is_quiet(capfd, caplog):
@@ -284,10 +285,10 @@ def test_bad_limits_are_named():
     for value in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(InvalidOption) as caught:
             limits(problem, value)
-        assert caught.value.pointer == "/retime/acceleration"
+        assert caught.value.location == ("retime", "acceleration")
         with pytest.raises(InvalidOption) as caught:
             limits(problem, 1.0, value)
-        assert caught.value.pointer == "/retime/velocity"
+        assert caught.value.location == ("retime", "velocity")
     with pytest.raises(InvalidOption) as caught:
         limits(problem, 1.0, samples=1)
-    assert caught.value.pointer == "/retime/samples"
+    assert caught.value.location == ("retime", "samples")
