@@ -8,21 +8,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dh_to_urdf.errors import escaped
-from kinematics.errors import WrongConfiguration
+from kinematics.errors import Location, WrongConfiguration
 from robots.errors import hint
 from robots.robot import FloatArray, Robot
 
 MAX_VALUE = 1e6
 
 
-def configuration(robot: Robot, q: ArrayLike, pointer: str = "/q") -> FloatArray:
+def configuration(
+    robot: Robot, q: ArrayLike, argument: str = "q", index: Location = ()
+) -> FloatArray:
     """Checks one q or a batch.
 
     Args:
         robot: The robot.
         q: Shape (dof,) or (n, dof), rad and m, in the order of ``robot.joints``.
-        pointer: JSON pointer for errors.
+        argument: What errors call it.
+        index: Place of q within that argument.
 
     Returns:
         A float array of the same shape.
@@ -32,25 +34,32 @@ def configuration(robot: Robot, q: ArrayLike, pointer: str = "/q") -> FloatArray
     """
     if isinstance(q, list) and len(q) == robot.dof and _are_bounded(q):
         return np.array(q)
-    name = pointer.split("/")[1]
     try:
         array = np.asarray(q, dtype=np.float64)
     except (TypeError, ValueError):
         raise WrongConfiguration(
-            f"{name} is no array of numbers; give one number a joint, or a list of such lists of"
-            " equal length",
-            pointer,
+            f"{argument} is no array of numbers; give one number a joint, or a list of such lists"
+            " of equal length",
+            argument=argument,
+            index=index,
+            expected=robot.dof,
         ) from None
     if array.ndim not in (1, 2):
         raise WrongConfiguration(
-            f"{name} has {array.ndim} dimensions; give one q or a list of q", pointer
+            f"{argument} has {array.ndim} dimensions; give one q or a list of q",
+            argument=argument,
+            index=index,
+            expected=robot.dof,
         )
     if array.shape[-1] != robot.dof:
         names = ", ".join(joint.name for joint in robot.joints[:12])
         raise WrongConfiguration(
-            f"{name} has {array.shape[-1]} values, but the robot has {robot.dof} joints ({names}"
-            f"{', …' if robot.dof > 12 else ''}); give one value a joint",
-            pointer,
+            f"{argument} has {array.shape[-1]} values, but the robot has {robot.dof} joints"
+            f" ({names}{', …' if robot.dof > 12 else ''}); give one value a joint",
+            argument=argument,
+            index=index,
+            expected=robot.dof,
+            known=tuple(joint_names(robot)),
         )
     if not _is_bounded(array):
         first = tuple(int(i) for i in np.argwhere(~(np.abs(array) <= MAX_VALUE))[0])
@@ -58,8 +67,13 @@ def configuration(robot: Robot, q: ArrayLike, pointer: str = "/q") -> FloatArray
         value = array[first]
         what = "not a finite number" if not np.isfinite(value) else f"{value:g}, beyond ±1e6"
         raise WrongConfiguration(
-            f"{name} of joint {joint} is {what}; give a finite value",
-            pointer + "".join(f"/{i}" for i in first),
+            f"{argument} of joint {joint} is {what}; give a finite value",
+            argument=argument,
+            index=(*index, *first),
+            joint=joint,
+            value=float(value),
+            lower=-MAX_VALUE,
+            upper=MAX_VALUE,
         )
     return array
 
@@ -81,14 +95,14 @@ def _is_bounded(array: FloatArray) -> bool:
 
 
 def configuration_by_name(
-    robot: Robot, values: Mapping[str, float], pointer: str = "/q"
+    robot: Robot, values: Mapping[str, float], argument: str = "q"
 ) -> FloatArray:
     """Q from joint names.
 
     Args:
         robot: The robot.
         values: A value for every joint.
-        pointer: JSON pointer for errors.
+        argument: What errors call them.
 
     Returns:
         Shape (dof,).
@@ -101,15 +115,21 @@ def configuration_by_name(
         if name not in names:
             raise WrongConfiguration(
                 f"there is no joint {name[:64]!r}; {hint(name, names)}",
-                f"{pointer}/{escaped(name)}",
+                argument=argument,
+                index=(name,),
+                value=name,
+                known=names,
             )
     missing = [name for name in names if name not in values]
     if missing:
         shown = ", ".join(missing[:12])
         raise WrongConfiguration(
-            f"{pointer.split('/')[1]} lacks the joint(s) {shown}; give all of them", pointer
+            f"{argument} lacks the joint(s) {shown}; give all of them",
+            argument=argument,
+            missing=tuple(missing),
+            known=names,
         )
-    return configuration(robot, [values[name] for name in names], pointer)
+    return configuration(robot, [values[name] for name in names], argument)
 
 
 def joint_names(robot: Robot) -> Sequence[str]:

@@ -90,8 +90,8 @@ def jacobian_derivative(
         WrongVector: Batches of unequal length.
     """
     J = jacobian(robot, q, frame, reference_frame)
-    qd = configuration(robot, qd, "/qd")
-    check_same_length(np.asarray(q), qd, "/qd")
+    qd = configuration(robot, qd, "qd")
+    check_same_length(np.asarray(q), qd, "qd")
     columns = chain_of(robot, frame or robot.tip_frame).columns
     shape = np.broadcast_shapes(J.shape[:-2], qd.shape[:-1])
     result = np.zeros((*shape, 6, robot.dof))

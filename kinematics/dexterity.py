@@ -63,7 +63,11 @@ def dexterity(
     """
     if not 1e-6 <= length <= 1e6:
         raise InvalidOption(
-            f"characteristic_length is {length:g}; give 1e-6 up to 1e6 m", "/characteristic_length"
+            f"characteristic_length is {length:g}; give 1e-6 up to 1e6 m",
+            argument="characteristic_length",
+            value=length,
+            lower=1e-6,
+            upper=1e6,
         )
     scale = np.ones(len(task.rows))
     scale[: len(task.positions)] = 1.0 / length

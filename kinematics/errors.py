@@ -1,26 +1,101 @@
-"""What can be wrong with a request for a computation; each exception carries its field."""
+"""Exceptions of the kernel: what is wrong with a call, as a sentence and as data."""
 
 from __future__ import annotations
+
+from typing import TypeAlias, TypedDict, Unpack
+
+Location: TypeAlias = tuple[str | int, ...]
+"""Place within an argument: keys and numbers, from the outside in."""
+
+
+class ErrorData(TypedDict, total=False):
+    """Keyword arguments of every exception of this package; see :class:`KinematicsError`."""
+
+    argument: str
+    index: Location
+    value: float | str | None
+    lower: float | None
+    upper: float | None
+    known: tuple[str, ...]
 
 
 class KinematicsError(ValueError):
     """Root of this package's errors.
 
     Attributes:
-        pointer: JSON pointer to the field at fault.
+        argument: Name of the argument at fault, as the caller named it; empty where it is none.
+        index: Place within the argument, such as ``(3, "center")``; empty for all of it.
+        value: The value at fault; None where it is not one number or name.
+        lower: Least value that is accepted; None where that is no matter of a bound.
+        upper: Largest value that is accepted; likewise.
+        known: Names that are accepted; empty where it is no matter of names.
     """
 
-    def __init__(self, message: str, pointer: str) -> None:
-        self.pointer = pointer
+    def __init__(
+        self,
+        message: str,
+        *,
+        argument: str = "",
+        index: Location = (),
+        value: float | str | None = None,
+        lower: float | None = None,
+        upper: float | None = None,
+        known: tuple[str, ...] = (),
+    ) -> None:
         super().__init__(message)
+        self.argument = argument
+        self.index = index
+        self.value = value
+        self.lower = lower
+        self.upper = upper
+        self.known = known
+
+    @property
+    def location(self) -> Location:
+        """Argument and index in one; empty where no argument is at fault."""
+        return (self.argument, *self.index) if self.argument else ()
 
 
 class WrongConfiguration(KinematicsError):
-    """A q (or seed) of a wrong length, with a wrong name or without a finite value."""
+    """A q (or seed) of a wrong length, with a wrong name or without a finite value.
+
+    Attributes:
+        joint: Name of the joint whose value is at fault; None where it is not one.
+        expected: Number of values that fit; None where the number is right.
+        missing: Names of joints without a value.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        joint: str | None = None,
+        expected: int | None = None,
+        missing: tuple[str, ...] = (),
+        **data: Unpack[ErrorData],
+    ) -> None:
+        super().__init__(message, **data)
+        self.joint, self.expected, self.missing = joint, expected, missing
 
 
 class WrongVector(KinematicsError):
-    """A twist or wrench of a wrong length, or without a finite value."""
+    """A twist or wrench of a wrong length, or without a finite value.
+
+    Attributes:
+        rows: Names of the values that fit, such as ``("vx", "vy")``.
+        expected: Number of values, or of rows of a batch, that fits; None where it is right.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        rows: tuple[str, ...] = (),
+        expected: int | None = None,
+        **data: Unpack[ErrorData],
+    ) -> None:
+        super().__init__(message, **data)
+        self.rows, self.expected = rows, expected
 
 
 class UnknownTask(KinematicsError):
@@ -32,11 +107,38 @@ class UnknownSequence(KinematicsError):
 
 
 class RepresentationSingularity(KinematicsError):
-    """An orientation where the chosen Euler angles have no rates."""
+    """An orientation where the chosen Euler angles have no rates.
+
+    Attributes:
+        sequence: The Euler sequence.
+        determinant: Least |det E| of the orientations, where E maps rates to angular velocity.
+    """
+
+    def __init__(
+        self, message: str, *, sequence: str, determinant: float, **data: Unpack[ErrorData]
+    ) -> None:
+        super().__init__(message, **data)
+        self.sequence, self.determinant = sequence, determinant
 
 
 class InvalidTarget(KinematicsError):
-    """A target pose that cannot be read as one."""
+    """A target pose that cannot be read as one.
+
+    Attributes:
+        task: Name of the task that the target does not fit; None where it fits no task.
+        expected: Number of values that fits; None where the number is right.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        task: str | None = None,
+        expected: int | None = None,
+        **data: Unpack[ErrorData],
+    ) -> None:
+        super().__init__(message, **data)
+        self.task, self.expected = task, expected
 
 
 class InvalidOption(KinematicsError):
@@ -49,19 +151,36 @@ class RankDeficient(KinematicsError):
     Attributes:
         rank: Its rank.
         wanted: Its number of rows.
+        known: Tasks in which this arm can have full row rank, where it cannot in the given one.
     """
 
-    def __init__(self, message: str, pointer: str, rank: int, wanted: int) -> None:
+    def __init__(self, message: str, *, rank: int, wanted: int, **data: Unpack[ErrorData]) -> None:
+        super().__init__(message, **data)
         self.rank, self.wanted = rank, wanted
-        super().__init__(message, pointer)
 
 
 class OutOfTime(KinematicsError):
     """A computation that takes longer than one may."""
 
     def __init__(self) -> None:
-        super().__init__("this takes longer than one request may; ask for less at once", "")
+        super().__init__("this takes longer than one request may; ask for less at once")
 
 
 class MethodUnavailable(KinematicsError):
-    """A method that needs a package that is not installed."""
+    """A method that needs a package that is not installed.
+
+    Attributes:
+        package: Name of the package.
+        extra: The extra of this distribution that installs it.
+    """
+
+    def __init__(
+        self, message: str, *, package: str, extra: str, **data: Unpack[ErrorData]
+    ) -> None:
+        super().__init__(message, **data)
+        self.package, self.extra = package, extra
+
+
+def dotted(argument: str, index: Location = ()) -> str:
+    """Return an argument, or a place in it, as messages name it: ``targets.3.position``."""
+    return ".".join((argument, *map(str, index)))

@@ -70,7 +70,11 @@ def manipulability_map(
     q = configuration(robot, q)
     if not MIN_SAMPLES <= samples <= MAX_SAMPLES:
         raise InvalidOption(
-            f"samples is {samples}; give {MIN_SAMPLES} to {MAX_SAMPLES}", "/samples"
+            f"samples is {samples}; give {MIN_SAMPLES} to {MAX_SAMPLES}",
+            argument="samples",
+            value=samples,
+            lower=MIN_SAMPLES,
+            upper=MAX_SAMPLES,
         )
     columns = _columns(robot, joints)
     lower, upper, assumed = drawn_bounds(robot, columns)
@@ -92,8 +96,18 @@ def _columns(robot: Robot, joints: tuple[str, str]) -> tuple[int, int]:
     for index, name in enumerate(joints):
         if name not in names:
             raise InvalidOption(
-                f"there is no joint {name[:64]!r}; {hint(name, names)}", f"/joints/{index}"
+                f"there is no joint {name[:64]!r}; {hint(name, names)}",
+                argument="joints",
+                index=(index,),
+                value=name,
+                known=names,
             )
     if joints[0] == joints[1]:
-        raise InvalidOption("joints names one joint twice; give two", "/joints/1")
+        raise InvalidOption(
+            "joints names one joint twice; give two",
+            argument="joints",
+            index=(1,),
+            value=joints[1],
+            known=tuple(name for name in names if name != joints[0]),
+        )
     return names.index(joints[0]), names.index(joints[1])

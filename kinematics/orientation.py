@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from dh_to_urdf.poses import to_rpy
-from kinematics.errors import RepresentationSingularity, UnknownSequence
+from kinematics.errors import Location, RepresentationSingularity, UnknownSequence
 from robots.robot import FloatArray
 
 DEGENERATE = 1e-12
@@ -44,7 +44,9 @@ class EulerAngles:
     degenerate: NDArray[np.bool_]
 
 
-def parse_sequence(sequence: str, pointer: str = "/euler") -> tuple[tuple[int, int, int], bool]:
+def parse_sequence(
+    sequence: str, argument: str = "euler", index: Location = ()
+) -> tuple[tuple[int, int, int], bool]:
     """Axis numbers of an intrinsic sequence, and whether the text was extrinsic.
 
     Extrinsic angles about a, b, c are the intrinsic ones about c, b, a in reverse order.
@@ -63,7 +65,9 @@ def parse_sequence(sequence: str, pointer: str = "/euler") -> tuple[tuple[int, i
         raise UnknownSequence(
             f"{sequence[:16]!r} is no Euler sequence; give three axes such as ZXZ or ZYX"
             " (upper case: moving axes) or xyz (lower case: fixed axes), no axis twice in a row",
-            pointer,
+            argument=argument,
+            index=index,
+            value=sequence,
         )
     extrinsic = sequence != upper
     order = upper[::-1] if extrinsic else upper
@@ -115,7 +119,9 @@ def wrap(angles: FloatArray) -> FloatArray:
     return np.asarray(np.pi - np.mod(np.pi - angles, 2 * np.pi))
 
 
-def rotation_from_euler(sequence: str, angles: FloatArray, pointer: str = "/euler") -> FloatArray:
+def rotation_from_euler(
+    sequence: str, angles: FloatArray, argument: str = "euler", index: Location = ()
+) -> FloatArray:
     """Rotation matrix (3, 3) of Euler angles in rad.
 
     Raises:
@@ -123,7 +129,7 @@ def rotation_from_euler(sequence: str, angles: FloatArray, pointer: str = "/eule
     """
     if sequence == "xyz":
         return np.asarray(pin.rpy.rpyToMatrix(*angles))
-    parse_sequence(sequence, pointer)
+    parse_sequence(sequence, argument, index)
     return np.asarray(Rotation.from_euler(sequence, angles).as_matrix())
 
 
@@ -191,7 +197,10 @@ def analytic_map(R: FloatArray, sequence: str) -> FloatArray:
             f"at this orientation the {sequence} angles have no rates (|det E| ="
             f" {float(determinant.min()):.1e}); choose another Euler sequence or the geometric"
             " Jacobian",
-            "/euler",
+            argument="euler",
+            value=sequence,
+            sequence=sequence,
+            determinant=float(determinant.min()),
         )
     return np.asarray(np.linalg.inv(E), dtype=np.float64)
 

@@ -8,20 +8,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.configuration import MAX_VALUE
-from kinematics.errors import WrongVector
+from kinematics.errors import Location, WrongVector
 from robots.robot import FloatArray
 
 TWIST_ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 WRENCH_ROWS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
-def spatial_vector(values: ArrayLike, rows: Sequence[str], pointer: str) -> FloatArray:
+def spatial_vector(
+    values: ArrayLike, rows: Sequence[str], argument: str, index: Location = ()
+) -> FloatArray:
     """Checks one twist or wrench, or a batch.
 
     Args:
         values: Shape (m,) or (n, m).
         rows: Names of the m entries.
-        pointer: JSON pointer for errors; its last part names the vector.
+        argument: What errors call it.
+        index: Place of the vector within that argument; its last part names it then.
 
     Returns:
         A float array of the same shape.
@@ -29,16 +32,24 @@ def spatial_vector(values: ArrayLike, rows: Sequence[str], pointer: str) -> Floa
     Raises:
         WrongVector: Wrong shape, not finite, or beyond ±1e6.
     """
-    name, listed = pointer.rsplit("/", 1)[-1], ", ".join(rows)
+    name, listed = (argument, *index)[-1], ", ".join(rows)
     try:
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise WrongVector(f"{name} is no array of numbers; give {listed}", pointer) from None
+        raise WrongVector(
+            f"{name} is no array of numbers; give {listed}",
+            argument=argument,
+            index=index,
+            rows=tuple(rows),
+        ) from None
     if array.ndim not in (1, 2) or array.shape[-1] != len(rows):
         count = array.shape[-1] if array.ndim else 1
         raise WrongVector(
             f"{name} has {count} values; give {len(rows)}: {listed}, or a list of such lists",
-            pointer,
+            argument=argument,
+            index=index,
+            rows=tuple(rows),
+            expected=len(rows),
         )
     if array.size and not np.abs(array).max() <= MAX_VALUE:
         first = tuple(int(i) for i in np.argwhere(~(np.abs(array) <= MAX_VALUE))[0])
@@ -46,19 +57,25 @@ def spatial_vector(values: ArrayLike, rows: Sequence[str], pointer: str) -> Floa
         what = "not a finite number" if not np.isfinite(value) else f"{value:g}, beyond ±1e6"
         raise WrongVector(
             f"{rows[first[-1]]} of {name} is {what}; give a finite value",
-            pointer + "".join(f"/{i}" for i in first),
+            argument=argument,
+            index=(*index, *first),
+            value=float(value),
+            lower=-MAX_VALUE,
+            upper=MAX_VALUE,
+            rows=tuple(rows),
         )
     return array
 
 
-def check_same_length(q: FloatArray, other: FloatArray, pointer: str) -> None:
+def check_same_length(q: FloatArray, other: FloatArray, argument: str) -> None:
     """Refuses two batches of unequal length; one vector goes with every entry of a batch.
 
     Raises:
         WrongVector: Both are batches, of other lengths.
     """
     if q.ndim == other.ndim == 2 and len(q) != len(other):
-        name = pointer.rsplit("/", 1)[-1]
         raise WrongVector(
-            f"{name} holds {len(other)} rows for {len(q)} of q; give as many, or one", pointer
+            f"{argument} holds {len(other)} rows for {len(q)} of q; give as many, or one",
+            argument=argument,
+            expected=len(q),
         )

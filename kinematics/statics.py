@@ -70,8 +70,8 @@ def joint_torques(
         WrongVector: wrench has a wrong shape or is not finite.
     """
     J = jacobian(robot, q, frame, reference_frame)
-    wrench = spatial_vector(wrench, WRENCH_ROWS, "/wrench")
-    check_same_length(np.asarray(q), wrench, "/wrench")
+    wrench = spatial_vector(wrench, WRENCH_ROWS, "wrench")
+    check_same_length(np.asarray(q), wrench, "wrench")
     return np.asarray((np.swapaxes(J, -1, -2) @ wrench[..., None])[..., 0])
 
 
@@ -107,8 +107,8 @@ def wrench_of(
     """
     check_options(0.0, tolerance)
     J = task_jacobian(robot, q, task, frame, reference_frame)
-    tau = configuration(robot, tau, "/tau")
-    check_same_length(np.asarray(q), tau, "/tau")
+    tau = configuration(robot, tau, "tau")
+    check_same_length(np.asarray(q), tau, "tau")
     U, sigma, Vt = svd(J)
     r = sigma.shape[-1]
     rank = rank_of(sigma, tolerance)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinematics.errors import UnknownTask
+from kinematics.errors import Location, UnknownTask
 from robots.errors import hint
 from robots.robot import FloatArray
 
@@ -92,12 +92,15 @@ TASKS = {name: Task(name, rows, name in _OWN_AXES) for name, rows in _NAMED.item
 POSE = TASKS["pose"]
 
 
-def task_from(value: str | Sequence[bool | int | float], pointer: str = "/task") -> Task:
+def task_from(
+    value: str | Sequence[bool | int | float], argument: str = "task", index: Location = ()
+) -> Task:
     """A task by name, or by a mask of six (1: the row counts).
 
     Args:
         value: Name or mask.
-        pointer: JSON pointer to it.
+        argument: What errors call it.
+        index: Its place within that argument.
 
     Raises:
         UnknownTask: Neither.
@@ -107,12 +110,17 @@ def task_from(value: str | Sequence[bool | int | float], pointer: str = "/task")
             raise UnknownTask(
                 f"task {value[:32]!r} is unknown; {hint(value, tuple(TASKS))}, or give a mask of"
                 " six 0 or 1 for vx, vy, vz, wx, wy, wz",
-                pointer,
+                argument=argument,
+                index=index,
+                value=value,
+                known=tuple(TASKS),
             )
         return TASKS[value]
     if len(value) != 6 or any(item not in (0, 1) for item in value) or not any(value):
         raise UnknownTask(
-            "a task mask is six 0 or 1 for vx, vy, vz, wx, wy, wz with at least one 1", pointer
+            "a task mask is six 0 or 1 for vx, vy, vz, wx, wy, wz with at least one 1",
+            argument=argument,
+            index=index,
         )
     rows = tuple(row for row, item in enumerate(value) if item)
     named = (task for task in TASKS.values() if task.rows == rows and not task.own_axes)

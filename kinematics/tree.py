@@ -20,7 +20,7 @@ class TreeJoint:
 
     Attributes:
         column: Its entry of q.
-        parent: Index of the preceding moving joint in the tree, -1 for the root.
+        parent: Location of the preceding moving joint in the tree, -1 for the root.
         placement: Placement of the joint, its z along the axis, in the parent's joint, 4x4.
         is_revolute: True for an angle.
     """

@@ -68,8 +68,8 @@ def twist_of(
         WrongVector: Batches of unequal length.
     """
     J = jacobian(robot, q, frame, reference_frame)
-    qd = configuration(robot, qd, "/qd")
-    check_same_length(np.asarray(q), qd, "/qd")
+    qd = configuration(robot, qd, "qd")
+    check_same_length(np.asarray(q), qd, "qd")
     return np.asarray((J @ qd[..., None])[..., 0])
 
 
@@ -113,8 +113,8 @@ def joint_velocities(
     """
     check_options(damping, tolerance)
     J = task_jacobian(robot, q, task, frame, reference_frame)
-    twist = spatial_vector(twist, task.row_names, "/twist")
-    check_same_length(np.asarray(q), twist, "/twist")
+    twist = spatial_vector(twist, task.row_names, "twist")
+    check_same_length(np.asarray(q), twist, "twist")
     U, sigma, Vt = svd(J)
     r = sigma.shape[-1]
     rank = rank_of(sigma, tolerance)
@@ -146,7 +146,17 @@ def check_options(damping: float, tolerance: float) -> None:
     """
     if damping != 0 and not MIN_DAMPING <= damping <= MAX_DAMPING:
         raise InvalidOption(
-            f"damping is {damping:g}; give 0, or 1e-12 up to 1e6, such as 0.01", "/damping"
+            f"damping is {damping:g}; give 0, or 1e-12 up to 1e6, such as 0.01",
+            argument="damping",
+            value=damping,
+            lower=MIN_DAMPING,
+            upper=MAX_DAMPING,
         )
     if not 0 <= tolerance < 1:
-        raise InvalidOption(f"tolerance is {tolerance:g}; give 0 up to below 1", "/tolerance")
+        raise InvalidOption(
+            f"tolerance is {tolerance:g}; give 0 up to below 1",
+            argument="tolerance",
+            value=tolerance,
+            lower=0.0,
+            upper=1.0,
+        )

@@ -53,7 +53,13 @@ def workspace(
         InvalidOption: A slide without limits, or samples out of range.
     """
     if not 1 <= samples <= MAX_POINTS:
-        raise InvalidOption(f"samples is {samples}; give 1 to {MAX_POINTS}", "/samples")
+        raise InvalidOption(
+            f"samples is {samples}; give 1 to {MAX_POINTS}",
+            argument="samples",
+            value=samples,
+            lower=1,
+            upper=MAX_POINTS,
+        )
     name = robot.tip_frame if frame is None else frame
     robot.frame_id(name)
     lower, upper, assumed = drawn_bounds(robot)
@@ -83,7 +89,9 @@ def drawn_bounds(
             continue
         if not joint.type.is_revolute:
             raise InvalidOption(
-                f"joint {joint.name} slides without limits; give it lower and upper", "/robot"
+                f"joint {joint.name} slides without limits; give it lower and upper",
+                argument="robot",
+                value=joint.name,
             )
         if math.isfinite(lower[k]):
             upper[k] = lower[k] + 2 * math.pi

@@ -78,9 +78,11 @@ class JointField(Field):
 
     def _array(self, value: Any, location: Location, reading: Reading) -> FloatArray:
         most = reading.settings.max_batch
+        name, *rest = location
+        name, index = str(name), tuple(rest)
         if isinstance(value, msgspec.Raw):
             value = _from_json(bytes(value), location, reading)
-        q = configuration(reading.robot, value, json_pointer(location))
+        q = configuration(reading.robot, value, name, index)
         if q.ndim == 2 and not 1 <= len(q) <= most:
             message = f"{location[-1]} holds {len(q)} rows; give 1 to {most}"
             raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
@@ -99,7 +101,7 @@ def _from_json(text: bytes, location: Location, reading: Reading) -> Any:
         try:
             return decode_rows(text, pointer, robot.dof, reading.settings.max_batch)
         except RowLengthError as odd:
-            return configuration(robot, odd.row, json_pointer((*location, odd.index)))
+            return configuration(robot, odd.row, str(name), (odd.index,))
     return decode_numbers(text, pointer)
 
 
@@ -117,7 +119,7 @@ def _by_name(text: bytes, location: Location, reading: Reading) -> FloatArray:
                 f"{name} of joint {joint[:64]} is {quoted(value)}; give a number",
                 json_pointer((*location, joint)),
             )
-    return configuration_by_name(reading.robot, values, pointer)
+    return configuration_by_name(reading.robot, values, str(name))
 
 
 def is_one(q: object) -> bool:

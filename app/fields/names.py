@@ -75,7 +75,7 @@ class TaskName(Field):
         del reading
         if value is None or isinstance(value, Task):
             return value
-        return task_from(value, json_pointer(location))
+        return task_from(value, str(location[0]), location[1:])
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class SequenceName(Field):
         del reading
         if value is None:
             return None
-        parse_sequence(value, json_pointer(location))
+        parse_sequence(value, str(location[0]), location[1:])
         return str(value)
 
 

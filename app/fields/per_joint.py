@@ -7,9 +7,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dh_to_urdf.errors import escaped, quoted
+from dh_to_urdf.errors import quoted
 from kinematics.configuration import joint_names
-from kinematics.errors import InvalidOption
+from kinematics.errors import InvalidOption, Location, dotted
 from kinematics.redundancy.arm import Arm
 from robots.errors import hint
 from robots.robot import FloatArray
@@ -18,7 +18,12 @@ PerJoint: TypeAlias = float | list[float] | dict[str, float]
 
 
 def read_per_joint(
-    value: PerJoint, arm: Arm, pointer: str, lowest: float, highest: float
+    value: PerJoint,
+    arm: Arm,
+    lowest: float,
+    highest: float,
+    argument: str,
+    index: Location = (),
 ) -> FloatArray:
     """The values of all joints of the robot, shape (dof,), as they are given.
 
@@ -29,41 +34,55 @@ def read_per_joint(
         InvalidOption: A joint is missing or unknown, or a value out of range.
     """
     names = tuple(joint_names(arm.robot))
-    field = pointer[1:].replace("/", ".")
+    field = dotted(argument, index)
     if isinstance(value, dict):
         for name in value:
             if name not in names:
                 raise InvalidOption(
                     f"{field} names joint {quoted(name)}, which is unknown; {hint(name, names)}",
-                    f"{pointer}/{escaped(name)}",
+                    argument=argument,
+                    index=(*index, name),
+                    value=name,
+                    known=names,
                 )
         for name in arm.names:
             if name not in value:
-                raise InvalidOption(f"{field} lacks joint {name}; give every joint", pointer)
+                raise InvalidOption(
+                    f"{field} lacks joint {name}; give every joint",
+                    argument=argument,
+                    index=index,
+                    known=names,
+                )
     elif isinstance(value, list) and len(value) != len(names):
         raise InvalidOption(
-            f"{field} has {len(value)} values; give {len(names)}, one a joint", pointer
+            f"{field} has {len(value)} values; give {len(names)}, one a joint",
+            argument=argument,
+            index=index,
+            known=names,
         )
     found = np.full(len(names), lowest)
-    for k, one, where in _entries(value, names, pointer):
+    for k, one, place in _entries(value, names):
         if not lowest <= one <= highest:
             raise InvalidOption(
-                f"{field} is {one:g} for joint {names[k]}; give {lowest:g} to {highest:g}", where
+                f"{field} is {one:g} for joint {names[k]}; give {lowest:g} to {highest:g}",
+                argument=argument,
+                index=(*index, *place),
+                value=one,
+                lower=lowest,
+                upper=highest,
             )
         found[k] = one
     return found
 
 
-def _entries(
-    value: PerJoint, names: tuple[str, ...], pointer: str
-) -> Iterator[tuple[int, float, str]]:
-    """Column, value and JSON pointer of each value that is given."""
+def _entries(value: PerJoint, names: tuple[str, ...]) -> Iterator[tuple[int, float, Location]]:
+    """Column, value and place of each value that is given."""
     if isinstance(value, dict):
         for name, one in value.items():
-            yield names.index(name), one, f"{pointer}/{escaped(name)}"
+            yield names.index(name), one, (name,)
     elif isinstance(value, list):
         for k, one in enumerate(value):
-            yield k, one, f"{pointer}/{k}"
+            yield k, one, (k,)
     else:
         for k in range(len(names)):
-            yield k, value, pointer
+            yield k, value, ()

@@ -62,18 +62,18 @@ class SpatialVectors(Field):
 
 
 def _vectors(value: Any, rows: Sequence[str], location: Location, reading: Reading) -> FloatArray:
-    pointer = json_pointer(location)
+    pointer, name = json_pointer(location), str(location[0])
     if not isinstance(value, msgspec.Raw):
-        return spatial_vector(value, rows, pointer)
+        return spatial_vector(value, rows, name)
     text = bytes(value)
     if text[:1] == b"[" and text[1:64].lstrip()[:1] == b"[":
         try:
             batch = decode_rows(text, pointer, len(rows), reading.settings.max_batch)
         except RowLengthError as odd:
-            place = (*location, odd.index) if odd.index else location
-            return spatial_vector(odd.row, rows, json_pointer(place))
-        return spatial_vector(batch, rows, pointer)
-    return spatial_vector(decode_numbers(text, pointer), rows, pointer)
+            place = (odd.index,) if odd.index else ()
+            return spatial_vector(odd.row, rows, name, place)
+        return spatial_vector(batch, rows, name)
+    return spatial_vector(decode_numbers(text, pointer), rows, name)
 
 
 def angular_rows(task: Task) -> NDArray[np.bool_]:

@@ -15,6 +15,7 @@ from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 from starlette.routing import Match, Mount
 
+from app.http.pointers import json_pointer
 from dh_to_urdf import DHError, Problem
 from dh_to_urdf.errors import DHSyntaxError
 from kinematics import errors as kinematics
@@ -206,6 +207,8 @@ def domain_problem(request: Request, error: Exception) -> Response:
     if isinstance(error, DHError):
         return problem_response(request, type_, error.problems)
     pointer = getattr(error, "pointer", "")
+    if isinstance(error, kinematics.KinematicsError):
+        pointer = json_pointer(error.location)
     retry = getattr(error, "retry_after", None)
     headers = {} if retry is None else {"Retry-After": str(math.ceil(retry))}
     return problem_response(request, type_, [Problem(pointer, str(error))], headers)

@@ -95,7 +95,11 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
     problem = read_problem(robot, request, context)
     if not 1 <= len(request.methods) <= MAX_METHODS:
         raise InvalidOption(
-            f"methods holds {len(request.methods)}; give 1 to {MAX_METHODS}", "/methods"
+            f"methods holds {len(request.methods)}; give 1 to {MAX_METHODS}",
+            argument="methods",
+            value=len(request.methods),
+            lower=1,
+            upper=MAX_METHODS,
         )
     seconds = context.settings.max_request_seconds
     labels: list[str] = []
@@ -107,15 +111,23 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
             for name in choice.__struct_fields__[2:]
             if (value := getattr(choice, name)) is not None
         }
-        method = method_from(choice.method, f"/methods/{k}")
+        method = method_from(choice.method, "methods", (k,))
         told = msgspec.structs.replace(request, **own)
         labels.append(_label(choice.label or choice.method, labels))
         try:
             options = read_options(robot, told, problem, seconds, context)
         except InvalidOption as error:
-            if error.pointer.split("/")[1] not in own:
+            if error.argument not in own:
                 raise
-            raise InvalidOption(str(error), f"/methods/{k}{error.pointer}") from None
+            raise InvalidOption(
+                str(error),
+                argument="methods",
+                index=(k, *error.location),
+                value=error.value,
+                lower=error.lower,
+                upper=error.upper,
+                known=error.known,
+            ) from None
         entries.append((method, options))
     timing = read_retime(request.retime, problem.arm, request.samples, context)
     results = list(compared(problem, entries, seconds))

@@ -31,8 +31,8 @@ from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.redundancy.problem import (
     Gains,
     PathOptions,
-    PathTolerance,
     Problem,
+    PathTolerance,
     SecondaryTask,
 )
 from kinematics.task import POSE, TASKS, task_from
@@ -268,7 +268,10 @@ def read_problem(robot: Robot, request: PathScenario, context: Context) -> Probl
     q = request.q
     if request.time_law not in list(TimeLaw):
         raise InvalidOption(
-            f"time_law is {quoted(request.time_law)}; give {', '.join(TimeLaw)}", "/time_law"
+            f"time_law is {quoted(request.time_law)}; give {', '.join(TimeLaw)}",
+            argument="time_law",
+            value=request.time_law,
+            known=tuple(TimeLaw),
         )
     sampling = Sampling(TimeLaw(request.time_law), request.tf, request.samples)
     radius = read_radius(request.link_radius, arm)
@@ -304,8 +307,8 @@ def _path(
     start = fk(robot, q, [arm.frame])[arm.frame]
     if request.circle is not None:
         about = _circle(request.circle)
-        where = "/circle/normal" if request.circle.plane is None else "/circle/plane"
-        return circle(start, about, arm.task, sampling, where)
+        where = "normal" if request.circle.plane is None else "plane"
+        return circle(start, about, arm.task, sampling, "circle", (where,))
     if request.target is not None:
         goals: list[Target] = [request.target]
         places: list[Location] = [("target",)]
@@ -314,7 +317,11 @@ def _path(
         places = [("waypoints", k) for k in range(len(goals))]
         if not 1 <= len(goals) <= MAX_WAYPOINTS:
             raise InvalidOption(
-                f"waypoints holds {len(goals)}; give 1 to {MAX_WAYPOINTS}", "/waypoints"
+                f"waypoints holds {len(goals)}; give 1 to {MAX_WAYPOINTS}",
+                argument="waypoints",
+                value=len(goals),
+                lower=1,
+                upper=MAX_WAYPOINTS,
             )
     poses = [
         target_pose(one, arm.task, context.units, place)
@@ -325,11 +332,17 @@ def _path(
 
 def _circle(field: CircleField) -> Circle:
     if field.normal is not None and field.plane is not None:
-        raise InvalidOption("circle has a normal and a plane; give one", "/circle/plane")
+        raise InvalidOption(
+            "circle has a normal and a plane; give one", argument="circle", index=("plane",)
+        )
     plane = field.plane or "xy"
     if plane not in PLANES:
         raise InvalidOption(
-            f"circle.plane is {quoted(plane)}; give {', '.join(PLANES)}", "/circle/plane"
+            f"circle.plane is {quoted(plane)}; give {', '.join(PLANES)}",
+            argument="circle",
+            index=("plane",),
+            value=plane,
+            known=tuple(PLANES),
         )
     normal = list(PLANES[plane]) if field.normal is None else field.normal
     center = [*field.center, 0.0] if len(field.center) == 2 else field.center
@@ -341,7 +354,8 @@ def _three(values: list[float], name: str) -> FloatArray:
         sizes = "two (in the plane z = 0) or three" if name == "center" else "three"
         raise InvalidOption(
             f"circle.{name} is no point or direction; give {sizes} numbers up to 1e6",
-            f"/circle/{name}",
+            argument="circle",
+            index=(name,),
         )
     return np.array(values)
 
@@ -373,7 +387,7 @@ def read_options(
     """
     posture = None if request.posture is None else problem.arm.reduced(request.posture)
     if len(request.secondary) > MAX_SECONDARY:
-        raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", "/secondary")
+        raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", argument="secondary")
     gains = request.gains
     options = PathOptions(
         closed_loop=request.closed_loop,
@@ -399,9 +413,8 @@ def read_options(
 def _secondary(
     robot: Robot, field: SecondaryField, k: int, problem: Problem, context: Context
 ) -> SecondaryTask:
-    pointer = f"/secondary/{k}"
-    task = task_from(field.task, f"{pointer}/task")
-    arm = Arm.of(robot, field.frame, task, f"{pointer}/frame")
+    task = task_from(field.task, "secondary", (k, "task"))
+    arm = Arm.of(robot, field.frame, task, "secondary", (k, "frame"))
     if field.target is None:
         pose = fk(robot, problem.start, [arm.frame])[arm.frame]
     else:

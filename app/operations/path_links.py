@@ -35,7 +35,7 @@ class LinkPart(TypedDict):
 
 def read_radius(value: PerJoint, arm: Arm) -> float | FloatArray:
     """link_radius: one for all, or that of the segment that begins at each joint, shape (K,)."""
-    radii = read_per_joint(value, arm, "/link_radius", 0.0, MAX_RADIUS)
+    radii = read_per_joint(value, arm, 0.0, MAX_RADIUS, "link_radius")
     return value if isinstance(value, float | int) else arm.reduced(radii)
 
 
@@ -49,7 +49,10 @@ def read_geometry(
     """
     if name not in GEOMETRIES:
         raise InvalidOption(
-            f"link_geometry is {quoted(name)}; give {' or '.join(GEOMETRIES)}", "/link_geometry"
+            f"link_geometry is {quoted(name)}; give {' or '.join(GEOMETRIES)}",
+            argument="link_geometry",
+            value=name,
+            known=GEOMETRIES,
         )
     if name == "skeleton":
         return None

@@ -101,20 +101,21 @@ def read_retime(
         raise InvalidOption(
             "retime lacks acceleration: a robot's document has no acceleration limits; give a"
             " number for all joints, or one a joint",
-            "/retime/acceleration",
+            argument="retime",
+            index=("acceleration",),
         )
     velocity = field.velocity
     options = RetimeOptions(
-        _limits(field.acceleration, arm, "/retime/acceleration", context),
-        None if velocity is None else _limits(velocity, arm, "/retime/velocity", context),
+        _limits(field.acceleration, arm, "acceleration", context),
+        None if velocity is None else _limits(velocity, arm, "velocity", context),
         samples if field.samples is None else field.samples,
     )
     require_toppra()
     return options
 
 
-def _limits(value: PerJoint, arm: Arm, pointer: str, context: Context) -> FloatArray:
-    found = read_per_joint(value, arm, pointer, LEAST, MOST)
+def _limits(value: PerJoint, arm: Arm, name: str, context: Context) -> FloatArray:
+    found = read_per_joint(value, arm, LEAST, MOST, "retime", (name,))
     return arm.reduced(context.units.joints_in(arm.robot, found))
 
 

@@ -160,7 +160,7 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
     task = request.task
     if not 0 <= request.tolerance < 1:
         raise InvalidOption(
-            f"tolerance is {request.tolerance:g}; give 0 up to below 1", "/tolerance"
+            f"tolerance is {request.tolerance:g}; give 0 up to below 1", argument="tolerance"
         )
     frame = request.frame
     q = request.q

@@ -104,7 +104,7 @@ def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
     frame = request.frame
     q = request.q
     if len(request.secondary) > MAX_SECONDARY:
-        raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", "/secondary")
+        raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", argument="secondary")
     found = differential_step(
         robot,
         q,
@@ -138,7 +138,7 @@ def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
 
 
 def _secondary(robot: Robot, one: SecondaryStep, k: int, context: Context) -> StepTask:
-    task = task_from(one.task, f"/secondary/{k}/task")
+    task = task_from(one.task, "secondary", (k, "task"))
     frame = robot.tip_frame if one.frame is None else one.frame
     robot.frame_id(frame, f"/secondary/{k}/frame")
     return StepTask(_motion(one.delta_x, task, context), task, frame)

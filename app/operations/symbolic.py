@@ -203,7 +203,7 @@ def _read(request: SymbolicRequest, context: Context) -> symbolic.SymbolicReques
     named = [request.quantities] if isinstance(request.quantities, str) else request.quantities
     everything = request.quantities == "all"
     asked = () if everything else enumerate(named)
-    found = [quantity_from(name, f"/quantities/{k}") for k, name in asked]
+    found = [quantity_from(name, "quantities", (k,)) for k, name in asked]
     return symbolic.SymbolicRequest(
         quantities=tuple(Quantity) if everything else tuple(found),
         parameters=request.parameters,
@@ -212,7 +212,7 @@ def _read(request: SymbolicRequest, context: Context) -> symbolic.SymbolicReques
         base=request.base or "base_link",
         expressed_in=request.expressed_in,
         task=request.task,
-        notation=_NOTATIONS.get(context.form) or notation_from(request.format, "/format"),
+        notation=_NOTATIONS.get(context.form) or notation_from(request.format, "format"),
         time_budget=min(request.time_budget_ms / 1e3, context.settings.max_request_seconds),
         listing=context.form != JSON,
     )

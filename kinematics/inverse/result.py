@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dh_to_urdf.errors import quoted
-from kinematics.errors import InvalidOption
+from kinematics.errors import InvalidOption, dotted
 from robots.robot import FloatArray
 
 
@@ -78,18 +78,22 @@ class IKOptions:
 
     def __post_init__(self) -> None:
         checks = (
-            ("tolerance/position", self.tolerance.position, 1e-12, 1e3),
-            ("tolerance/orientation", self.tolerance.orientation, 1e-12, 4.0),
-            ("max_restarts", self.max_restarts, 0, 10_000),
-            ("max_iterations", self.max_iterations, 1, 10_000),
-            ("random_seed", self.random_seed, 0, 2**53),
-            ("time_budget_ms", self.time_budget * 1e3, 0, 60_000),
+            (("tolerance", "position"), self.tolerance.position, 1e-12, 1e3),
+            (("tolerance", "orientation"), self.tolerance.orientation, 1e-12, 4.0),
+            (("max_restarts",), self.max_restarts, 0, 10_000),
+            (("max_iterations",), self.max_iterations, 1, 10_000),
+            (("random_seed",), self.random_seed, 0, 2**53),
+            (("time_budget_ms",), self.time_budget * 1e3, 0, 60_000),
         )
-        for name, value, low, high in checks:
+        for (argument, *index), value, low, high in checks:
             if not low <= value <= high:
                 raise InvalidOption(
-                    f"{name.replace('/', '.')} is {quoted(value)}; give {low} to {high}",
-                    f"/{name}",
+                    f"{dotted(argument, tuple(index))} is {quoted(value)}; give {low} to {high}",
+                    argument=argument,
+                    index=tuple(index),
+                    value=value,
+                    lower=low,
+                    upper=high,
                 )
 
 
@@ -98,7 +102,7 @@ class IKBatch:
     """Many answers; see :class:`IKResult` for each.
 
     Attributes:
-        codes: Index into ``tuple(IKStatus)`` of each status; shape (n,).
+        codes: Location into ``tuple(IKStatus)`` of each status; shape (n,).
         q: Shape (n, dof).
         seed: The start of all; shape (dof,).
         position_error: Shape (n,).

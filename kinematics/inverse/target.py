@@ -9,15 +9,18 @@ from typing import TypeAlias
 import numpy as np
 
 from dh_to_urdf.poses import rigid_transform, rigid_transforms
-from kinematics.errors import InvalidTarget
-from kinematics.orientation import rotation_from_euler, rotation_from_quaternion
+from kinematics.errors import InvalidTarget, Location
+from kinematics.orientation import (
+    parse_sequence,
+    rotation_from_euler,
+    rotation_from_quaternion,
+)
 from kinematics.task import Task
 from robots.robot import FloatArray
 
 MAX_VALUE = 1e6
 """Largest coordinate of a target, m or rad."""
 Rows: TypeAlias = Sequence[Sequence[float]] | FloatArray
-Location: TypeAlias = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
@@ -60,10 +63,11 @@ class Targets:
         """Return the same in words: ``targets.3.position``."""
         return ".".join(map(str, self.place(k, *field)))
 
-    def refusal(self, k: int, message: str, *field: str) -> InvalidTarget:
+    def refusal(self, k: int, message: str, *field: str, task: Task | None = None) -> InvalidTarget:
         """Return the exception that says what is wrong with a field of target ``k``."""
         argument, *index = self.place(k, *field)
-        return InvalidTarget(message, "/" + "/".join(map(str, (argument, *index))))
+        name = None if task is None else task.name
+        return InvalidTarget(message, argument=str(argument), index=tuple(index), task=name)
 
 
 def target_poses(targets: Targets, task: Task) -> FloatArray:
@@ -106,12 +110,13 @@ def _check_parts(targets: Targets, task: Task, given: list[str]) -> None:
         raise targets.refusal(0, f"{name} has {' and '.join(given)}; give one orientation")
     if task.positions and targets.position is None:
         message = f"task {task.name} needs a position; give {name}.position or .matrix"
-        raise targets.refusal(0, message, "position")
+        raise targets.refusal(0, message, "position", task=task)
     if task.rotations and not given:
         raise targets.refusal(
             0,
             f"task {task.name} needs an orientation; give {name}.rpy, quaternion_xyzw, euler, phi,"
             " direction or matrix, or choose task position",
+            task=task,
         )
     if targets.phi is not None and task.rotations not in ((), (2,)):
         raise targets.refusal(
@@ -119,6 +124,7 @@ def _check_parts(targets: Targets, task: Task, given: list[str]) -> None:
             f"{name}.phi is an angle about z alone, but task {task.name} needs a whole"
             " orientation; give rpy, quaternion_xyzw, euler or matrix",
             "phi",
+            task=task,
         )
     if targets.direction is not None and task.rotations and not task.own_axes:
         raise targets.refusal(
@@ -127,6 +133,7 @@ def _check_parts(targets: Targets, task: Task, given: list[str]) -> None:
             " choose task position_direction or direction, or give rpy, quaternion_xyzw, euler or"
             " matrix",
             "direction",
+            task=task,
         )
 
 
@@ -137,8 +144,12 @@ def _matrices(targets: Targets) -> FloatArray:
     if not targets.many:
         return _matrix(targets, 0, given[0])[None]
     if isinstance(given, np.ndarray) and given.shape[1:] != (4, 4):
-        place = "/" + "/".join(map(str, (*targets.location, "matrix")))
-        raise InvalidTarget("targets are no 4x4 matrices; give shape (n, 4, 4)", place)
+        argument, *index = (*targets.location, "matrix")
+        raise InvalidTarget(
+            "targets are no 4x4 matrices; give shape (n, 4, 4)",
+            argument=str(argument),
+            index=tuple(index),
+        )
     try:
         poses = rigid_transforms(_regular(given))
     except ValueError:
@@ -193,11 +204,10 @@ def _rotations(targets: Targets) -> FloatArray | None:
         return _each(targets, "rpy", targets.rpy, 3, lambda _, row: rotation_from_euler("xyz", row))
     if targets.euler is not None:
         sequence, angles = targets.euler
-        first = (0,) if targets.many and not targets.by_field else ()
-        place = "/" + "/".join(map(str, (*targets.location, *first, "euler", "sequence")))
-        return _each(
-            targets, "euler", angles, 3, lambda _, row: rotation_from_euler(sequence, row, place)
-        )
+        first: Location = (0,) if targets.many and not targets.by_field else ()
+        argument, *index = (*targets.location, *first, "euler", "sequence")
+        parse_sequence(sequence, str(argument), tuple(index))
+        return _each(targets, "euler", angles, 3, lambda _, row: rotation_from_euler(sequence, row))
     if targets.direction is not None:
         return _each(targets, "direction", targets.direction, 3, _along)
     if targets.phi is not None:

@@ -68,13 +68,17 @@ def nearest_singularity(
     chain = chain_of(robot, frame)
     q = configuration(robot, q)
     if q.ndim != 1:
-        raise WrongConfiguration("q is a batch; give one q", "/q")
+        raise WrongConfiguration("q is a batch; give one q", argument="q", expected=robot.dof)
     if not np.abs(q).max() <= LARGEST_VALUE:
         joint = robot.joints[int(np.argmax(np.abs(q)))].name
         raise WrongConfiguration(
             f"q of joint {joint} is beyond ±1e5, where no singularities are sought; give its value"
             " within a turn",
-            "/q",
+            argument="q",
+            joint=joint,
+            value=float(q[np.argmax(np.abs(q))]),
+            lower=-LARGEST_VALUE,
+            upper=LARGEST_VALUE,
         )
     if chain.length == 0:
         return NearestSingularity(True, (), q, 0.0, 0.0)

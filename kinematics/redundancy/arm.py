@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dh_to_urdf.errors import quoted
 from kinematics.chain import Chain, chain_of
-from kinematics.errors import InvalidOption
+from kinematics.errors import InvalidOption, Location
 from kinematics.redundancy.kernel import task_at, workspace
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
@@ -33,27 +33,37 @@ class Arm:
     chain: Chain
 
     @classmethod
-    def of(cls, robot: Robot, frame: str | None, task: Task, pointer: str = "/frame") -> Arm:
+    def of(
+        cls,
+        robot: Robot,
+        frame: str | None,
+        task: Task,
+        argument: str = "frame",
+        index: Location = (),
+    ) -> Arm:
         """The arm of a robot.
 
         Args:
             robot: The robot.
             frame: Name of the frame; None for the tip.
             task: The task space.
-            pointer: JSON pointer to the frame's name.
+            argument: What errors call the frame's name.
+            index: Its place within that argument.
 
         Raises:
             UnknownFrame: The robot has no such frame.
             InvalidOption: No joint moves it.
         """
         frame = robot.tip_frame if frame is None else frame
-        robot.frame_id(frame, pointer)
+        robot.frame_id(frame, "/".join(("", argument, *map(str, index))))
         chain = chain_of(robot, frame)
         if chain.length == 0:
             raise InvalidOption(
                 f"no joint moves frame {quoted(frame)} against {robot.base_frame}; give a frame"
                 " further out",
-                pointer,
+                argument=argument,
+                index=index,
+                value=frame,
             )
         return cls(robot, frame, task, chain)
 

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from kinematics.errors import InvalidOption, WrongConfiguration
+from kinematics.errors import InvalidOption, Location, WrongConfiguration, dotted
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.link_geometry import LinkGeometry
 from kinematics.redundancy.clearance.links import Links, skeleton
@@ -39,7 +39,11 @@ class PathTolerance:
             if not 1e-9 <= getattr(self, name) <= 1e3:
                 raise InvalidOption(
                     f"tolerance.{name} is {getattr(self, name):g}; give 1e-9 to 1e3",
-                    f"/tolerance/{name}",
+                    argument="tolerance",
+                    index=(name,),
+                    value=getattr(self, name),
+                    lower=1e-9,
+                    upper=1e3,
                 )
 
 
@@ -76,18 +80,28 @@ class Problem:
         for name in ("link_radius", "d_safe"):
             values = np.atleast_1d(getattr(self, name))
             if not ((values >= 0) & (values <= 1e6)).all():
-                raise InvalidOption(f"{name} is {values.min():g}; give 0 to 1e6", f"/{name}")
+                raise InvalidOption(
+                    f"{name} is {values.min():g}; give 0 to 1e6",
+                    argument=name,
+                    value=float(values.min()),
+                    lower=0.0,
+                    upper=1e6,
+                )
         if len(self.obstacles) > MAX_OBSTACLES:
             raise InvalidOption(
                 f"there are {len(self.obstacles)} obstacles; give at most {MAX_OBSTACLES}",
-                "/obstacles",
+                argument="obstacles",
+                value=len(self.obstacles),
+                lower=0,
+                upper=MAX_OBSTACLES,
             )
         pairs = self.path.samples * len(self.obstacles) * len(self.links)
         if pairs > MAX_PAIRS * 10:
             raise InvalidOption(
                 f"{self.path.samples} samples, {len(self.obstacles)} obstacles and"
                 f" {len(self.links)} links are too many together; give fewer samples or obstacles",
-                "/samples",
+                argument="samples",
+                value=self.path.samples,
             )
         q, chain = self.arm.reduced(self.start), self.arm.chain
         outside = np.maximum(chain.lower - q, q - chain.upper)
@@ -97,7 +111,12 @@ class Problem:
                 f"q of joint {self.arm.names[worst]} is {q[worst]:.6g}, outside its limits"
                 f" [{chain.lower[worst]:.6g}, {chain.upper[worst]:.6g}]"
                 f" {'rad' if chain.is_revolute[worst] else 'm'}; start within them",
-                f"/q/{int(chain.columns[worst])}",
+                argument="q",
+                index=(int(chain.columns[worst]),),
+                joint=self.arm.names[worst],
+                value=float(q[worst]),
+                lower=float(chain.lower[worst]),
+                upper=float(chain.upper[worst]),
             )
 
     @cached_property
@@ -192,23 +211,28 @@ class PathOptions:
     seconds: float = math.inf
 
     def __post_init__(self) -> None:
-        ranges = {
-            "damping": (self.damping, 1e-9, 1e3),
-            "iterations": (self.iterations, 1, 100),
-            "influence": (self.influence, 1e-9, 1e6),
-            "obstacle_weight": (self.obstacle_weight, 0, 1e6),
-            "margin": (self.margin, 0, 1e3),
-            "perturb": (self.perturb, 0, 1),
+        ranges: dict[tuple[str, Location], tuple[float | None, float, float]] = {
+            ("damping", ()): (self.damping, 1e-9, 1e3),
+            ("iterations", ()): (self.iterations, 1, 100),
+            ("influence", ()): (self.influence, 1e-9, 1e6),
+            ("obstacle_weight", ()): (self.obstacle_weight, 0, 1e6),
+            ("margin", ()): (self.margin, 0, 1e3),
+            ("perturb", ()): (self.perturb, 0, 1),
         }
         if self.gains is not None:
             for name in ("limits", "manipulability", "obstacles", "posture"):
-                ranges[f"gains/{name}"] = (getattr(self.gains, name), 0, 1e6)
+                ranges["gains", (name,)] = (getattr(self.gains, name), 0, 1e6)
         for k, task in enumerate(self.secondary):
-            ranges[f"secondary/{k}/gain"] = (task.gain, 0, 1)
-        for name, (value, low, high) in ranges.items():
+            ranges["secondary", (k, "gain")] = (task.gain, 0, 1)
+        for (argument, index), (value, low, high) in ranges.items():
             if value is not None and not low <= value <= high:
                 raise InvalidOption(
-                    f"{name.replace('/', '.')} is {value:g}; give {low:g} to {high:g}", f"/{name}"
+                    f"{dotted(argument, index)} is {value:g}; give {low:g} to {high:g}",
+                    argument=argument,
+                    index=index,
+                    value=value,
+                    lower=low,
+                    upper=high,
                 )
 
     def reach_of_obstacles(self, problem: Problem) -> float:
@@ -218,7 +242,9 @@ class PathOptions:
         if self.influence <= problem.d_safe:
             raise InvalidOption(
                 f"influence is {self.influence:g}; give more than d_safe, {problem.d_safe:g}",
-                "/influence",
+                argument="influence",
+                value=self.influence,
+                lower=problem.d_safe,
             )
         return self.influence
 

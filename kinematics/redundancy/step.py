@@ -10,7 +10,7 @@ import numpy as np
 from dh_to_urdf.errors import quoted
 from kinematics.chain import chain_of
 from kinematics.configuration import configuration
-from kinematics.errors import InvalidOption, RankDeficient, WrongConfiguration
+from kinematics.errors import InvalidOption, Location, RankDeficient, WrongConfiguration
 from kinematics.jacobian import task_jacobian
 from kinematics.redundancy.priority import prioritized_step
 from kinematics.singularity import RANK_TOLERANCE
@@ -87,22 +87,26 @@ def differential_step(
         InvalidOption: damping is out of range, or both z and secondary tasks are given.
     """
     if not 0 <= damping <= 1e3:
-        raise InvalidOption(f"damping is {damping:g}; give 0 (none) to 1e3", "/damping")
+        raise InvalidOption(
+            f"damping is {damping:g}; give 0 (none) to 1e3",
+            argument="damping",
+            value=damping,
+            lower=0.0,
+            upper=1e3,
+        )
     if z is not None and secondary:
-        raise InvalidOption("give z or secondary tasks, not both", "/secondary")
+        raise InvalidOption("give z or secondary tasks, not both", argument="secondary")
     q = configuration(robot, q)
-    for one, pointer in [
-        (first, "/frame"),
-        *((t, f"/secondary/{k}/frame") for k, t in enumerate(secondary)),
-    ]:
-        _check_moved(robot, one, pointer)
+    _check_moved(robot, first, "frame")
+    for k, task in enumerate(secondary):
+        _check_moved(robot, task, "secondary", (k, "frame"))
     J = task_jacobian(robot, q, first.task, first.frame)
-    dx = _checked(first, "/delta_x")
+    dx = _checked(first, "delta_x")
     U, sigma, Vt = np.linalg.svd(J)
     largest = max(1.0, float(sigma[0]))
     m, rank = len(J), int(np.sum(sigma > RANK_TOLERANCE * largest))
     if rank < m and damping == 0.0:
-        raise RankDeficient(_refusal(robot, first, rank, m), "/q", rank, m)
+        raise _refusal(robot, first, rank, m)
     V1, used = Vt[:rank].T, sigma[:rank]
     N = np.eye(robot.dof) - V1 @ V1.T
     inverse = used / (used * used + damping * damping)
@@ -110,7 +114,10 @@ def differential_step(
     task_motion = J_pinv @ dx
     if secondary:
         others = [
-            (task_jacobian(robot, q, one.task, one.frame), _checked(one, f"/secondary/{k}/delta_x"))
+            (
+                task_jacobian(robot, q, one.task, one.frame),
+                _checked(one, "secondary", (k, "delta_x")),
+            )
             for k, one in enumerate(secondary)
         ]
         free = Vt[rank:].T
@@ -119,7 +126,7 @@ def differential_step(
         null_motion = free @ y
     else:
         others = []
-        wanted = np.zeros(robot.dof) if z is None else configuration(robot, z, "/z")
+        wanted = np.zeros(robot.dof) if z is None else configuration(robot, z, "z")
         null_motion = N @ wanted
     delta = task_motion + null_motion
     return DifferentialStep(
@@ -136,39 +143,53 @@ def differential_step(
     )
 
 
-def _checked(one: StepTask, pointer: str) -> FloatArray:
+def _checked(one: StepTask, argument: str, index: Location = ()) -> FloatArray:
     dx = np.asarray(one.delta_x, dtype=np.float64)
     rows = one.task.row_names
     if dx.shape != (len(rows),):
         raise WrongConfiguration(
             f"delta_x has {dx.size} values, but task {one.task.name} has {len(rows)} rows"
             f" ({', '.join(rows)}); give one a row",
-            pointer,
+            argument=argument,
+            index=index,
+            expected=len(rows),
+            known=rows,
         )
     if not (np.abs(dx) <= 1e6).all():
-        raise WrongConfiguration("delta_x has a value that is not finite or beyond ±1e6", pointer)
+        raise WrongConfiguration(
+            "delta_x has a value that is not finite or beyond ±1e6",
+            argument=argument,
+            index=index,
+            lower=-1e6,
+            upper=1e6,
+        )
     return dx
 
 
-def _check_moved(robot: Robot, one: StepTask, pointer: str) -> None:
+def _check_moved(robot: Robot, one: StepTask, argument: str, index: Location = ()) -> None:
     frame = robot.tip_frame if one.frame is None else one.frame
-    robot.frame_id(frame, pointer)
+    robot.frame_id(frame, "/".join(("", argument, *map(str, index))))
     if chain_of(robot, frame).length == 0:
         raise InvalidOption(
             f"no joint moves frame {quoted(frame)} against {robot.base_frame}; give a frame further"
             " out",
-            pointer,
+            argument=argument,
+            index=index,
+            value=frame,
         )
 
 
-def _refusal(robot: Robot, one: StepTask, rank: int, m: int) -> str:
+def _refusal(robot: Robot, one: StepTask, rank: int, m: int) -> RankDeficient:
     text = f"rank(J) = {rank} < {m} here: J† = Jᵀ(JJᵀ)⁻¹ does not exist"
-    if not _possible(robot, one.task, one.frame):
-        others = [name for name, task in TASKS.items() if _possible(robot, task, one.frame)]
+    others: tuple[str, ...] = ()
+    if _possible(robot, one.task, one.frame):
+        text += "; give damping, such as 0.01, for damped least squares, or another q"
+    else:
+        others = tuple(name for name, task in TASKS.items() if _possible(robot, task, one.frame))
         choice = f", choose another ({', '.join(others[:4])})" if others else ""
         text += f"; the task {one.task.name} asks more than this arm can move{choice}"
-        return text + ", or give damping"
-    return text + "; give damping, such as 0.01, for damped least squares, or another q"
+        text += ", or give damping"
+    return RankDeficient(text, rank=rank, wanted=m, argument="q", known=others)
 
 
 def _possible(robot: Robot, task: Task, frame: str | None) -> bool:

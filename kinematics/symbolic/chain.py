@@ -31,7 +31,7 @@ class Axis:
 
     Attributes:
         joint: Its number in q, from 1.
-        node: Index of the frame on whose z it moves.
+        node: Location of the frame on whose z it moves.
         sign: -1 where q runs against z.
         is_revolute: Whether it turns.
     """
@@ -66,7 +66,7 @@ class Chain:
         return [*before[::-1], Pose(), *after]
 
     def node(self, frame: str) -> int:
-        """Index of a frame."""
+        """Location of a frame."""
         return self.frames.index(frame)
 
 

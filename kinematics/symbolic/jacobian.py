@@ -44,8 +44,8 @@ def jacobian_columns(chain: Chain, dof: int, axes: int, point: int) -> list[Colu
     Args:
         chain: The chain.
         dof: Length of q.
-        axes: Index of the frame in whose axes to write.
-        point: Index of the frame at whose origin the linear velocity is taken.
+        axes: Location of the frame in whose axes to write.
+        point: Location of the frame at whose origin the linear velocity is taken.
     """
     poses = chain.poses(axes)
     columns: list[Column] = [(ZERO,) * 6] * dof

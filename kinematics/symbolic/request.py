@@ -11,7 +11,7 @@ from enum import StrEnum
 
 from dh_to_urdf.errors import quoted
 from dh_to_urdf.table import DHTable
-from kinematics.errors import InvalidOption
+from kinematics.errors import InvalidOption, Location
 from kinematics.symbolic.chain import BASE, TOOL, path_to
 from kinematics.symbolic.parameters import lengths_of
 from kinematics.task import Task
@@ -98,14 +98,24 @@ def checked(table: DHTable, request: SymbolicRequest) -> SymbolicRequest:
     """
     if not request.quantities:
         raise InvalidOption(
-            f"quantities is empty; name some of {', '.join(Quantity)}, or all", "/quantities"
+            f"quantities is empty; name some of {', '.join(Quantity)}, or all",
+            argument="quantities",
+            known=tuple(Quantity),
         )
     if request.parameters not in PARAMETERS:
         raise InvalidOption(
-            f"parameters is {quoted(request.parameters)}; give numeric or symbolic", "/parameters"
+            f"parameters is {quoted(request.parameters)}; give numeric or symbolic",
+            argument="parameters",
+            value=request.parameters,
+            known=PARAMETERS,
         )
     if not (math.isfinite(request.time_budget) and request.time_budget > 0):
-        raise InvalidOption("time_budget_ms is not above 0; give milliseconds", "/time_budget_ms")
+        raise InvalidOption(
+            "time_budget_ms is not above 0; give milliseconds",
+            argument="time_budget_ms",
+            value=request.time_budget * 1e3,
+            lower=0.0,
+        )
     if request.base not in (BASE, "frame_0"):
         raise UnknownFrame(request.base, (BASE, "frame_0"), "/base")
     frames = (TOOL, *(f"frame_{k}" for k in range(1, len(table.rows) + 1)))
@@ -119,7 +129,7 @@ def checked(table: DHTable, request: SymbolicRequest) -> SymbolicRequest:
     return replace(request, quantities=found)
 
 
-def quantity_from(name: str, pointer: str) -> Quantity:
+def quantity_from(name: str, argument: str = "quantities", index: Location = ()) -> Quantity:
     """A quantity by name.
 
     Raises:
@@ -127,19 +137,29 @@ def quantity_from(name: str, pointer: str) -> Quantity:
     """
     if name not in list(Quantity):
         raise InvalidOption(
-            f"quantity {quoted(name)} is unknown; {hint(name, tuple(Quantity))}", pointer
+            f"quantity {quoted(name)} is unknown; {hint(name, tuple(Quantity))}",
+            argument=argument,
+            index=index,
+            value=name,
+            known=tuple(Quantity),
         )
     return Quantity(name)
 
 
-def notation_from(name: str, pointer: str) -> Notation:
+def notation_from(name: str, argument: str = "format", index: Location = ()) -> Notation:
     """A notation by name.
 
     Raises:
         InvalidOption: There is none of this name.
     """
     if name not in list(Notation):
-        raise InvalidOption(f"format is {quoted(name)}; give {', '.join(Notation)}", pointer)
+        raise InvalidOption(
+            f"format is {quoted(name)}; give {', '.join(Notation)}",
+            argument=argument,
+            index=index,
+            value=name,
+            known=tuple(Notation),
+        )
     return Notation(name)
 
 
@@ -155,22 +175,34 @@ def check_symbols(table: DHTable, request: SymbolicRequest) -> None:
     """Refuses names that cannot be used.
 
     Raises:
-        InvalidOption: With the pointer of the name.
+        InvalidOption: Its index is the name.
     """
     if len(request.symbols) > MAX_SYMBOLS:
-        raise InvalidOption(f"symbols holds over {MAX_SYMBOLS} names", "/symbols")
+        raise InvalidOption(
+            f"symbols holds over {MAX_SYMBOLS} names",
+            argument="symbols",
+            value=len(request.symbols),
+            upper=MAX_SYMBOLS,
+        )
     values = {length.name: length.value for length in lengths_of(table)}
     chosen = dict(request.symbols)
     for default, name in request.symbols:
-        pointer = f"/symbols/{default[:64].replace('~', '~0').replace('/', '~1')}"
         if default not in values:
             known = hint(default, tuple(values)) if values else "every length of the table is 0"
-            raise InvalidOption(f"the table has no length {quoted(default)}; {known}", pointer)
+            raise InvalidOption(
+                f"the table has no length {quoted(default)}; {known}",
+                argument="symbols",
+                index=(default,),
+                value=default,
+                known=tuple(values),
+            )
         if not _NAME.fullmatch(name) or name in _WORDS or _TAKEN.fullmatch(name):
             raise InvalidOption(
                 f"{quoted(name)} cannot name {default}; give letters and a number such as L1"
                 " (C1, S1, q1, t1, x1 and words of Python and C are taken)",
-                pointer,
+                argument="symbols",
+                index=(default,),
+                value=name,
             )
     _check_shared(values, chosen, request.parameters == "symbolic")
 
@@ -186,5 +218,7 @@ def _check_shared(values: Mapping[str, float], chosen: Mapping[str, str], symbol
             raise InvalidOption(
                 f"{name} would name both {other} = {known:g} and {default} = {value:g}; give each"
                 " its own name",
-                f"/symbols/{default if default in chosen else other}",
+                argument="symbols",
+                index=(default if default in chosen else other,),
+                value=name,
             )

@@ -41,7 +41,7 @@ class SymbolicUnavailable(KinematicsError):
     """SymPy is not installed."""
 
     def __init__(self) -> None:
-        super().__init__("SymPy is not installed here: pip install 'denavit[symbolic]'", "")
+        super().__init__("SymPy is not installed here: pip install 'denavit[symbolic]'")
 
 
 class WorkersBusy(KinematicsError):
@@ -53,7 +53,7 @@ class WorkersBusy(KinematicsError):
 
     def __init__(self, message: str, retry_after: float) -> None:
         self.retry_after = retry_after
-        super().__init__(message, "")
+        super().__init__(message)
 
 
 class SymbolicWorkers:

@@ -59,9 +59,10 @@ class Box:
 
 
 Obstacle: TypeAlias = Sphere | CircleObstacle | Capsule | HalfSpace | Box
+_Place: TypeAlias = tuple[str, int]
 
 
-def encoded(obstacles: Sequence[Obstacle], pointer: str = "/obstacles") -> FloatArray:
+def encoded(obstacles: Sequence[Obstacle], argument: str = "obstacles") -> FloatArray:
     """Obstacles as the compiled distances read them, shape (n, 16).
 
     A row holds the kind; then of a sphere and circle center and radius, of a capsule start, end
@@ -73,11 +74,11 @@ def encoded(obstacles: Sequence[Obstacle], pointer: str = "/obstacles") -> Float
     """
     rows = np.zeros((len(obstacles), WIDTH))
     for index, obstacle in enumerate(obstacles):
-        _fill(rows[index], obstacle, f"{pointer}/{index}")
+        _fill(rows[index], obstacle, (argument, index))
     return rows
 
 
-def _fill(row: FloatArray, obstacle: Obstacle, where: str) -> None:
+def _fill(row: FloatArray, obstacle: Obstacle, where: _Place) -> None:
     if isinstance(obstacle, Sphere):
         row[0], row[1:4] = SPHERE, _vector(obstacle.center, "center", where)
         row[4] = _length(obstacle.radius, "radius", where)
@@ -94,7 +95,11 @@ def _fill(row: FloatArray, obstacle: Obstacle, where: str) -> None:
         normal = _vector(obstacle.normal, "normal", where)
         length = np.linalg.norm(normal)
         if not length > 1e-9:
-            raise InvalidOption("the normal is zero; give a direction", f"{where}/normal")
+            raise InvalidOption(
+                "the normal is zero; give a direction",
+                argument=where[0],
+                index=(where[1], "normal"),
+            )
         row[0], row[1:4] = HALF_SPACE, normal / length
         row[4] = _vector([obstacle.offset], "offset", where, 1)[0]
     else:
@@ -102,7 +107,11 @@ def _fill(row: FloatArray, obstacle: Obstacle, where: str) -> None:
         size = _vector(obstacle.size, "size", where)
         if not size.min() > 0:
             raise InvalidOption(
-                "the size has a value that is not positive; give lengths of edges", f"{where}/size"
+                "the size has a value that is not positive; give lengths of edges",
+                value=float(size.min()),
+                lower=0.0,
+                argument=where[0],
+                index=(where[1], "size"),
             )
         row[4:7] = size / 2
         R = np.eye(3) if obstacle.rotation is None else obstacle.rotation
@@ -110,20 +119,33 @@ def _fill(row: FloatArray, obstacle: Obstacle, where: str) -> None:
 
 
 def _vector(
-    values: Sequence[float], name: str, where: str, size: int = 3, sizes: str = ""
+    values: Sequence[float], name: str, where: _Place, size: int = 3, sizes: str = ""
 ) -> FloatArray:
     if len(values) != size:
         raise InvalidOption(
-            f"{name} has {len(values)} values; give {sizes or size}", f"{where}/{name}"
+            f"{name} has {len(values)} values; give {sizes or size}",
+            argument=where[0],
+            index=(where[1], name),
         )
     if not all(-MAX_VALUE <= value <= MAX_VALUE for value in values):
         raise InvalidOption(
-            f"{name} has a value that is not finite or beyond ±1e6", f"{where}/{name}"
+            f"{name} has a value that is not finite or beyond ±1e6",
+            lower=-MAX_VALUE,
+            upper=MAX_VALUE,
+            argument=where[0],
+            index=(where[1], name),
         )
     return np.array(values, dtype=np.float64)
 
 
-def _length(value: float, name: str, where: str) -> float:
+def _length(value: float, name: str, where: _Place) -> float:
     if not 0 <= value <= MAX_VALUE:
-        raise InvalidOption(f"{name} is {value:g}; give 0 to 1e6", f"{where}/{name}")
+        raise InvalidOption(
+            f"{name} is {value:g}; give 0 to 1e6",
+            value=value,
+            lower=0.0,
+            upper=MAX_VALUE,
+            argument=where[0],
+            index=(where[1], name),
+        )
     return value

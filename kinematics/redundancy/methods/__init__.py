@@ -6,7 +6,7 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from kinematics.errors import InvalidOption
+from kinematics.errors import InvalidOption, Location
 from kinematics.redundancy.methods import (
     damped,
     null_space,
@@ -54,7 +54,7 @@ METHODS = {
 }
 
 
-def method_from(name: str, pointer: str = "/method") -> Method:
+def method_from(name: str, argument: str = "method", index: Location = ()) -> Method:
     """A method by name.
 
     Raises:
@@ -62,6 +62,10 @@ def method_from(name: str, pointer: str = "/method") -> Method:
     """
     if name not in METHODS:
         raise InvalidOption(
-            f"method {name[:32]!r} is unknown; {hint(name, tuple(METHODS))}", pointer
+            f"method {name[:32]!r} is unknown; {hint(name, tuple(METHODS))}",
+            argument=argument,
+            index=index,
+            value=name,
+            known=tuple(METHODS),
         )
     return METHODS[name]

@@ -31,7 +31,7 @@ def follow(
     if not options.secondary:
         raise InvalidOption(
             "task_priority needs a second task; give secondary: [{frame, task, target}]",
-            "/secondary",
+            argument="secondary",
         )
     arm = problem.arm
     place = _places(arm, options)

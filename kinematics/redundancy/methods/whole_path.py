@@ -52,7 +52,10 @@ def follow(
         raise MethodUnavailable(
             "whole_path needs CasADi, which is not installed; pip install 'denavit[whole-path]',"
             " or use qp",
-            "/method",
+            package="casadi",
+            extra="whole-path",
+            argument="method",
+            value="whole_path",
         ) from None
     arm = problem.arm
     size = len(Q) * (arm.K + len(problem.links) * len(problem.obstacles))
@@ -61,7 +64,9 @@ def follow(
             f"{len(Q)} samples are too many for one program with {arm.K} joints and"
             f" {len(problem.obstacles)} obstacles; give at most"
             f" {MOST // (size // len(Q))}, or use qp",
-            "/samples",
+            argument="samples",
+            value=len(Q),
+            upper=MOST // (size // len(Q)),
         )
     for _ in qp.follow(problem, options, Q):
         pass

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinematics.errors import InvalidOption
+from kinematics.errors import InvalidOption, Location
 from kinematics.inverse.damped_least_squares import twist_error
 from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.task import Task
@@ -37,11 +37,20 @@ class Sampling:
 
     def __post_init__(self) -> None:
         if not 1e-6 <= self.tf <= MAX_DURATION:
-            raise InvalidOption(f"tf is {self.tf:g}; give seconds, 1e-6 to 1e6", "/tf")
+            raise InvalidOption(
+                f"tf is {self.tf:g}; give seconds, 1e-6 to 1e6",
+                argument="tf",
+                value=self.tf,
+                lower=1e-6,
+                upper=MAX_DURATION,
+            )
         if not 2 <= self.samples <= MAX_SAMPLES:
             raise InvalidOption(
                 f"samples is {self.samples}; give 2 to {MAX_SAMPLES}, the start included",
-                "/samples",
+                argument="samples",
+                value=self.samples,
+                lower=2,
+                upper=MAX_SAMPLES,
             )
 
 
@@ -63,10 +72,16 @@ class Circle:
         if not 0 < abs(self.turns) <= MAX_TURNS:
             raise InvalidOption(
                 f"circle.turns is {self.turns:g}; give up to ±{MAX_TURNS:g}, not 0",
-                "/circle/turns",
+                argument="circle",
+                index=("turns",),
+                value=self.turns,
+                lower=-MAX_TURNS,
+                upper=MAX_TURNS,
             )
         if not np.linalg.norm(self.normal) > 1e-9:
-            raise InvalidOption("circle.normal is zero; give a direction", "/circle/normal")
+            raise InvalidOption(
+                "circle.normal is zero; give a direction", argument="circle", index=("normal",)
+            )
 
 
 @dataclass(frozen=True)
@@ -124,7 +139,9 @@ def polyline(
         raise InvalidOption(
             f"samples is {sampling.samples} for {len(poses)} waypoints; give at least"
             f" {len(poses) + 1}",
-            "/samples",
+            argument="samples",
+            value=sampling.samples,
+            lower=len(poses) + 1,
         )
     pieces = []
     here = start
@@ -162,7 +179,8 @@ def circle(
     about: Circle,
     task: Task,
     sampling: Sampling,
-    pointer: str = "/circle/normal",
+    argument: str = "circle",
+    index: Location = ("normal",),
 ) -> Path:
     """Around a circle through the start's position.
 
@@ -171,7 +189,8 @@ def circle(
         about: The circle.
         task: The task space.
         sampling: Time law, duration, number of samples.
-        pointer: To what says in which plane it lies.
+        argument: What errors call the circle.
+        index: Place in it of what says in which plane it lies.
 
     Raises:
         InvalidOption: The start lies on the axis, or the task counts no two positions.
@@ -180,14 +199,17 @@ def circle(
     if len(task.positions) < 2:
         raise InvalidOption(
             f"a circle needs two positions, but the task is {task.name}; choose xy or position",
-            "/task",
+            argument="task",
+            value=task.name,
+            known=("xy", "position"),
         )
     if len(task.positions) == 2:
         (missing,) = {0, 1, 2} - set(task.positions)
         if abs(abs(n[missing]) - 1) > 1e-9:
             raise InvalidOption(
                 f"the circle leaves the plane of the task {task.name}; give the normal across it",
-                pointer,
+                argument=argument,
+                index=index,
             )
     arm = start[:3, 3] - about.center
     along = n * (n @ arm)
@@ -195,7 +217,9 @@ def circle(
     radius = np.linalg.norm(arm)
     if not radius > 1e-9:
         raise InvalidOption(
-            "the start lies on the circle's axis; give a center elsewhere", "/circle/center"
+            "the start lies on the circle's axis; give a center elsewhere",
+            argument=argument,
+            index=("center",),
         )
     s = np.linspace(0, 1, sampling.samples)
     law = np.array(sampling.time_law.at(s)).T

@@ -50,11 +50,19 @@ class RetimeOptions:
             if values is not None and not ((values >= LEAST) & (values <= MOST)).all():
                 raise InvalidOption(
                     f"retime.{name} is not within {LEAST:g} to {MOST:g} for every joint",
-                    f"/retime/{name}",
+                    argument="retime",
+                    index=(name,),
+                    lower=LEAST,
+                    upper=MOST,
                 )
         if not 2 <= self.samples <= MAX_SAMPLES:
             raise InvalidOption(
-                f"retime.samples is {self.samples}; give 2 to {MAX_SAMPLES}", "/retime/samples"
+                f"retime.samples is {self.samples}; give 2 to {MAX_SAMPLES}",
+                argument="retime",
+                index=("samples",),
+                value=self.samples,
+                lower=2,
+                upper=MAX_SAMPLES,
             )
 
 
@@ -216,7 +224,9 @@ def _toppra() -> Any:
         raise MethodUnavailable(
             "retime needs toppra, which is not installed; pip install 'denavit[retiming]', or"
             " leave retime out",
-            "/retime",
+            package="toppra",
+            extra="retiming",
+            argument="retime",
         ) from None
     # What it has to say comes back as a return code.
     logging.getLogger("toppra").setLevel(logging.CRITICAL)

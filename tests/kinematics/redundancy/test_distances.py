@@ -129,7 +129,7 @@ def test_bad_obstacles_are_named():
     ):
         with pytest.raises(InvalidOption) as caught:
             encoded([Sphere((0, 0, 0), 1), bad])
-        assert caught.value.pointer == f"/obstacles/1/{field}"
+        assert caught.value.location == ("obstacles", 1, field)
 
 
 @pytest.mark.parametrize("name", ["planar_8r", "pa10", "scara"])

@@ -268,7 +268,8 @@ def test_without_toppra_it_is_refused(monkeypatch):
     monkeypatch.setitem(sys.modules, "toppra", None)
     with pytest.raises(MethodUnavailable, match="retiming") as caught:
         timed(lines((0, 0.2, -0.1)), 5.0)
-    assert caught.value.pointer == "/retime"
+    assert caught.value.location == ("retime",)
+    assert (caught.value.package, caught.value.extra) == ("toppra", "retiming")
 
 
 def test_it_is_quiet(capfd, caplog):
@@ -284,10 +285,10 @@ def test_bad_limits_are_named():
     for value in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(InvalidOption) as caught:
             limits(problem, value)
-        assert caught.value.pointer == "/retime/acceleration"
+        assert caught.value.location == ("retime", "acceleration")
         with pytest.raises(InvalidOption) as caught:
             limits(problem, 1.0, value)
-        assert caught.value.pointer == "/retime/velocity"
+        assert caught.value.location == ("retime", "velocity")
     with pytest.raises(InvalidOption) as caught:
         limits(problem, 1.0, samples=1)
-    assert caught.value.pointer == "/retime/samples"
+    assert caught.value.location == ("retime", "samples")
