@@ -21,7 +21,10 @@ SMALL = 1e-4
 def render_text(payload: Mapping[str, Any]) -> str:
     """Renders an answer; arrays of numbers become aligned columns."""
     lines: list[str] = []
-    _mapping(payload, lines, "")
+    # Nothing to warn of is no line: those who read a terminal would look for the warning.
+    quiet = not payload.get("warnings", True)
+    shown = {k: v for k, v in payload.items() if k != "warnings"} if quiet else payload
+    _mapping(shown, lines, "")
     return "\n".join(lines) + "\n"
 
 
