@@ -8,11 +8,11 @@ from dataclasses import replace
 
 from kinematics.redundancy.follow import PathResult, followed
 from kinematics.redundancy.methods import Method
-from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.problem import PathOptions, PathProblem
 
 
 def compared(
-    problem: Problem, entries: Sequence[tuple[Method, PathOptions]], seconds: float
+    problem: PathProblem, entries: Sequence[tuple[Method, PathOptions]], seconds: float
 ) -> Iterator[PathResult]:
     """The result of each method with its options, one after the other.
 

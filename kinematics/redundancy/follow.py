@@ -13,7 +13,7 @@ from kinematics.errors import OutOfTime
 from kinematics.redundancy.judging.verdict import Verdict, judge
 from kinematics.redundancy.measure import Measures, measure
 from kinematics.redundancy.methods import Method
-from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.problem import PathOptions, PathProblem
 from kinematics.redundancy.stop import Stop, StopReason
 from robots.robot import FloatArray
 
@@ -34,7 +34,7 @@ class PathResult:
         elapsed: Time of the method, without measuring, s.
     """
 
-    problem: Problem
+    problem: PathProblem
     method: str
     q: FloatArray
     velocity: FloatArray
@@ -67,7 +67,7 @@ class Progress:
 
 
 def follow(
-    problem: Problem, method: Method, options: PathOptions
+    problem: PathProblem, method: Method, options: PathOptions
 ) -> Generator[Progress, None, PathResult]:
     """Follows a path; gives what is done every now and then, and at last the result.
 
@@ -107,7 +107,7 @@ def follow(
         return _result(problem, method, Q[:done], stop, elapsed)
 
 
-def followed(problem: Problem, method: Method, options: PathOptions) -> PathResult:
+def followed(problem: PathProblem, method: Method, options: PathOptions) -> PathResult:
     """The result of :func:`follow`."""
     work = follow(problem, method, options)
     while True:
@@ -119,7 +119,7 @@ def followed(problem: Problem, method: Method, options: PathOptions) -> PathResu
 
 
 def _result(
-    problem: Problem,
+    problem: PathProblem,
     method: Method,
     Q: FloatArray,
     stop: Stop | None,

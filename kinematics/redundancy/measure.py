@@ -16,7 +16,7 @@ from kinematics.redundancy.clearance.distances import clearances
 from kinematics.redundancy.clearance.link_points import link_ends
 from kinematics.redundancy.clearance.sweep import RESOLUTION, swept_clearances
 from kinematics.redundancy.kernel import workspace
-from kinematics.redundancy.problem import PathTolerance, Problem
+from kinematics.redundancy.problem import PathProblem, PathTolerance
 from robots.robot import FloatArray
 
 LOOKS = np.linspace(0.0, 1.0, 33)[1:-1]
@@ -66,7 +66,7 @@ class Measures:
         return float(min(self.clearance.min(initial=np.inf), self.swept.min(initial=np.inf)))
 
 
-def errors_at(problem: Problem, Q: FloatArray, first: int = 0) -> tuple[FloatArray, FloatArray]:
+def errors_at(problem: PathProblem, Q: FloatArray, first: int = 0) -> tuple[FloatArray, FloatArray]:
     """Position and orientation errors of samples ``first`` onwards; Q has shape (n, K)."""
     e = error_vectors(problem.arm, Q, problem.path.targets[first : first + len(Q)])
     return np.linalg.norm(e[:, :3], axis=1), np.linalg.norm(e[:, 3:], axis=1)
@@ -80,7 +80,7 @@ def error_vectors(arm: Arm, Q: FloatArray, targets: FloatArray) -> FloatArray:
     return out
 
 
-def clearances_at(problem: Problem, Q: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
+def clearances_at(problem: PathProblem, Q: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
     """Least clearances, and link and obstacle of each; Q has shape (n, K)."""
     found, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
     C, is_revolute, *_ = problem.arm.constants
@@ -90,13 +90,13 @@ def clearances_at(problem: Problem, Q: FloatArray) -> tuple[FloatArray, NDArray[
     return found, whose
 
 
-def nearest_part(problem: Problem, a: FloatArray, b: FloatArray) -> float:
+def nearest_part(problem: PathProblem, a: FloatArray, b: FloatArray) -> float:
     """The part of the way from a to b, shape (K,), at which the arm comes nearest."""
     found, _ = clearances_at(problem, a + LOOKS[:, None] * (b - a))
     return float(LOOKS[int(np.argmin(found))])
 
 
-def ends_of_links(problem: Problem, Q: FloatArray) -> FloatArray:
+def ends_of_links(problem: PathProblem, Q: FloatArray) -> FloatArray:
     """Ends of the links' segments at Q, shape (n, K); shape (n, L, 2, 3), m."""
     rows = problem.links.rows
     out = np.empty((len(Q), len(rows), 6))
@@ -107,7 +107,7 @@ def ends_of_links(problem: Problem, Q: FloatArray) -> FloatArray:
     return out.reshape(len(Q), len(rows), 2, 3)
 
 
-def swept_between(problem: Problem, Q: FloatArray) -> FloatArray:
+def swept_between(problem: PathProblem, Q: FloatArray) -> FloatArray:
     """See :attr:`Measures.swept`; Q has shape (n, K)."""
     swept = np.full(len(Q) - 1, np.inf)
     if len(problem.obstacles):
@@ -123,7 +123,7 @@ def swept_between(problem: Problem, Q: FloatArray) -> FloatArray:
     return swept
 
 
-def measure(problem: Problem, Q: FloatArray) -> Measures:
+def measure(problem: PathProblem, Q: FloatArray) -> Measures:
     """Measures joint values of shape (n, K)."""
     chain = problem.arm.chain
     Q = np.ascontiguousarray(Q)

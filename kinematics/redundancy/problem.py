@@ -48,7 +48,7 @@ class PathTolerance:
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class PathProblem:
     """A path for an arm among obstacles.
 
     Attributes:
@@ -235,7 +235,7 @@ class PathOptions:
                     upper=high,
                 )
 
-    def reach_of_obstacles(self, problem: Problem) -> float:
+    def reach_of_obstacles(self, problem: PathProblem) -> float:
         """The clearance from which on an obstacle repels, m; above d_safe."""
         if self.influence is None:
             return problem.d_safe + 0.1 * problem.scale
@@ -249,7 +249,7 @@ class PathOptions:
         return self.influence
 
 
-def departure(problem: Problem, options: PathOptions) -> FloatArray:
+def departure(problem: PathProblem, options: PathOptions) -> FloatArray:
     """Where the arm sets out from: the start, or a little off it where that is asked for.
 
     Joints are bent to alternate sides, by unequal parts of ``perturb``, so that a stretched arm

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from kinematics.inverse import IKOptions, IKResult, Tolerance, solve_ik
-from kinematics.redundancy.problem import Problem
+from kinematics.redundancy.problem import PathProblem
 from robots.robot import FloatArray
 
 
 def reach(
-    problem: Problem, sample: int, seed: FloatArray, *, restarts: int, seconds: float
+    problem: PathProblem, sample: int, seed: FloatArray, *, restarts: int, seconds: float
 ) -> IKResult:
     """Solves for the target of a sample, within the limits and without its obstacles.
 

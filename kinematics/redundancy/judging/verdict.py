@@ -10,7 +10,7 @@ import numpy as np
 from kinematics.inverse import IKStatus
 from kinematics.redundancy.kernel import RANK_TOLERANCE
 from kinematics.redundancy.measure import Measures
-from kinematics.redundancy.problem import TOUCH, Problem
+from kinematics.redundancy.problem import TOUCH, PathProblem
 from kinematics.redundancy.reach import reach
 from kinematics.redundancy.stop import Stop, StopReason
 from robots.robot import FloatArray
@@ -75,7 +75,7 @@ class Verdict:
 
 
 def judge(
-    problem: Problem,
+    problem: PathProblem,
     Q: FloatArray,
     measures: Measures,
     stop: Stop | None,
@@ -105,7 +105,7 @@ def judge(
 
 
 def _violations(
-    problem: Problem, measures: Measures, first_lost: int | None, cut: bool
+    problem: PathProblem, measures: Measures, first_lost: int | None, cut: bool
 ) -> tuple[str, ...]:
     found = {
         "tracking": first_lost is not None,
@@ -118,7 +118,7 @@ def _violations(
 
 
 def _reason(
-    problem: Problem,
+    problem: PathProblem,
     Q: FloatArray,
     measures: Measures,
     stop: Stop | None,
@@ -180,30 +180,30 @@ def _reason(
     return Reason.VELOCITY, _velocity(problem, Q)
 
 
-def _rank(problem: Problem, q: FloatArray) -> int:
+def _rank(problem: PathProblem, q: FloatArray) -> int:
     _, J, _ = problem.arm.task_at(q, problem.path.targets[0])
     sigma = np.linalg.svd(J, compute_uv=False)
     return int(np.sum(sigma > RANK_TOLERANCE * max(1.0, float(sigma[0]))))
 
 
-def _never(problem: Problem) -> bool:
+def _never(problem: PathProblem) -> bool:
     """True where the task loses rank at another q as well: it asks more than the arm can do."""
     k = np.arange(problem.arm.K)
     return _rank(problem, problem.first + 0.3 * np.sin(1.0 + 2.0 * k)) < problem.arm.m
 
 
-def _reachable(problem: Problem, sample: int) -> bool:
+def _reachable(problem: PathProblem, sample: int) -> bool:
     found = reach(problem, sample, problem.start, restarts=REACH_RESTARTS, seconds=REACH_SECONDS)
     return found.status is IKStatus.CONVERGED
 
 
-def _unreachable(problem: Problem, first_lost: int) -> int | None:
+def _unreachable(problem: PathProblem, first_lost: int) -> int | None:
     """A sample, of the first lost one and the last, that no q within the limits reaches."""
     last = problem.path.samples - 1
     return next((k for k in (first_lost, last) if not _reachable(problem, k)), None)
 
 
-def _where(problem: Problem, measures: Measures, first_lost: int) -> str:
+def _where(problem: PathProblem, measures: Measures, first_lost: int) -> str:
     """Which samples are lost: all from the first on, or so many, the path being found again."""
     lost, N = measures.off_path(problem.tolerance), problem.path.samples
     count = int(lost.sum()) + N - len(lost)
@@ -221,7 +221,7 @@ def _missed(measures: Measures) -> str:
 
 
 def _conflict(
-    problem: Problem,
+    problem: PathProblem,
     Q: FloatArray,
     measures: Measures,
     violations: tuple[str, ...],
@@ -245,7 +245,7 @@ def _conflict(
     return "; ".join(parts)
 
 
-def _clearance(problem: Problem, measures: Measures) -> str:
+def _clearance(problem: PathProblem, measures: Measures) -> str:
     at = int(np.argmin(measures.clearance))
     link, obstacle = measures.nearest[at]
     return (
@@ -254,7 +254,7 @@ def _clearance(problem: Problem, measures: Measures) -> str:
     )
 
 
-def _limits(problem: Problem, Q: FloatArray) -> str:
+def _limits(problem: PathProblem, Q: FloatArray) -> str:
     chain = problem.arm.chain
     outside = np.maximum(chain.lower - Q, Q - chain.upper)
     at, joint = np.unravel_index(int(np.argmax(outside)), outside.shape)
@@ -265,7 +265,7 @@ def _limits(problem: Problem, Q: FloatArray) -> str:
     )
 
 
-def _velocity(problem: Problem, Q: FloatArray) -> str:
+def _velocity(problem: PathProblem, Q: FloatArray) -> str:
     ratio = np.abs(np.diff(Q, axis=0)) / problem.most_per_step
     at, joint = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     return (

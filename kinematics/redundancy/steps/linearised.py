@@ -14,7 +14,7 @@ from kinematics.redundancy.clearance.distances import near_pairs
 from kinematics.redundancy.clearance.sweep import RESOLUTION, swept_clearance
 from kinematics.redundancy.kernel import task_at, workspace
 from kinematics.redundancy.measure import clearances_at
-from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.problem import PathOptions, PathProblem
 from robots.robot import FloatArray
 
 MOST_PAIRS = 256
@@ -136,7 +136,7 @@ class Linearised:
         missing: The most that is missing of a clearance at one of the parts, m; 0 for none.
     """
 
-    def __init__(self, problem: Problem, options: PathOptions) -> None:
+    def __init__(self, problem: PathProblem, options: PathOptions) -> None:
         arm = problem.arm
         K, m = arm.K, arm.m
         pairs = min(MOST_PAIRS, len(problem.links) * len(problem.obstacles))

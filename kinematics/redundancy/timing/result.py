@@ -10,7 +10,7 @@ import numpy as np
 from kinematics.redundancy.clearance.sweep import RESOLUTION
 from kinematics.redundancy.follow import PathResult
 from kinematics.redundancy.measure import error_vectors, swept_between
-from kinematics.redundancy.problem import TOUCH, Problem
+from kinematics.redundancy.problem import TOUCH, PathProblem
 from kinematics.redundancy.timing.toppra import (
     MOST_GRID,
     RetimeOptions,
@@ -159,7 +159,7 @@ def retimed(result: PathResult, options: RetimeOptions) -> Retimed:
     )
 
 
-def deviations(problem: Problem, Q: FloatArray, r: FloatArray) -> tuple[float, float]:
+def deviations(problem: PathProblem, Q: FloatArray, r: FloatArray) -> tuple[float, float]:
     """Largest distances, m and rad, of configurations from the task path as a curve.
 
     From the nearest pose of the path, m and rad weighed alike, by Gauss-Newton from a first guess:
@@ -199,7 +199,7 @@ def _used(timing: Timing, velocity: FloatArray, acceleration: FloatArray) -> tup
     return float((np.abs(v) / velocity).max()), float((np.abs(a) / acceleration).max())
 
 
-def _clearance(problem: Problem, spline: Spline, along: FloatArray) -> float:
+def _clearance(problem: PathProblem, spline: Spline, along: FloatArray) -> float:
     """A lower bound of the clearance along the spline.
 
     Swept as if joints moved in step, less what the spline may be away from that: a cubic piece of
@@ -220,7 +220,7 @@ def _clearance(problem: Problem, spline: Spline, along: FloatArray) -> float:
     return float((swept - (loss / parts**2)[k]).min())
 
 
-def _levers(problem: Problem, Q: FloatArray) -> FloatArray:
+def _levers(problem: PathProblem, Q: FloatArray) -> FloatArray:
     """How far a link is from each joint at most, shape (K,); 1 for joints that slide."""
     chain, rows = problem.arm.chain, problem.links.rows
     lengths = np.linalg.norm(chain.placements[1:, [3, 7, 11]], axis=1)
@@ -239,7 +239,7 @@ def _arrived(result: PathResult) -> bool:
 
 
 def _whole(
-    problem: Problem, motion: tuple[FloatArray, FloatArray, FloatArray]
+    problem: PathProblem, motion: tuple[FloatArray, FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Of all joints of the robot: those that do not belong to the arm stand still."""
     q, v, a = motion
@@ -252,7 +252,7 @@ def _whole(
 
 
 def _limits(
-    problem: Problem, velocity: FloatArray, acceleration: FloatArray
+    problem: PathProblem, velocity: FloatArray, acceleration: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     none = np.full(problem.arm.robot.dof, np.inf)
     return (
