@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.bounds import MAX_VALUE
 from kinematics.errors import Location, WrongConfiguration
 from robots.errors import hint
 from robots.robot import FloatArray, Robot
-
-MAX_VALUE = 1e6
 
 
 def configuration(

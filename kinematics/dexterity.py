@@ -17,12 +17,15 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.bounds import Bounds
 from kinematics.chain import Chain, chain_of
 from kinematics.deadline import svd
-from kinematics.errors import InvalidOption
 from kinematics.singularity import RANK_TOLERANCE, rank_of
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
+
+CHARACTERISTIC_LENGTH = Bounds(1e-6, 1e6)
+"""Bounds of L, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,13 +64,11 @@ def dexterity(
     Raises:
         InvalidOption: length is not in 1e-6 … 1e6.
     """
-    if not 1e-6 <= length <= 1e6:
-        raise InvalidOption(
+    if length not in CHARACTERISTIC_LENGTH:
+        raise CHARACTERISTIC_LENGTH.refusal(
             f"characteristic_length is {length:g}; give 1e-6 up to 1e6 m",
-            argument="characteristic_length",
-            value=length,
-            lower=1e-6,
-            upper=1e6,
+            length,
+            "characteristic_length",
         )
     scale = np.ones(len(task.rows))
     scale[: len(task.positions)] = 1.0 / length

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinematics.bounds import Bounds
 from kinematics.configuration import configuration
 from kinematics.deadline import svd
 from kinematics.errors import InvalidOption
@@ -15,8 +16,8 @@ from kinematics.workspace import drawn_bounds
 from robots.errors import hint
 from robots.robot import FloatArray, Robot
 
-MAX_SAMPLES = 400
-MIN_SAMPLES = 2
+SAMPLES = Bounds(2, 400)
+"""Bounds of the number of values of each joint."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +55,7 @@ def manipulability_map(
         robot: The robot.
         q: Where the other joints stay, shape (dof,), rad and m.
         joints: Names of two joints.
-        samples: Values of each, 2 to ``MAX_SAMPLES``.
+        samples: Values of each, within ``SAMPLES``.
         task: The task space, in base axes.
         frame: Frame name; default the tip.
 
@@ -68,13 +69,9 @@ def manipulability_map(
             range.
     """
     q = configuration(robot, q)
-    if not MIN_SAMPLES <= samples <= MAX_SAMPLES:
-        raise InvalidOption(
-            f"samples is {samples}; give {MIN_SAMPLES} to {MAX_SAMPLES}",
-            argument="samples",
-            value=samples,
-            lower=MIN_SAMPLES,
-            upper=MAX_SAMPLES,
+    if samples not in SAMPLES:
+        raise SAMPLES.refusal(
+            f"samples is {samples}; give {SAMPLES.lower} to {SAMPLES.upper}", samples, "samples"
         )
     columns = _columns(robot, joints)
     lower, upper, assumed = drawn_bounds(robot, columns)

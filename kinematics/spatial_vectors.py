@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.configuration import MAX_VALUE
+from kinematics.bounds import MAX_VALUE
 from kinematics.errors import Location, WrongVector
 from robots.robot import FloatArray
 

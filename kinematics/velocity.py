@@ -7,16 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.bounds import Bounds
 from kinematics.configuration import configuration
 from kinematics.deadline import checked, svd
-from kinematics.errors import InvalidOption
 from kinematics.jacobian import ReferenceFrame, jacobian, task_jacobian
 from kinematics.singularity import RANK_TOLERANCE, rank_of, signed
 from kinematics.spatial_vectors import check_same_length, spatial_vector
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
-MIN_DAMPING, MAX_DAMPING = 1e-12, 1e6
+DAMPING = Bounds(1e-12, 1e6)
+"""Bounds of λ, in the units of the Jacobian; 0, the pseudo-inverse, is accepted as well."""
+TOLERANCE = Bounds(0.0, 1.0, upper_included=False)
+"""Bounds of the relative tolerance of the rank."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,19 +147,11 @@ def check_options(damping: float, tolerance: float) -> None:
     Raises:
         InvalidOption: damping is neither 0 nor in 1e-12 … 1e6, or tolerance not in 0 … 1.
     """
-    if damping != 0 and not MIN_DAMPING <= damping <= MAX_DAMPING:
-        raise InvalidOption(
-            f"damping is {damping:g}; give 0, or 1e-12 up to 1e6, such as 0.01",
-            argument="damping",
-            value=damping,
-            lower=MIN_DAMPING,
-            upper=MAX_DAMPING,
+    if damping != 0 and damping not in DAMPING:
+        raise DAMPING.refusal(
+            f"damping is {damping:g}; give 0, or 1e-12 up to 1e6, such as 0.01", damping, "damping"
         )
-    if not 0 <= tolerance < 1:
-        raise InvalidOption(
-            f"tolerance is {tolerance:g}; give 0 up to below 1",
-            argument="tolerance",
-            value=tolerance,
-            lower=0.0,
-            upper=1.0,
+    if tolerance not in TOLERANCE:
+        raise TOLERANCE.refusal(
+            f"tolerance is {tolerance:g}; give 0 up to below 1", tolerance, "tolerance"
         )

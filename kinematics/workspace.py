@@ -8,11 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption
 from kinematics.forward import fk
 from robots.robot import FloatArray, Robot
 
-MAX_POINTS = 200_000
+SAMPLES = Bounds(1, 200_000)
+"""Bounds of the number of points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +43,7 @@ def workspace(
 
     Args:
         robot: The robot.
-        samples: Number of points, 1 to ``MAX_POINTS``.
+        samples: Number of points, within ``SAMPLES``.
         frame: Frame name; default the tip.
         random_seed: Of the draw; the same seed gives the same points.
 
@@ -52,13 +54,9 @@ def workspace(
         UnknownFrame: The robot has no such frame.
         InvalidOption: A slide without limits, or samples out of range.
     """
-    if not 1 <= samples <= MAX_POINTS:
-        raise InvalidOption(
-            f"samples is {samples}; give 1 to {MAX_POINTS}",
-            argument="samples",
-            value=samples,
-            lower=1,
-            upper=MAX_POINTS,
+    if samples not in SAMPLES:
+        raise SAMPLES.refusal(
+            f"samples is {samples}; give {SAMPLES.lower} to {SAMPLES.upper}", samples, "samples"
         )
     name = robot.tip_frame if frame is None else frame
     robot.frame_id(name)

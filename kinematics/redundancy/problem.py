@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
+from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption, Location, WrongConfiguration, dotted
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.link_geometry import LinkGeometry
@@ -31,19 +34,20 @@ class PathTolerance:
         orientation: rad.
     """
 
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "position": Bounds(1e-9, 1e3),
+        "orientation": Bounds(1e-9, 1e3),
+    }
+
     position: float = 1e-4
     orientation: float = 1e-4
 
     def __post_init__(self) -> None:
-        for name in ("position", "orientation"):
-            if not 1e-9 <= getattr(self, name) <= 1e3:
-                raise InvalidOption(
-                    f"tolerance.{name} is {getattr(self, name):g}; give 1e-9 to 1e3",
-                    argument="tolerance",
-                    index=(name,),
-                    value=getattr(self, name),
-                    lower=1e-9,
-                    upper=1e3,
+        for name, bounds in self.BOUNDS.items():
+            value = getattr(self, name)
+            if value not in bounds:
+                raise bounds.refusal(
+                    f"tolerance.{name} is {value:g}; give 1e-9 to 1e3", value, "tolerance", (name,)
                 )
 
 
@@ -67,6 +71,11 @@ class PathProblem:
         InvalidOption: A length is negative, or there is too much of something.
     """
 
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "link_radius": Bounds(0.0, 1e6),
+        "d_safe": Bounds(0.0, 1e6),
+    }
+
     arm: Arm
     start: FloatArray
     path: Path
@@ -77,16 +86,11 @@ class PathProblem:
     shaped: LinkGeometry | None = None
 
     def __post_init__(self) -> None:
-        for name in ("link_radius", "d_safe"):
+        for name, bounds in self.BOUNDS.items():
             values = np.atleast_1d(getattr(self, name))
-            if not ((values >= 0) & (values <= 1e6)).all():
-                raise InvalidOption(
-                    f"{name} is {values.min():g}; give 0 to 1e6",
-                    argument=name,
-                    value=float(values.min()),
-                    lower=0.0,
-                    upper=1e6,
-                )
+            if not ((values >= bounds.lower) & (values <= bounds.upper)).all():
+                least = float(values.min())
+                raise bounds.refusal(f"{name} is {least:g}; give 0 to 1e6", least, name)
         if len(self.obstacles) > MAX_OBSTACLES:
             raise InvalidOption(
                 f"there are {len(self.obstacles)} obstacles; give at most {MAX_OBSTACLES}",
@@ -158,6 +162,13 @@ class Gains:
         posture: Of the distance to ``posture_q``.
     """
 
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "limits": Bounds(0, 1e6),
+        "manipulability": Bounds(0, 1e6),
+        "obstacles": Bounds(0, 1e6),
+        "posture": Bounds(0, 1e6),
+    }
+
     limits: float = 0.0
     manipulability: float = 0.0
     obstacles: float = 0.0
@@ -173,6 +184,8 @@ class SecondaryTask:
         target: Pose, 12 numbers.
         gain: Part of the error that is taken away in a sample, 0 to 1.
     """
+
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {"gain": Bounds(0, 1)}
 
     arm: Arm
     target: FloatArray
@@ -198,6 +211,15 @@ class PathOptions:
         seconds: Longest computation.
     """
 
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "damping": Bounds(1e-9, 1e3),
+        "iterations": Bounds(1, 100),
+        "influence": Bounds(1e-9, 1e6),
+        "obstacle_weight": Bounds(0, 1e6),
+        "margin": Bounds(0, 1e3),
+        "perturb": Bounds(0, 1),
+    }
+
     closed_loop: bool = True
     damping: float = 0.01
     iterations: int = 10
@@ -211,29 +233,13 @@ class PathOptions:
     seconds: float = math.inf
 
     def __post_init__(self) -> None:
-        ranges: dict[tuple[str, Location], tuple[float | None, float, float]] = {
-            ("damping", ()): (self.damping, 1e-9, 1e3),
-            ("iterations", ()): (self.iterations, 1, 100),
-            ("influence", ()): (self.influence, 1e-9, 1e6),
-            ("obstacle_weight", ()): (self.obstacle_weight, 0, 1e6),
-            ("margin", ()): (self.margin, 0, 1e3),
-            ("perturb", ()): (self.perturb, 0, 1),
-        }
+        for name, bounds in self.BOUNDS.items():
+            _check(getattr(self, name), bounds, name)
         if self.gains is not None:
-            for name in ("limits", "manipulability", "obstacles", "posture"):
-                ranges["gains", (name,)] = (getattr(self.gains, name), 0, 1e6)
+            for name, bounds in self.gains.BOUNDS.items():
+                _check(getattr(self.gains, name), bounds, "gains", (name,))
         for k, task in enumerate(self.secondary):
-            ranges["secondary", (k, "gain")] = (task.gain, 0, 1)
-        for (argument, index), (value, low, high) in ranges.items():
-            if value is not None and not low <= value <= high:
-                raise InvalidOption(
-                    f"{dotted(argument, index)} is {value:g}; give {low:g} to {high:g}",
-                    argument=argument,
-                    index=index,
-                    value=value,
-                    lower=low,
-                    upper=high,
-                )
+            _check(task.gain, task.BOUNDS["gain"], "secondary", (k, "gain"))
 
     def reach_of_obstacles(self, problem: PathProblem) -> float:
         """The clearance from which on an obstacle repels, m; above d_safe."""
@@ -247,6 +253,16 @@ class PathOptions:
                 lower=problem.d_safe,
             )
         return self.influence
+
+
+def _check(value: float | None, bounds: Bounds, argument: str, index: Location = ()) -> None:
+    if value is not None and value not in bounds:
+        raise bounds.refusal(
+            f"{dotted(argument, index)} is {value:g}; give {bounds.lower:g} to {bounds.upper:g}",
+            value,
+            argument,
+            index,
+        )
 
 
 def departure(problem: PathProblem, options: PathOptions) -> FloatArray:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dh_to_urdf.errors import quoted
+from kinematics.bounds import MAX_VALUE, Bounds
 from kinematics.chain import chain_of
 from kinematics.configuration import configuration
 from kinematics.errors import InvalidOption, Location, RankDeficient, WrongConfiguration
@@ -16,6 +17,9 @@ from kinematics.redundancy.priority import prioritized_step
 from kinematics.singularity import RANK_TOLERANCE
 from kinematics.task import TASKS, Task
 from robots.robot import FloatArray, Robot
+
+DAMPING = Bounds(0.0, 1e3)
+"""Bounds of λ, in the units of the Jacobian; 0: the pseudo-inverse."""
 
 
 @dataclass(frozen=True)
@@ -86,14 +90,8 @@ def differential_step(
         WrongConfiguration: q, z or a delta_x does not fit.
         InvalidOption: damping is out of range, or both z and secondary tasks are given.
     """
-    if not 0 <= damping <= 1e3:
-        raise InvalidOption(
-            f"damping is {damping:g}; give 0 (none) to 1e3",
-            argument="damping",
-            value=damping,
-            lower=0.0,
-            upper=1e3,
-        )
+    if damping not in DAMPING:
+        raise DAMPING.refusal(f"damping is {damping:g}; give 0 (none) to 1e3", damping, "damping")
     if z is not None and secondary:
         raise InvalidOption("give z or secondary tasks, not both", argument="secondary")
     q = configuration(robot, q)
@@ -155,13 +153,13 @@ def _checked(one: StepTask, argument: str, index: Location = ()) -> FloatArray:
             expected=len(rows),
             known=rows,
         )
-    if not (np.abs(dx) <= 1e6).all():
+    if not (np.abs(dx) <= MAX_VALUE).all():
         raise WrongConfiguration(
             "delta_x has a value that is not finite or beyond ±1e6",
             argument=argument,
             index=index,
-            lower=-1e6,
-            upper=1e6,
+            lower=-MAX_VALUE,
+            upper=MAX_VALUE,
         )
     return dx
 

@@ -111,9 +111,9 @@ def checked(table: DHTable, request: SymbolicRequest) -> SymbolicRequest:
         )
     if not (math.isfinite(request.time_budget) and request.time_budget > 0):
         raise InvalidOption(
-            "time_budget_ms is not above 0; give milliseconds",
-            argument="time_budget_ms",
-            value=request.time_budget * 1e3,
+            "time_budget is not above 0; give seconds",
+            argument="time_budget",
+            value=request.time_budget,
             lower=0.0,
         )
     if request.base not in (BASE, "frame_0"):

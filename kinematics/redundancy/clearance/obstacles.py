@@ -8,12 +8,14 @@ from typing import TypeAlias
 
 import numpy as np
 
+from kinematics.bounds import MAX_VALUE, Bounds
 from kinematics.errors import InvalidOption
 from robots.robot import FloatArray
 
 SPHERE, CIRCLE, CAPSULE, HALF_SPACE, BOX = 0.0, 1.0, 2.0, 3.0, 4.0
 WIDTH = 16
-MAX_VALUE = 1e6
+RADIUS = Bounds(0.0, MAX_VALUE)
+"""Bounds of the radius of an obstacle, m."""
 
 
 @dataclass(frozen=True)
@@ -139,13 +141,7 @@ def _vector(
 
 
 def _length(value: float, name: str, where: _Place) -> float:
-    if not 0 <= value <= MAX_VALUE:
-        raise InvalidOption(
-            f"{name} is {value:g}; give 0 to 1e6",
-            value=value,
-            lower=0.0,
-            upper=MAX_VALUE,
-            argument=where[0],
-            index=(where[1], name),
-        )
+    if value not in RADIUS:
+        argument, number = where
+        raise RADIUS.refusal(f"{name} is {value:g}; give 0 to 1e6", value, argument, (number, name))
     return value

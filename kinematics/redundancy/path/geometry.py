@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
+from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption, Location
 from kinematics.inverse.damped_least_squares import twist_error
 from kinematics.redundancy.path.time_law import TimeLaw
@@ -16,9 +18,6 @@ from robots.robot import FloatArray
 
 CLOSED = 1e-9
 """A path whose ends are nearer than this, m and rad, is closed."""
-MAX_SAMPLES = 10_000
-MAX_DURATION = 1e6
-MAX_TURNS = 100.0
 
 
 @dataclass(frozen=True)
@@ -31,26 +30,22 @@ class Sampling:
         samples: Their number N, equally spaced in time; sample 0 is the start.
     """
 
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {"tf": Bounds(1e-6, 1e6), "samples": Bounds(2, 10_000)}
+
     time_law: TimeLaw = TimeLaw.CUBIC
     tf: float = 2.0
     samples: int = 101
 
     def __post_init__(self) -> None:
-        if not 1e-6 <= self.tf <= MAX_DURATION:
-            raise InvalidOption(
-                f"tf is {self.tf:g}; give seconds, 1e-6 to 1e6",
-                argument="tf",
-                value=self.tf,
-                lower=1e-6,
-                upper=MAX_DURATION,
-            )
-        if not 2 <= self.samples <= MAX_SAMPLES:
-            raise InvalidOption(
-                f"samples is {self.samples}; give 2 to {MAX_SAMPLES}, the start included",
-                argument="samples",
-                value=self.samples,
-                lower=2,
-                upper=MAX_SAMPLES,
+        duration, count = self.BOUNDS["tf"], self.BOUNDS["samples"]
+        if self.tf not in duration:
+            raise duration.refusal(f"tf is {self.tf:g}; give seconds, 1e-6 to 1e6", self.tf, "tf")
+        if self.samples not in count:
+            raise count.refusal(
+                f"samples is {self.samples}; give {count.lower} to {count.upper}, the start"
+                " included",
+                self.samples,
+                "samples",
             )
 
 
@@ -64,19 +59,20 @@ class Circle:
         turns: How often; negative the other way round.
     """
 
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {"turns": Bounds(-100.0, 100.0)}
+
     center: FloatArray
     normal: FloatArray
     turns: float = 1.0
 
     def __post_init__(self) -> None:
-        if not 0 < abs(self.turns) <= MAX_TURNS:
-            raise InvalidOption(
-                f"circle.turns is {self.turns:g}; give up to ±{MAX_TURNS:g}, not 0",
-                argument="circle",
-                index=("turns",),
-                value=self.turns,
-                lower=-MAX_TURNS,
-                upper=MAX_TURNS,
+        turns = self.BOUNDS["turns"]
+        if self.turns == 0 or self.turns not in turns:
+            raise turns.refusal(
+                f"circle.turns is {self.turns:g}; give up to ±{turns.upper:g}, not 0",
+                self.turns,
+                "circle",
+                ("turns",),
             )
         if not np.linalg.norm(self.normal) > 1e-9:
             raise InvalidOption(

@@ -10,16 +10,17 @@ from __future__ import annotations
 
 import logging
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption, MethodUnavailable
-from kinematics.redundancy.path.geometry import MAX_SAMPLES
+from kinematics.redundancy.path.geometry import Sampling
 from robots.robot import FloatArray
 
 GRID, MOST_GRID = 1000, 20_000
@@ -28,7 +29,6 @@ NEAREST = 1e-5
 """Samples nearer than this part of the whole length count as one."""
 STILL = 1e-9
 """An arm that moves less than this, rad or m, has no motion to time."""
-LEAST, MOST = 1e-9, 1e12
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,28 +41,34 @@ class RetimeOptions:
         samples: Of the answer, equally spaced in time.
     """
 
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "acceleration": Bounds(1e-9, 1e12),
+        "velocity": Bounds(1e-9, 1e12),
+        "samples": Sampling.BOUNDS["samples"],
+    }
+
     acceleration: FloatArray
     velocity: FloatArray | None = None
     samples: int = 101
 
     def __post_init__(self) -> None:
         for name, values in (("acceleration", self.acceleration), ("velocity", self.velocity)):
-            if values is not None and not ((values >= LEAST) & (values <= MOST)).all():
+            low, high = self.BOUNDS[name].lower, self.BOUNDS[name].upper
+            if values is not None and not ((values >= low) & (values <= high)).all():
                 raise InvalidOption(
-                    f"retime.{name} is not within {LEAST:g} to {MOST:g} for every joint",
+                    f"retime.{name} is not within {low:g} to {high:g} for every joint",
                     argument="retime",
                     index=(name,),
-                    lower=LEAST,
-                    upper=MOST,
+                    lower=low,
+                    upper=high,
                 )
-        if not 2 <= self.samples <= MAX_SAMPLES:
-            raise InvalidOption(
-                f"retime.samples is {self.samples}; give 2 to {MAX_SAMPLES}",
-                argument="retime",
-                index=("samples",),
-                value=self.samples,
-                lower=2,
-                upper=MAX_SAMPLES,
+        count = self.BOUNDS["samples"]
+        if self.samples not in count:
+            raise count.refusal(
+                f"retime.samples is {self.samples}; give {count.lower} to {count.upper}",
+                self.samples,
+                "retime",
+                ("samples",),
             )
 
 
