@@ -1,12 +1,12 @@
-"""Dexterity measures that do not mix metres and radians: the homogeneous Jacobian.
+"""Dexterity measures without mixed units: the homogeneous Jacobian.
 
-Linear rows are divided by a characteristic length L, and the columns of sliding joints multiplied
-by it, which leaves no unit (Angeles and López-Cajún, *Kinematic isotropy and the conditioning
-index of serial robotic manipulators*, 1992; Angeles, *Fundamentals of Robotic Mechanical Systems*,
-ch. 5). An isotropic Jacobian has ``L² = tr(J_v J_vᵀ) / tr(J_ω J_ωᵀ)``, the mean square distance of
-the frame from the axes of the turning joints. As no arm is isotropic everywhere, the default L is
-that of all postures together: the root of the mean over all joints and over full turns of all
-angles. It is a property of the arm, the same at every q, so that measures can be compared.
+Linear rows are divided by a characteristic length L, and the columns of prismatic joints multiplied
+by it, which leaves no unit (Angeles and López-Cajún, *Kinematic isotropy and the conditioning index
+of serial robotic manipulators*, 1992; Angeles, *Fundamentals of Robotic Mechanical Systems*, ch.
+5). An isotropic Jacobian has ``L² = tr(J_v J_vᵀ) / tr(J_ω J_ωᵀ)``, the mean square distance of the
+frame from the axes of the revolute joints. As no arm is isotropic everywhere, the default L is the
+root mean square over all joints and over full turns of all angles: a property of the arm, the same
+at every q, so that measures can be compared.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ CHARACTERISTIC_LENGTH = Bounds(1e-6, 1e6)
 
 @dataclass(frozen=True, eq=False)
 class Dexterity:
-    """How even the homogeneous task Jacobian is; shapes (n,), or () for one q.
+    """Conditioning of the homogeneous task Jacobian; shapes (n,), or () for one q.
 
     Attributes:
         characteristic_length: L, m.
@@ -52,12 +52,12 @@ def dexterity(
     length: float,
     tolerance: float = RANK_TOLERANCE,
 ) -> Dexterity:
-    """Measures of a task Jacobian.
+    """Return the dexterity measures of a task Jacobian.
 
     Args:
         J: Shape (rows, dof) or (n, rows, dof).
-        is_revolute: True for the columns of joints that turn, shape (dof,).
-        task: Says which rows they are.
+        is_revolute: True for the columns of revolute joints, shape (dof,).
+        task: The task space, which names the rows.
         length: L, m.
         tolerance: A singular value below ``tolerance * max(1, largest)`` counts as zero.
 
@@ -86,11 +86,11 @@ def dexterity(
 
 
 def characteristic_length(robot: Robot, frame: str | None = None) -> float:
-    """The default L of a chain, m; 1 where no turning joint moves the frame's origin.
+    """Return the default L of a chain, m; 1 where no revolute joint moves the frame's origin.
 
-    The mean square distance from each axis, exactly: second moments of the frame's origin are
-    carried from the tip to the base; a full turn about z leaves of them what is symmetric, a
-    sliding joint spreads them over its extent (at 0 where it has no limits).
+    The mean square distance from each axis is exact: second moments of the frame's origin are
+    carried from the tip to the base. Averaging over a full turn about z keeps their part that is
+    symmetric about z; a prismatic joint averages over its extent (at 0 where it has no limits).
 
     Raises:
         UnknownFrame: The robot has no such frame.

@@ -1,4 +1,4 @@
-"""Differential kinematics both ways: joint velocities -> twist, twist -> joint velocities."""
+"""Differential kinematics: twist of joint velocities, and joint velocities for a twist."""
 
 from __future__ import annotations
 
@@ -24,18 +24,17 @@ TOLERANCE = Bounds(0.0, 1.0, upper_included=False)
 
 @dataclass(frozen=True, eq=False)
 class JointVelocities:
-    """Joint velocities for a twist; every leaf has a leading axis n for a batch.
+    """Joint velocities for a twist; every field has a leading axis n for a batch.
 
     Attributes:
         qd: Joint velocities, rad/s and m/s, shape (dof,) or (n, dof).
-        residual: What the model makes of them less what was asked, ``J qd - twist``, m/s and
-            rad/s, shape (m,) or (n, m).
+        residual: Error on the model, ``J qd - twist``, m/s and rad/s, shape (m,) or (n, m).
         rank: Rank of the task Jacobian.
-        determined: True where the rank is the number m of task rows, so that every twist can be
-            had.
+        determined: True where the rank is the number m of task rows, so that every twist is
+            possible.
         null_motions: Unit joint velocities that add nothing to the twist, shape (dof - rank, dof);
             for a batch a list of such arrays.
-        within_velocity_limits: Whether no joint is faster than its limit.
+        within_velocity_limits: Whether no joint exceeds its speed limit.
     """
 
     qd: FloatArray
@@ -53,7 +52,7 @@ def twist_of(
     frame: str | None = None,
     reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
 ) -> FloatArray:
-    """Twist of a frame against the base, ``[v; ω] = J(q) qd``.
+    """Return the twist of a frame against the base, ``[v; ω] = J(q) qd``.
 
     Args:
         robot: The robot.
@@ -87,13 +86,13 @@ def joint_velocities(
     damping: float = 0.0,
     tolerance: float = RANK_TOLERANCE,
 ) -> JointVelocities:
-    """Joint velocities of least norm for a twist: ``qd = J† twist``, or damped.
+    """Return the joint velocities of least norm for a twist: ``qd = J† twist``, or damped.
 
     Without damping, singular values that do not count for the rank are left out: where the rank
     is that of the task ``J qd = twist``, elsewhere ``qd`` is the least-squares solution of least
     norm. With damping λ, ``qd = Jᵀ (J Jᵀ + λ² I)⁻¹ twist`` (Nakamura and Hanafusa, 1986; Wampler,
-    1986), which stays below ``|twist| / (2 λ)`` everywhere. Least squares and damping weigh m/s
-    and rad/s alike, and so does the least norm of arms that turn and slide.
+    1986), which stays below ``|twist| / (2 λ)`` everywhere. Least squares and damping weight m/s
+    and rad/s equally, and so does the least norm of arms with revolute and prismatic joints.
 
     Args:
         robot: The robot.
@@ -142,7 +141,7 @@ def joint_velocities(
 
 
 def check_options(damping: float, tolerance: float) -> None:
-    """Refuses a damping or a tolerance out of range.
+    """Refuse a damping or a tolerance out of range.
 
     Raises:
         InvalidOption: damping is neither 0 nor in 1e-12 … 1e6, or tolerance not in 0 … 1.

@@ -1,4 +1,4 @@
-"""What is to be followed, and how: the same for every method."""
+"""Problem and options of path following, the same for every method."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from kinematics.redundancy.path.geometry import Path
 from robots.robot import FloatArray
 
 TOUCH = 1e-9
-"""A limit exceeded by no more than this is rounding, rad or m."""
+"""Excess of a limit that counts as rounding, rad or m."""
 MAX_OBSTACLES = 100
 MAX_PAIRS = 200_000
-"""Most samples times obstacles times links of a path."""
+"""Largest product of samples, obstacles and links of a path."""
 
 
 @dataclass(frozen=True)
@@ -57,18 +57,18 @@ class PathProblem:
 
     Attributes:
         arm: The arm and its task space.
-        start: Whole configuration of sample 0, shape (dof,).
+        start: Configuration of all joints at sample 0, shape (dof,), rad and m.
         path: The path; its first target is the arm's pose at the start.
         obstacles: See :func:`kinematics.redundancy.clearance.obstacles.encoded`; shape (M, 16).
         link_radius: Radius of the capsules about the segments between joint origins, m: one for
-            all, or of each, shape (K,).
-        d_safe: Clearance that is to be kept, m.
-        tolerance: What counts as on the path.
-        shaped: The arm's own shapes, which then keep clear instead of those segments.
+            all, or one for each, shape (K,).
+        d_safe: Clearance to keep, m.
+        tolerance: Largest errors that count as on the path.
+        shaped: The arm's own shapes, which replace those segments.
 
     Raises:
         WrongConfiguration: The start is outside the joint limits.
-        InvalidOption: A length is negative, or there is too much of something.
+        InvalidOption: A length is negative, or samples, obstacles or links are too many.
     """
 
     BOUNDS: ClassVar[Mapping[str, Bounds]] = {
@@ -125,41 +125,41 @@ class PathProblem:
 
     @cached_property
     def links(self) -> Links:
-        """What is to keep clear of the obstacles."""
+        """Links that keep clear of the obstacles."""
         if self.shaped is not None:
             return self.shaped.links
         return skeleton(self.arm, self.link_radius)
 
     @cached_property
     def first(self) -> FloatArray:
-        """The chain's joints at the start, within the limits; shape (K,)."""
+        """The chain's joint values at the start, within the limits; shape (K,), rad and m."""
         chain = self.arm.chain
         return np.clip(self.arm.reduced(self.start), chain.lower, chain.upper)
 
     @cached_property
     def scale(self) -> float:
-        """Length of the arm, m: the distances between successive joints added up."""
+        """Length of the arm, m: sum of the distances between successive joints."""
         lengths = np.linalg.norm(self.arm.chain.placements[1:, [3, 7, 11]], axis=1).sum()
         return float(lengths) or 1.0
 
     @cached_property
     def most_per_step(self) -> FloatArray:
-        """Largest motion of each joint between samples, by its speed; shape (K,)."""
+        """Largest motion of each joint between samples by its speed limit, rad or m; shape (K,)."""
         return np.asarray(self.arm.velocity * self.path.dt)
 
 
 @dataclass(frozen=True)
 class Gains:
-    """Weights of the potentials that the null-space motion goes down.
+    """Weights of the potentials that the null-space motion descends.
 
-    The null-space motion of a whole path is about a gain times the gradient, whatever its number
-    of samples. Lengths in m, angles in rad.
+    The null-space motion over a whole path is about a gain times the gradient, independent of the
+    number of samples. Lengths in m, angles in rad.
 
     Attributes:
-        limits: Of Liégeois' centring between the limits.
-        manipulability: Of the manipulability, which grows.
-        obstacles: Of the repulsion by obstacles nearer than ``influence``.
-        posture: Of the distance to ``posture_q``.
+        limits: Weight of Liégeois' potential, which centres joints between their limits.
+        manipulability: Weight of the negative manipulability.
+        obstacles: Weight of the repulsion by obstacles nearer than ``influence``.
+        posture: Weight of the distance to ``posture_q``.
     """
 
     BOUNDS: ClassVar[Mapping[str, Bounds]] = {
@@ -177,12 +177,12 @@ class Gains:
 
 @dataclass(frozen=True, eq=False)
 class SecondaryTask:
-    """A task of lower priority: a frame is drawn to a pose, as far as the tasks before allow.
+    """A task of lower priority: a frame is moved to a pose as far as the tasks before allow.
 
     Attributes:
         arm: The chain to the frame, and the task space.
-        target: Pose, 12 numbers.
-        gain: Part of the error that is taken away in a sample, 0 to 1.
+        target: Pose in base axes, upper three rows of a 4x4 matrix, shape (12,).
+        gain: Part of the error that is corrected in a sample, 0 to 1.
     """
 
     BOUNDS: ClassVar[Mapping[str, Bounds]] = {"gain": Bounds(0, 1)}
@@ -194,21 +194,21 @@ class SecondaryTask:
 
 @dataclass(frozen=True, eq=False)
 class PathOptions:
-    """What methods may be told; each takes what concerns it.
+    """Options of the methods; each uses those that concern it.
 
     Attributes:
-        closed_loop: Of ``pseudo_inverse``: steps towards the path, not along it.
+        closed_loop: Of ``pseudo_inverse``: correct the error to the path in every step.
         damping: λ of the damped methods, in the units of the Jacobian.
-        iterations: Most corrections in a sample.
-        gains: Of ``null_space``; None: its own.
-        posture_q: Wanted posture of the chain, shape (K,); None: the start.
-        influence: Clearance from which on an obstacle repels, m; None: from the arm's size.
-        obstacle_weight: w of ``sqp``: weight of the repulsion in its objective.
-        margin: Of ``sqp``, ``qp`` and ``whole_path``: kept on top of d_safe where the path leaves
-            room for it, m.
-        secondary: Of ``task_priority``, the highest priority first.
-        perturb: Joint values by which the arm leaves the start, rad or m; 0: not.
-        seconds: Longest computation.
+        iterations: Largest number of corrections in a sample.
+        gains: Of ``null_space``; None: its default.
+        posture_q: Wanted posture of the chain, shape (K,), rad and m; None: the start.
+        influence: Clearance below which an obstacle repels, m; None: from the arm's size.
+        obstacle_weight: Of ``sqp``: weight w of the repulsion in its objective.
+        margin: Of ``sqp``, ``qp`` and ``whole_path``: clearance beyond d_safe, kept where the path
+            leaves room for it, m.
+        secondary: Tasks of ``task_priority``, the highest priority first.
+        perturb: Joint displacement at the start, rad or m, out of a singular posture; 0: none.
+        seconds: Time limit, s.
     """
 
     BOUNDS: ClassVar[Mapping[str, Bounds]] = {
@@ -242,7 +242,7 @@ class PathOptions:
             _check(task.gain, task.BOUNDS["gain"], "secondary", (k, "gain"))
 
     def reach_of_obstacles(self, problem: PathProblem) -> float:
-        """The clearance from which on an obstacle repels, m; above d_safe."""
+        """Return the clearance below which an obstacle repels, m; above d_safe."""
         if self.influence is None:
             return problem.d_safe + 0.1 * problem.scale
         if self.influence <= problem.d_safe:
@@ -266,10 +266,10 @@ def _check(value: float | None, bounds: Bounds, argument: str, index: Location =
 
 
 def departure(problem: PathProblem, options: PathOptions) -> FloatArray:
-    """Where the arm sets out from: the start, or a little off it where that is asked for.
+    """Return the first configuration of a method: the start, or one near it for ``perturb``.
 
-    Joints are bent to alternate sides, by unequal parts of ``perturb``, so that a stretched arm
-    is no more so.
+    Joints are displaced to alternate sides by unequal parts of ``perturb``, so that a stretched
+    arm is bent.
     """
     q = problem.first
     if options.perturb == 0.0:

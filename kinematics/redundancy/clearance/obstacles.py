@@ -1,4 +1,4 @@
-"""Obstacles as requests give them -> rows of numbers for the compiled distances."""
+"""Obstacles: checks, and the rows of numbers that the compiled distances read."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RADIUS = Bounds(0.0, MAX_VALUE)
 
 @dataclass(frozen=True)
 class Sphere:
-    """A ball: center (3,) and radius, m."""
+    """A ball: center (3,) and radius, m, in base axes."""
 
     center: Sequence[float]
     radius: float
@@ -36,7 +36,7 @@ class CircleObstacle:
 
 @dataclass(frozen=True)
 class Capsule:
-    """What is nearer than radius to the segment from start to end, m."""
+    """The points nearer than radius to the segment from start to end, m."""
 
     start: Sequence[float]
     end: Sequence[float]
@@ -45,7 +45,7 @@ class Capsule:
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """What lies behind a plane: points p with normal · p < offset (m, of the unit normal)."""
+    """The points p behind a plane, normal · p < offset (m, along the unit normal)."""
 
     normal: Sequence[float]
     offset: float
@@ -65,11 +65,15 @@ _Place: TypeAlias = tuple[str, int]
 
 
 def encoded(obstacles: Sequence[Obstacle], argument: str = "obstacles") -> FloatArray:
-    """Obstacles as the compiled distances read them, shape (n, 16).
+    """Return obstacles as the compiled distances read them, shape (n, 16).
 
     A row holds the kind; then of a sphere and circle center and radius, of a capsule start, end
     and radius, of a half-space unit normal and offset, of a box center, half lengths and axes
-    (the columns of its rotation, one after the other).
+    (the columns of its rotation, one after the other). Lengths in m, in base axes.
+
+    Args:
+        obstacles: The obstacles.
+        argument: Name of the argument in errors.
 
     Raises:
         InvalidOption: A value is not finite, a radius negative, a size or normal zero.

@@ -1,4 +1,4 @@
-"""The verdict on a followed path: from what was measured, never from what a solver says."""
+"""Verdict on a followed path, from measurements alone, never from what a solver reports."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from kinematics.redundancy.stop import Stop, StopReason
 from robots.robot import FloatArray
 
 JUMP = 1.0
-"""A joint that moves farther than this in one sample has diverged, if the path stays lost."""
+"""Motion of a joint in one sample, rad or m, beyond which a path that stays lost has diverged."""
 STUCK = 1e-6
-"""An arm that moved less than this, rad or m, has not left its start."""
+"""Motion, rad or m, below which an arm has not left its start."""
 REACH_SECONDS = 0.2
 REACH_RESTARTS = 100
 AS_QP = (
@@ -28,15 +28,15 @@ AS_QP = (
 
 
 class Reason(StrEnum):
-    """Why a path was not followed as it should be.
+    """Why a path was not followed.
 
-    ``singular_start``: the task's Jacobian loses rank at the start, and no step leads out of it.
-    ``singular``: it does so on the way. ``unreachable``: a target of the path is out of reach
+    ``singular_start``: the task's Jacobian loses rank at the start, and no step leaves it.
+    ``singular``: it loses rank on the way. ``unreachable``: a target of the path is out of reach
     within the limits. ``diverged``: the steps grew without bound. ``infeasible``: the targets are
     within reach, but not together with limits, speeds and clearance. ``collision``: a link meets
     an obstacle. ``clearance``: it comes nearer than d_safe. ``limits``: a joint leaves its
-    limits. ``velocity``: a joint is faster than it may be. ``tracking``: the error is
-    over the tolerance, as that of an open loop that drifts. ``timeout``: the time was over.
+    limits. ``velocity``: a joint exceeds its speed limit. ``tracking``: the error is
+    beyond the tolerance, such as the drift of an open loop. ``timeout``: the time was up.
     """
 
     SINGULAR_START = "singular_start"
@@ -54,12 +54,12 @@ class Reason(StrEnum):
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether the task was done.
+    """Whether a path was followed.
 
     Attributes:
         success: Errors, limits, clearance (swept) and speeds hold at every sample, to the end.
-        reason: What stands in the way, None for a success.
-        message: The same in words, with sample, joint, obstacle and remedy.
+        reason: Why not, None for a success.
+        message: The reason in words, with sample, joint, obstacle and remedy.
         violations: Every criterion that does not hold: tracking, limits, clearance, velocity,
             completeness.
         tracked: Part of the path, 0 to 1, that was followed within the tolerance.
@@ -81,13 +81,13 @@ def judge(
     stop: Stop | None,
     constrained: bool,
 ) -> Verdict:
-    """Judges joint values of shape (n, K), as measured.
+    """Judge joint values of shape (n, K) by their measures.
 
     Args:
-        problem: What was to be done.
-        Q: What was done, n of N samples.
-        measures: Of Q.
-        stop: Why the method stopped before the end, or did less than it is there for.
+        problem: The path problem.
+        Q: Joint values, n of N samples.
+        measures: Measures of Q.
+        stop: Why the method stopped before the end, or fell back to another.
         constrained: Whether the method keeps limits and clearance where it can.
     """
     N = problem.path.samples
@@ -187,7 +187,7 @@ def _rank(problem: PathProblem, q: FloatArray) -> int:
 
 
 def _never(problem: PathProblem) -> bool:
-    """True where the task loses rank at another q as well: it asks more than the arm can do."""
+    """Return whether the task loses rank at another q as well: the arm cannot do it anywhere."""
     k = np.arange(problem.arm.K)
     return _rank(problem, problem.first + 0.3 * np.sin(1.0 + 2.0 * k)) < problem.arm.m
 
@@ -198,13 +198,13 @@ def _reachable(problem: PathProblem, sample: int) -> bool:
 
 
 def _unreachable(problem: PathProblem, first_lost: int) -> int | None:
-    """A sample, of the first lost one and the last, that no q within the limits reaches."""
+    """Return the first lost or the last sample if no q within the limits reaches it."""
     last = problem.path.samples - 1
     return next((k for k in (first_lost, last) if not _reachable(problem, k)), None)
 
 
 def _where(problem: PathProblem, measures: Measures, first_lost: int) -> str:
-    """Which samples are lost: all from the first on, or so many, the path being found again."""
+    """Describe which samples are lost: all from the first on, or some of them."""
     lost, N = measures.off_path(problem.tolerance), problem.path.samples
     count = int(lost.sum()) + N - len(lost)
     if first_lost + count == N:
