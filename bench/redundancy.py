@@ -16,7 +16,7 @@ from kinematics.redundancy.clearance.obstacles import CircleObstacle, encoded
 from kinematics.redundancy.follow import followed
 from kinematics.redundancy.methods import METHODS
 from kinematics.redundancy.path.geometry import Sampling, polyline
-from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.problem import PathOptions, PathProblem
 from kinematics.task import task_from
 from robots.shipped import shipped_robot
 
@@ -25,7 +25,7 @@ PROTOTYPES = {"pseudo_inverse": 0.14, "null_space": 1.2, "sqp": 8.3, "qp": 1.8}
 """Milliseconds a sample."""
 
 
-def problem() -> Problem:
+def problem() -> PathProblem:
     robot, task = shipped_robot("planar_8r"), task_from("xy")
     q = np.deg2rad([110.0, -15, -25, -30, -30, -20, 0, 10])
     start = fk(robot, q)[robot.tip_frame]
@@ -33,7 +33,7 @@ def problem() -> Problem:
     goal[:2, 3] = 1.15, -0.15
     discs = encoded([CircleObstacle((0.73, 0.22), 0.08), CircleObstacle((0.91, -0.04), 0.08)])
     path = polyline(start, [goal], task, Sampling())
-    return Problem(Arm.of(robot, None, task), q, path, discs, 0.02, 0.02)
+    return PathProblem(Arm.of(robot, None, task), q, path, discs, 0.02, 0.02)
 
 
 def run() -> list[Row]:

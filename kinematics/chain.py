@@ -1,4 +1,4 @@
-"""A chain: the constants between base and frame, as a compiled solver wants them.
+"""Constants of the chain between base and frame, in the form that compiled solvers take.
 
 The pose of the frame in the base's axes is ``C_0 M(q_1) C_1 M(q_2) … M(q_K) C_K``: constant
 placements, and motions about or along z. Joints between the root and the base count backwards,
@@ -48,7 +48,7 @@ class Chain:
     def reach(self) -> float:
         """Radius of a sphere about the first joint that the frame never leaves, m.
 
-        The distances between successive joints and the extents of prismatic joints, added up;
+        Sum of the distances between successive joints and the extents of prismatic joints;
         infinite where a prismatic joint has no limit.
         """
         links = np.linalg.norm(self.placements[1:, [3, 7, 11]], axis=1).sum()
@@ -57,7 +57,7 @@ class Chain:
 
 
 def chain_of(robot: Robot, frame: str) -> Chain:
-    """The chain from a robot's base frame to a frame.
+    """Return the chain from a robot's base frame to a frame.
 
     Raises:
         UnknownFrame: The robot has no such frame.

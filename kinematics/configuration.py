@@ -1,4 +1,4 @@
-"""q as requests give it -> arrays, checked."""
+"""Joint values as callers give them: conversion to arrays, and checks."""
 
 from __future__ import annotations
 
@@ -8,23 +8,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.bounds import MAX_VALUE
 from kinematics.errors import Location, WrongConfiguration
 from robots.errors import hint
 from robots.robot import FloatArray, Robot
-
-MAX_VALUE = 1e6
 
 
 def configuration(
     robot: Robot, q: ArrayLike, argument: str = "q", index: Location = ()
 ) -> FloatArray:
-    """Checks one q or a batch.
+    """Check one q or a batch and return it as an array.
 
     Args:
         robot: The robot.
         q: Shape (dof,) or (n, dof), rad and m, in the order of ``robot.joints``.
-        argument: What errors call it.
-        index: Place of q within that argument.
+        argument: Name of the argument in errors.
+        index: Place of q within that argument, for errors.
 
     Returns:
         A float array of the same shape.
@@ -79,7 +78,7 @@ def configuration(
 
 
 def _are_bounded(values: list[Any]) -> bool:
-    """Whether all are floats within ±1e6, which NaN is not."""
+    """Return whether all values are floats within ±1e6; NaN is not."""
     for value in values:
         if type(value) is not float or not -MAX_VALUE <= value <= MAX_VALUE:
             return False
@@ -87,9 +86,9 @@ def _are_bounded(values: list[Any]) -> bool:
 
 
 def _is_bounded(array: FloatArray) -> bool:
-    """The same for an array."""
+    """Return whether all entries of an array are within ±1e6."""
     if array.ndim == 1:
-        # A few numbers: a fifth of the time that numpy takes to start.
+        # For a few numbers a loop takes a fifth of the overhead of NumPy.
         return _are_bounded(array.tolist())
     return not array.size or bool(np.abs(array).max() <= MAX_VALUE)
 
@@ -97,12 +96,12 @@ def _is_bounded(array: FloatArray) -> bool:
 def configuration_by_name(
     robot: Robot, values: Mapping[str, float], argument: str = "q"
 ) -> FloatArray:
-    """Q from joint names.
+    """Return q from values by joint name, in the order of ``robot.joints``.
 
     Args:
         robot: The robot.
-        values: A value for every joint.
-        argument: What errors call them.
+        values: A value for every joint, rad or m.
+        argument: Name of the argument in errors.
 
     Returns:
         Shape (dof,).
@@ -133,5 +132,5 @@ def configuration_by_name(
 
 
 def joint_names(robot: Robot) -> Sequence[str]:
-    """Names of the entries of q."""
+    """Return the joint names in the order of q."""
     return [joint.name for joint in robot.joints]

@@ -1,7 +1,7 @@
-"""When a computation has to end: its time is up, or nobody waits for its result any more.
+"""Deadlines and cancellation of computations.
 
-Who starts a computation says so once, by :func:`under`; loops that may take long ask in
-:func:`checkpoint`, between pieces of work of well below a second.
+The caller sets a deadline with :func:`under`; loops that may take long call :func:`checkpoint`
+between pieces of work of well below a second.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from robots.robot import FloatArray
 
 T = TypeVar("T")
 SVD_NUMBERS = 50_000
-"""Numbers of the matrices that are decomposed between two checkpoints."""
+"""Matrix entries that are decomposed between two checkpoints."""
 
 
 class Cancelled(Exception):
-    """Nobody waits for the result."""
+    """The result is no longer wanted."""
 
 
 class Deadline:
-    """The end of a computation; any thread may call it off.
+    """End of a computation; any thread may cancel it.
 
     Args:
-        seconds: From now on.
-        of: The deadline of the whole, of which this is a part: called off with it.
+        seconds: Time from now on, s.
+        of: Deadline of the whole of which this is a part; cancelled with it.
     """
 
     __slots__ = ("_dropped", "_end", "_of")
@@ -43,33 +43,33 @@ class Deadline:
         self._dropped = False
 
     def drop(self) -> None:
-        """Says that nobody waits any more."""
+        """Cancel the computation."""
         self._dropped = True
 
     @property
     def is_dropped(self) -> bool:
-        """Whether nobody waits any more."""
+        """Whether the computation is cancelled."""
         return self._dropped or (self._of is not None and self._of.is_dropped)
 
     @property
     def left(self) -> float:
-        """Seconds that are left, not below 0."""
+        """Time left, s, not below 0."""
         return max(0.0, self._end - perf_counter())
 
     def check_wanted(self) -> None:
-        """Goes on where somebody waits, whatever the time.
+        """Raise if the computation is cancelled, whatever the time.
 
         Raises:
-            Cancelled: Nobody does.
+            Cancelled: It is cancelled.
         """
         if self.is_dropped:
             raise Cancelled
 
     def check(self) -> None:
-        """Goes on where somebody waits and there is time left.
+        """Raise if the computation is cancelled or its time is up.
 
         Raises:
-            Cancelled: Nobody waits.
+            Cancelled: It is cancelled.
             OutOfTime: The time is up.
         """
         self.check_wanted()
@@ -82,13 +82,13 @@ _CURRENT: ContextVar[Deadline] = ContextVar("kinematics.deadline", default=_FORE
 
 
 def current() -> Deadline:
-    """The deadline of the computation that this thread is at; one without end by default."""
+    """Return the deadline of the computation of this thread; by default one without end."""
     return _CURRENT.get()
 
 
 @contextmanager
 def under(deadline: Deadline) -> Iterator[Deadline]:
-    """Makes a deadline the current one of this thread (or task)."""
+    """Make a deadline the current one of this thread (or task)."""
     token = _CURRENT.set(deadline)
     try:
         yield deadline
@@ -97,12 +97,12 @@ def under(deadline: Deadline) -> Iterator[Deadline]:
 
 
 def checkpoint() -> None:
-    """Goes on where somebody waits and there is time left; see :meth:`Deadline.check`."""
+    """Raise if the current computation is cancelled or late; see :meth:`Deadline.check`."""
     _CURRENT.get().check()
 
 
 def checked(items: Iterable[T], every: int = 64) -> Iterator[T]:
-    """The items, with a checkpoint before each ``every``-th."""
+    """Yield the items, with a checkpoint before every ``every``-th."""
     deadline = current()
     for number, item in enumerate(items):
         if number % every == 0:
@@ -111,7 +111,7 @@ def checked(items: Iterable[T], every: int = 64) -> Iterator[T]:
 
 
 def svd(J: FloatArray, *, compute_uv: bool = True, full_matrices: bool = True) -> Any:
-    """``np.linalg.svd`` of one matrix or many, with checkpoints between some thousands of them."""
+    """Return ``np.linalg.svd`` of one matrix or many, with checkpoints in between."""
     matrices = max(1, SVD_NUMBERS // max(1, J.shape[-1] * max(J.shape[-2:])))
     options: dict[str, bool] = {"compute_uv": compute_uv, "full_matrices": full_matrices}
     if J.ndim != 3 or len(J) <= matrices:

@@ -1,4 +1,4 @@
-"""How a Jacobian changes: the kinematic Hessian ∂J/∂q, and dJ/dt along a motion.
+"""Derivatives of the Jacobian: the kinematic Hessian ∂J/∂q, and dJ/dt along a motion.
 
 Both follow from the Jacobian's own columns ``S_j = [v_j; ω_j]`` (a prismatic joint has ω_j = 0).
 With joint k before joint j, or the same, on the way from the base to the frame:
@@ -32,7 +32,7 @@ def hessian(
     frame: str | None = None,
     reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
 ) -> FloatArray:
-    """Kinematic Hessian ``H[:, j, k] = ∂J[:, j]/∂q_k``.
+    """Return the kinematic Hessian ``H[:, j, k] = ∂J[:, j]/∂q_k``.
 
     Args:
         robot: The robot.
@@ -67,7 +67,7 @@ def jacobian_derivative(
     frame: str | None = None,
     reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
 ) -> FloatArray:
-    """Time derivative of the Jacobian, ``dJ/dt = Σ_k ∂J/∂q_k qd_k``.
+    """Return the time derivative of the Jacobian, ``dJ/dt = Σ_k ∂J/∂q_k qd_k``.
 
     ``dJ/dt qd`` is what the joint velocities alone contribute to the derivative of the twist,
     ``d/dt [v; ω] = J qdd + dJ/dt qd``. In ``local_world_aligned`` that derivative is the
@@ -108,7 +108,7 @@ def jacobian_derivative(
 
 
 def _change(S: FloatArray, qd: FloatArray, reference_frame: ReferenceFrame) -> FloatArray:
-    """dJ/dt over a chain's own columns; shapes (..., 6, K), (..., K) -> (..., 6, K)."""
+    """Return dJ/dt over a chain's columns; shapes (..., 6, K), (..., K) -> (..., 6, K)."""
     T = S * qd[..., None, :]
     before, after = _sum_before(T), _sum_before(T[..., ::-1])[..., ::-1]
     v, w = S[..., :3, :], S[..., 3:, :]
@@ -126,7 +126,7 @@ def _change(S: FloatArray, qd: FloatArray, reference_frame: ReferenceFrame) -> F
 
 
 def _pairs(S: FloatArray, reference_frame: ReferenceFrame) -> FloatArray:
-    """The Hessian over a chain's own columns, in order; shapes (..., 6, K) -> (..., 6, K, K)."""
+    """Return the Hessian over a chain's columns; shapes (..., 6, K) -> (..., 6, K, K)."""
     K = S.shape[-1]
     v, w = S[..., :3, :], S[..., 3:, :]
     vj, wj, vk, wk = v[..., :, None], w[..., :, None], v[..., None, :], w[..., None, :]
@@ -144,14 +144,14 @@ def _pairs(S: FloatArray, reference_frame: ReferenceFrame) -> FloatArray:
 
 
 def _sum_before(T: FloatArray) -> FloatArray:
-    """Sum of the columns before each column."""
+    """Return the sum of the columns before each column."""
     sums = np.zeros_like(T)
     np.cumsum(T[..., :-1], axis=-1, out=sums[..., 1:])
     return sums
 
 
 def _cross(a: FloatArray, b: FloatArray, axis: int = -2) -> FloatArray:
-    """Vector product along an axis of three."""
+    """Return vector products along an axis of length 3."""
     x, y = np.moveaxis(a, axis, 0), np.moveaxis(b, axis, 0)
     parts = (x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0])
     return np.stack(parts, axis=axis)

@@ -1,12 +1,12 @@
-"""Dexterity measures that do not mix metres and radians: the homogeneous Jacobian.
+"""Dexterity measures without mixed units: the homogeneous Jacobian.
 
-Linear rows are divided by a characteristic length L, and the columns of sliding joints multiplied
-by it, which leaves no unit (Angeles and López-Cajún, *Kinematic isotropy and the conditioning
-index of serial robotic manipulators*, 1992; Angeles, *Fundamentals of Robotic Mechanical Systems*,
-ch. 5). An isotropic Jacobian has ``L² = tr(J_v J_vᵀ) / tr(J_ω J_ωᵀ)``, the mean square distance of
-the frame from the axes of the turning joints. As no arm is isotropic everywhere, the default L is
-that of all postures together: the root of the mean over all joints and over full turns of all
-angles. It is a property of the arm, the same at every q, so that measures can be compared.
+Linear rows are divided by a characteristic length L, and the columns of prismatic joints multiplied
+by it, which leaves no unit (Angeles and López-Cajún, *Kinematic isotropy and the conditioning index
+of serial robotic manipulators*, 1992; Angeles, *Fundamentals of Robotic Mechanical Systems*, ch.
+5). An isotropic Jacobian has ``L² = tr(J_v J_vᵀ) / tr(J_ω J_ωᵀ)``, the mean square distance of the
+frame from the axes of the revolute joints. As no arm is isotropic everywhere, the default L is the
+root mean square over all joints and over full turns of all angles: a property of the arm, the same
+at every q, so that measures can be compared.
 """
 
 from __future__ import annotations
@@ -17,17 +17,20 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.bounds import Bounds
 from kinematics.chain import Chain, chain_of
 from kinematics.deadline import svd
-from kinematics.errors import InvalidOption
 from kinematics.singularity import RANK_TOLERANCE, rank_of
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
 
+CHARACTERISTIC_LENGTH = Bounds(1e-6, 1e6)
+"""Bounds of L, m."""
+
 
 @dataclass(frozen=True, eq=False)
 class Dexterity:
-    """How even the homogeneous task Jacobian is; shapes (n,), or () for one q.
+    """Conditioning of the homogeneous task Jacobian; shapes (n,), or () for one q.
 
     Attributes:
         characteristic_length: L, m.
@@ -49,25 +52,23 @@ def dexterity(
     length: float,
     tolerance: float = RANK_TOLERANCE,
 ) -> Dexterity:
-    """Measures of a task Jacobian.
+    """Return the dexterity measures of a task Jacobian.
 
     Args:
         J: Shape (rows, dof) or (n, rows, dof).
-        is_revolute: True for the columns of joints that turn, shape (dof,).
-        task: Says which rows they are.
+        is_revolute: True for the columns of revolute joints, shape (dof,).
+        task: The task space, which names the rows.
         length: L, m.
         tolerance: A singular value below ``tolerance * max(1, largest)`` counts as zero.
 
     Raises:
         InvalidOption: length is not in 1e-6 … 1e6.
     """
-    if not 1e-6 <= length <= 1e6:
-        raise InvalidOption(
+    if length not in CHARACTERISTIC_LENGTH:
+        raise CHARACTERISTIC_LENGTH.refusal(
             f"characteristic_length is {length:g}; give 1e-6 up to 1e6 m",
-            argument="characteristic_length",
-            value=length,
-            lower=1e-6,
-            upper=1e6,
+            length,
+            "characteristic_length",
         )
     scale = np.ones(len(task.rows))
     scale[: len(task.positions)] = 1.0 / length
@@ -85,11 +86,11 @@ def dexterity(
 
 
 def characteristic_length(robot: Robot, frame: str | None = None) -> float:
-    """The default L of a chain, m; 1 where no turning joint moves the frame's origin.
+    """Return the default L of a chain, m; 1 where no revolute joint moves the frame's origin.
 
-    The mean square distance from each axis, exactly: second moments of the frame's origin are
-    carried from the tip to the base; a full turn about z leaves of them what is symmetric, a
-    sliding joint spreads them over its extent (at 0 where it has no limits).
+    The mean square distance from each axis is exact: second moments of the frame's origin are
+    carried from the tip to the base. Averaging over a full turn about z keeps their part that is
+    symmetric about z; a prismatic joint averages over its extent (at 0 where it has no limits).
 
     Raises:
         UnknownFrame: The robot has no such frame.

@@ -1,4 +1,4 @@
-"""Manipulability ellipsoids of velocity and force; translation and rotation apart."""
+"""Manipulability ellipsoids of velocity and force, for translation and rotation separately."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robots.robot import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Ellipsoid:
-    """Velocities of unit joint velocities, and forces of unit joint torques, in one picture.
+    """Velocity ellipsoid of unit joint velocities, and force ellipsoid of unit joint torques.
 
     Both have the same axes and reciprocal semi-axes (Yoshikawa, *Foundations of Robotics*, 4.3).
     A leading axis n for a batch.
@@ -36,11 +36,11 @@ class Ellipsoid:
 def ellipsoids(
     J: FloatArray, task: Task, tolerance: float = RANK_TOLERANCE
 ) -> tuple[Ellipsoid | None, Ellipsoid | None]:
-    """Ellipsoids of translation and of rotation; None where the task has no such rows.
+    """Return the ellipsoids of translation and rotation; None where the task has no such rows.
 
     Args:
         J: Task Jacobian in base axes, shape (rows, dof) or (n, rows, dof).
-        task: Says which rows they are.
+        task: The task space, which names the rows.
         tolerance: A semi-axis below ``tolerance * max(1, largest)`` counts as zero.
     """
     split = len(task.positions)

@@ -1,4 +1,4 @@
-"""Singularities in words: what is lost, and which joints move for nothing."""
+"""Singularities in words: lost directions, and joint motions that do not move the frame."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ MAX_NAMED = 8
 
 
 def null_motion_in_words(robot: Robot, motion: FloatArray, J: FloatArray) -> str:
-    """What a joint motion that leaves the task alone does.
+    """Describe a joint motion that does not move the task, in words.
 
     Args:
         robot: The robot.
         motion: Unit joint velocities, shape (dof,).
-        J: Geometric Jacobian in base axes, shape (6, dof): says how the axes lie.
+        J: Geometric Jacobian in base axes, shape (6, dof), for the placement of the joint axes.
     """
     moving = np.flatnonzero(np.abs(motion) > 1e-6 * np.abs(motion).max())
     names = [robot.joints[k].name for k in moving]
@@ -38,7 +38,7 @@ def null_motion_in_words(robot: Robot, motion: FloatArray, J: FloatArray) -> str
 
 
 def lost_direction_in_words(task: Task, direction: FloatArray) -> str:
-    """What the frame cannot do.
+    """Describe a direction in which the frame cannot move, in words.
 
     Args:
         task: The task space.

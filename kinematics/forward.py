@@ -18,7 +18,7 @@ from robots.robot import FloatArray, Robot
 
 
 def fk(robot: Robot, q: FloatArray, frames: Sequence[str] | None = None) -> dict[str, FloatArray]:
-    """Poses of frames at one q or a batch.
+    """Return the poses of frames at one q or a batch.
 
     One q goes through Pinocchio, a batch through a compiled loop over the same constants, which
     agrees with it to rounding.
@@ -62,7 +62,7 @@ class Pose(NamedTuple):
 
 
 def poses(robot: Robot, q: FloatArray, frames: Sequence[str] | None = None) -> dict[str, Pose]:
-    """What :func:`fk` gives at one q, without arrays: small ones cost more than the kinematics.
+    """Return the poses of frames at one q as plain numbers, without the cost of small arrays.
 
     Args:
         robot: The robot.

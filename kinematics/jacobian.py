@@ -19,7 +19,7 @@ from robots.robot import FloatArray, Robot
 
 
 class ReferenceFrame(StrEnum):
-    """Where and in which axes the twist is taken.
+    """Point and axes in which a twist is given.
 
     ``local_world_aligned``: at the frame's origin, in base axes; the textbooks' geometric
     Jacobian. ``world``: of the body point at the base's origin, in base axes (spatial twist).
@@ -37,7 +37,7 @@ def jacobian(
     frame: str | None = None,
     reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
 ) -> FloatArray:
-    """Geometric Jacobian of a frame against the base: ``[v; ω] = J dq/dt``.
+    """Return the geometric Jacobian of a frame against the base: ``[v; ω] = J dq/dt``.
 
     Args:
         robot: The robot.
@@ -65,7 +65,7 @@ def jacobian(
 def analytic_jacobian(
     robot: Robot, q: FloatArray, sequence: str, frame: str | None = None
 ) -> FloatArray:
-    """Analytic Jacobian: ``[v; φ̇, θ̇, ψ̇] = J_a dq/dt`` for the first Euler triple.
+    """Return the analytic Jacobian ``[v; φ̇, θ̇, ψ̇] = J_a dq/dt`` of the first Euler triple.
 
     ``J_a = diag(I, inv(E)) J`` with ``ω = E [φ̇, θ̇, ψ̇]`` (Siciliano et al., *Robotics*, 3.6).
 
@@ -96,7 +96,7 @@ def task_jacobian(
     frame: str | None = None,
     reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
 ) -> FloatArray:
-    """The rows of the geometric Jacobian that a task counts.
+    """Return the rows of the geometric Jacobian that a task counts.
 
     Args:
         robot: The robot.
@@ -151,7 +151,7 @@ def _many(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFra
 
 
 def _expressed(J: FloatArray, tip: FloatArray, reference_frame: ReferenceFrame) -> FloatArray:
-    """From local_world_aligned to another reference frame; shapes (n, 6, dof), (n, 4, 4)."""
+    """Convert from local_world_aligned to a reference frame; shapes (n, 6, dof), (n, 4, 4)."""
     if reference_frame is ReferenceFrame.LOCAL:
         Rt = np.swapaxes(tip[:, :3, :3], -1, -2)
         return np.concatenate((Rt @ J[:, :3], Rt @ J[:, 3:]), axis=1)

@@ -21,9 +21,10 @@ QUARTER_LOW = 2.02226624879595063154e-21
 
 @jit
 def sines_and_cosines(q: Array, sines: Array, cosines: Array) -> None:
-    """To 2e-16 for values up to 1e6, in a third of the time of the C library: no branches.
+    """Compute sines and cosines to 2e-16 for values up to 1e6, without branches.
 
-    Reduced to ±π/4 after Cody and Waite, then the minimax polynomials of fdlibm (Sun, 1993).
+    Reduction to ±π/4 after Cody and Waite, then the minimax polynomials of fdlibm (Sun, 1993); a
+    third of the time of the C library.
 
     Args:
         q: Angles, rad, shape (K,).
@@ -53,7 +54,7 @@ def sines_and_cosines(q: Array, sines: Array, cosines: Array) -> None:
 def forward(
     C: Array, is_revolute: Array, q: Array, trig: Array, Z: Array, O: Array, T: Array
 ) -> None:
-    """Poses along a chain, in the terms of :class:`kinematics.chain.Chain`.
+    """Compute the poses along a chain, in the terms of :class:`kinematics.chain.Chain`.
 
     Args:
         C: Constant placements, shape (K + 1, 12): upper three rows of 4x4 matrices.
@@ -107,7 +108,7 @@ def forward(
 def forward_many(
     C: Array, is_revolute: Array, columns: Array, Q: Array, q: Array, W: Array, out: Array
 ) -> None:
-    """Poses at many configurations.
+    """Compute the poses of a frame at many configurations.
 
     Args:
         C: Constant placements, shape (K + 1, 12).
@@ -131,7 +132,7 @@ def forward_many(
 def jacobian_many(
     C: Array, is_revolute: Array, columns: Array, Q: Array, q: Array, W: Array, T: Array, out: Array
 ) -> None:
-    """Geometric Jacobians at the frame's origin in base axes, at many configurations.
+    """Compute geometric Jacobians at the frame's origin, in base axes, at many configurations.
 
     Args:
         C: Constant placements, shape (K + 1, 12).

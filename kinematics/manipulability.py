@@ -1,4 +1,4 @@
-"""Yoshikawa's manipulability, the determinant, and how both change with q."""
+"""Yoshikawa's manipulability and the determinant of the Jacobian, with their gradients in q."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from robots.robot import FloatArray, Robot
 
 @dataclass(frozen=True, eq=False)
 class ManipulabilityGradient:
-    """Manipulability w and its gradient; every leaf has a leading axis n for a batch.
+    """Manipulability w and its gradient; every field has a leading axis n for a batch.
 
     Attributes:
         manipulability: The product of the singular values of the task Jacobian.
-        gradient: ∂w/∂q, shape (dof,) or (n, dof). At a singularity w has a kink as |x| has at
-            0: there it is no gradient, see ``differentiable``, but zero.
+        gradient: ∂w/∂q, shape (dof,) or (n, dof); zero at a singularity, where w has no gradient
+            (see ``differentiable``).
         differentiable: False at a singularity.
         determinant: det J where J is square, whose absolute value is w; else None.
         determinant_gradient: ∂(det J)/∂q, which exists everywhere; None with ``determinant``.
@@ -44,11 +44,11 @@ def manipulability_gradient(
     *,
     tolerance: float = RANK_TOLERANCE,
 ) -> ManipulabilityGradient:
-    """Manipulability of a task and its gradient.
+    """Return the manipulability of a task and its gradient.
 
     ``w = Π σ_i`` and ``dσ_i = u_iᵀ dJ v_i``, hence ``∂w/∂q_k = Σ_i (Π_{j≠i} σ_j) u_iᵀ ∂J/∂q_k v_i``
     = ``w tr(J† ∂J/∂q_k)`` (Yoshikawa, *Foundations of Robotics*, 4.4; Park, Chung and Youm, 1999),
-    here without a division, so that it is as exact near singularities as elsewhere.
+    computed without a division, so that it is as exact near singularities as elsewhere.
 
     Args:
         robot: The robot.
@@ -66,7 +66,7 @@ def manipulability_gradient(
         InvalidOption: tolerance out of range.
     """
     check_options(0.0, tolerance)
-    # In the frame's own axes w is the same, and rows about these axes are rows of the Hessian too.
+    # w is the same in the frame's own axes, where rows about these axes are rows of the Hessian.
     axes = ReferenceFrame.LOCAL if task.own_axes else ReferenceFrame.LOCAL_WORLD_ALIGNED
     J = task_jacobian(robot, q, task, frame, axes)
     H = hessian(robot, q, frame, axes)[..., list(task.rows), :, :]
@@ -88,7 +88,7 @@ def manipulability_gradient(
 
 
 def _products_of_others(sigma: FloatArray) -> FloatArray:
-    """For each entry the product of all others, shape (..., r)."""
+    """Return for each entry the product of all others, shape (..., r)."""
     before, after = np.ones_like(sigma), np.ones_like(sigma)
     np.cumprod(sigma[..., :-1], axis=-1, out=before[..., 1:])
     after[..., :-1] = np.cumprod(sigma[..., :0:-1], axis=-1)[..., ::-1]

@@ -1,4 +1,4 @@
-"""Manipulability over two joints: where an arm is dexterous and where it is singular."""
+"""Manipulability over the ranges of two joints."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinematics.bounds import Bounds
 from kinematics.configuration import configuration
 from kinematics.deadline import svd
 from kinematics.errors import InvalidOption
@@ -15,13 +16,13 @@ from kinematics.workspace import drawn_bounds
 from robots.errors import hint
 from robots.robot import FloatArray, Robot
 
-MAX_SAMPLES = 400
-MIN_SAMPLES = 2
+SAMPLES = Bounds(2, 400)
+"""Bounds of the number of values of each joint."""
 
 
 @dataclass(frozen=True, eq=False)
 class ManipulabilityMap:
-    """Measures over a grid of two joint values; the other joints stay where they are.
+    """Measures over a grid of two joint values; the other joints are fixed.
 
     Attributes:
         joints: Names of the two joints.
@@ -29,7 +30,7 @@ class ManipulabilityMap:
         y: Values of the second, shape (n,), rad or m.
         manipulability: Yoshikawa's w at (x_i, y_j), shape (n, n): rows by y, columns by x.
         inverse_condition: Smallest over largest singular value, 0 where singular, shape (n, n).
-        assumed: What was assumed of joints without limits, in words.
+        assumed: Assumptions about joints without limits, in words.
     """
 
     joints: tuple[str, str]
@@ -48,13 +49,13 @@ def manipulability_map(
     task: Task = POSE,
     frame: str | None = None,
 ) -> ManipulabilityMap:
-    """Measures of the task Jacobian over the whole ranges of two joints.
+    """Return measures of the task Jacobian over the whole ranges of two joints.
 
     Args:
         robot: The robot.
-        q: Where the other joints stay, shape (dof,), rad and m.
+        q: Values of the other joints, shape (dof,), rad and m.
         joints: Names of two joints.
-        samples: Values of each, 2 to ``MAX_SAMPLES``.
+        samples: Values of each, within ``SAMPLES``.
         task: The task space, in base axes.
         frame: Frame name; default the tip.
 
@@ -64,17 +65,13 @@ def manipulability_map(
     Raises:
         UnknownFrame: The robot has no such frame.
         WrongConfiguration: q has a wrong shape or is not finite.
-        InvalidOption: No such joint, one joint twice, a slide without limits, or samples out of
-            range.
+        InvalidOption: No such joint, one joint twice, a prismatic joint without limits, or
+            samples out of range.
     """
     q = configuration(robot, q)
-    if not MIN_SAMPLES <= samples <= MAX_SAMPLES:
-        raise InvalidOption(
-            f"samples is {samples}; give {MIN_SAMPLES} to {MAX_SAMPLES}",
-            argument="samples",
-            value=samples,
-            lower=MIN_SAMPLES,
-            upper=MAX_SAMPLES,
+    if samples not in SAMPLES:
+        raise SAMPLES.refusal(
+            f"samples is {samples}; give {SAMPLES.lower} to {SAMPLES.upper}", samples, "samples"
         )
     columns = _columns(robot, joints)
     lower, upper, assumed = drawn_bounds(robot, columns)

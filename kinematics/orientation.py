@@ -1,4 +1,4 @@
-"""Orientations: quaternion, roll-pitch-yaw, every Euler sequence with both solutions.
+"""Orientations: quaternion, roll-pitch-yaw, and every Euler sequence with both solutions.
 
 An upper-case sequence such as ``ZXZ`` is intrinsic (axes of the moving body):
 ``R = Rz(φ) Rx(θ) Rz(ψ)``. A lower-case one such as ``xyz`` is extrinsic (fixed axes):
@@ -22,7 +22,7 @@ DEGENERATE = 1e-12
 """|sin θ| (proper) or |cos θ| (three axes) below which only φ ± ψ is determined."""
 
 CHUNK = 4096
-"""Rotations given to SciPy at once, which lets no other thread run meanwhile."""
+"""Rotations given to SciPy at once: it holds the GIL meanwhile."""
 
 _AXES = "XYZ"
 _EVEN = {(0, 1, 2), (1, 2, 0), (2, 0, 1)}
@@ -33,7 +33,7 @@ class EulerAngles:
     """Both triples of Euler angles of a rotation.
 
     Attributes:
-        sequence: The sequence as it was asked for.
+        sequence: The sequence as given.
         solutions: Shape (..., 2, 3), rad in (-π, π]. The first has θ in [0, π] (proper
             sequences) or [-π/2, π/2]; the second is (φ+π, -θ or π-θ, ψ+π).
         degenerate: Shape (...): True where infinitely many triples exist; φ is then set to 0.
@@ -47,9 +47,14 @@ class EulerAngles:
 def parse_sequence(
     sequence: str, argument: str = "euler", index: Location = ()
 ) -> tuple[tuple[int, int, int], bool]:
-    """Axis numbers of an intrinsic sequence, and whether the text was extrinsic.
+    """Return the axis numbers of an intrinsic sequence, and whether the text was extrinsic.
 
     Extrinsic angles about a, b, c are the intrinsic ones about c, b, a in reverse order.
+
+    Args:
+        sequence: Such as ``ZXZ`` or ``xyz``; see the head of this module.
+        argument: Name of the argument in errors.
+        index: Place of the sequence within that argument, for errors.
 
     Raises:
         UnknownSequence: Not three letters of one case out of XYZ without a repetition in a row.
@@ -75,7 +80,7 @@ def parse_sequence(
 
 
 def euler_angles(R: FloatArray, sequence: str) -> EulerAngles:
-    """Both Euler triples of rotations, exact at every orientation.
+    """Return both Euler triples of rotations, rad, exact at every orientation.
 
     φ comes from the third body axis, θ and ψ from the rotation with φ taken out, so that the
     product of the three rotations is R to rounding, however close to the degenerate case.
@@ -115,14 +120,14 @@ def euler_angles(R: FloatArray, sequence: str) -> EulerAngles:
 
 
 def wrap(angles: FloatArray) -> FloatArray:
-    """Angles in (-π, π]."""
+    """Return angles in (-π, π]."""
     return np.asarray(np.pi - np.mod(np.pi - angles, 2 * np.pi))
 
 
 def rotation_from_euler(
     sequence: str, angles: FloatArray, argument: str = "euler", index: Location = ()
 ) -> FloatArray:
-    """Rotation matrix (3, 3) of Euler angles in rad.
+    """Return the rotation matrix (3, 3) of Euler angles in rad.
 
     Raises:
         UnknownSequence: Not a sequence.
@@ -134,7 +139,7 @@ def rotation_from_euler(
 
 
 def rotation_from_quaternion(quaternion_xyzw: FloatArray) -> FloatArray:
-    """Rotation matrix (3, 3) of a quaternion x, y, z, w, which is brought to norm 1.
+    """Return the rotation matrix (3, 3) of a quaternion x, y, z, w, normalised to norm 1.
 
     Raises:
         ValueError: Its norm is farther than 1e-3 from 1.
@@ -146,7 +151,7 @@ def rotation_from_quaternion(quaternion_xyzw: FloatArray) -> FloatArray:
 
 
 def euler_rates_matrix(sequence: str, angles: FloatArray) -> FloatArray:
-    """E with ``ω = E [φ̇, θ̇, ψ̇]``, ω in base axes.
+    """Return E with ``ω = E [φ̇, θ̇, ψ̇]``, ω in base axes.
 
     Args:
         sequence: See the head of this module.
@@ -177,7 +182,7 @@ def _about(axis: int, angle: FloatArray) -> FloatArray:
 
 
 def analytic_map(R: FloatArray, sequence: str) -> FloatArray:
-    """``inv(E)`` at orientations: turns ω in base axes into Euler rates of the first triple.
+    """Return ``inv(E)``, which maps ω in base axes to Euler rates of the first triple.
 
     Args:
         R: Shape (..., 3, 3).
@@ -206,7 +211,7 @@ def analytic_map(R: FloatArray, sequence: str) -> FloatArray:
 
 
 def quaternion_xyzw(R: FloatArray) -> FloatArray:
-    """Unit quaternions x, y, z, w with w ≥ 0; shape (..., 3, 3) -> (..., 4)."""
+    """Return unit quaternions x, y, z, w with w ≥ 0; shape (..., 3, 3) -> (..., 4)."""
     if R.ndim == 2:
         single: FloatArray = pin.Quaternion(R).coeffs()
         return -single if single[3] < 0.0 else single
@@ -219,7 +224,7 @@ def quaternion_xyzw(R: FloatArray) -> FloatArray:
 
 
 def rpy(R: FloatArray) -> FloatArray:
-    """URDF's roll, pitch, yaw (fixed axes x, y, z); shape (..., 3, 3) -> (..., 3), rad."""
+    """Return URDF's roll, pitch, yaw (fixed axes x, y, z), rad; shape (..., 3, 3) -> (..., 3)."""
     if R.ndim == 2:
         return np.array(to_rpy(R))
     return euler_angles(R, "xyz").solutions[..., 0, :]

@@ -1,4 +1,4 @@
-"""Singularity report: what a robot can and cannot do at a q, in a chosen task space."""
+"""Singularity report: rank, lost directions and null motions at a q, in a task space."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from robots.robot import FloatArray, Robot
 
 RANK_TOLERANCE = 1e-10
 SMALLEST = 1e-100
-"""No singular value below counts, whatever the tolerance: inverses stay finite."""
+"""Singular values below count as zero at any tolerance, so that inverses stay finite."""
 
 
 @dataclass(frozen=True)
 class SingularityReport:
-    """The singular value decomposition of the task Jacobian, in words.
+    """Singular value decomposition of the task Jacobian, interpreted.
 
     Attributes:
         task: The task space.
@@ -31,7 +31,7 @@ class SingularityReport:
         null_motions: Unit joint motions that do not move the task; shape (dof - rank, dof).
         singular: True where the rank is below min(rows, dof).
         tolerance: The relative tolerance of the rank.
-        warnings: What to keep in mind.
+        warnings: Limits of the measures.
     """
 
     task: Task
@@ -53,7 +53,7 @@ def singularity_report(
     frame: str | None = None,
     tolerance: float = RANK_TOLERANCE,
 ) -> SingularityReport:
-    """Reports on one q.
+    """Return the singularity report at one q.
 
     Args:
         robot: The robot.
@@ -75,7 +75,7 @@ def singularity_report(
 def report_on(
     J: FloatArray, robot: Robot, task: Task, tolerance: float = RANK_TOLERANCE
 ) -> SingularityReport:
-    """The report on a task Jacobian, shape (rows, dof); see :func:`singularity_report`."""
+    """Return the report on a task Jacobian, shape (rows, dof); see :func:`singularity_report`."""
     U, sigma, Vt = np.linalg.svd(J)
     rank = int(rank_of(sigma, tolerance))
     singular = rank < len(sigma)
@@ -94,13 +94,13 @@ def report_on(
 
 
 def rank_of(sigma: FloatArray, tolerance: float = RANK_TOLERANCE) -> NDArray[np.intp]:
-    """Number of singular values above ``tolerance * max(1, largest)``; shape (..., m) -> (...)."""
+    """Return the number of singular values above ``tolerance * max(1, largest)``; shape (...)."""
     threshold = np.maximum(tolerance * np.maximum(1.0, sigma[..., :1]), SMALLEST)
     return np.asarray(np.count_nonzero(sigma > threshold, axis=-1))
 
 
 def signed(vectors: FloatArray) -> FloatArray:
-    """Each vector with its first entry of weight positive, so that answers do not flip."""
+    """Return each vector with its first significant entry positive, so that signs are stable."""
     vectors = np.where(np.abs(vectors) < 1e-14, 0.0, vectors)
     for vector in vectors:
         significant = np.flatnonzero(np.abs(vector) > 1e-9)
@@ -110,7 +110,7 @@ def signed(vectors: FloatArray) -> FloatArray:
 
 
 def unit_warnings(robot: Robot, task: Task) -> tuple[str, ...]:
-    """What to keep in mind of measures of a robot in a task."""
+    """Return warnings about mixed units of the measures of a robot in a task."""
     found = []
     mixed = bool(task.positions) and bool(task.rotations)
     if mixed or (robot.is_revolute.any() and not robot.is_revolute.all()):

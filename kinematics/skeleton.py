@@ -1,4 +1,4 @@
-"""The bones of a robot: where its frames, links and joint axes stand at a q."""
+"""Skeleton of a robot: placement of its frames, links and joint axes at a q."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from robots.robot import FloatArray, Robot
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """A robot at one q, in the axes of its base frame.
+    """Frames, links and joint axes of a robot at one q, in base axes.
 
     Attributes:
         frames: Pose of each frame by name, 4x4.
@@ -35,12 +35,12 @@ class Skeleton:
 
     @property
     def points(self) -> FloatArray:
-        """All that has to be in a picture, shape (n, 3), m."""
+        """All points that a picture shows, shape (n, 3), m."""
         return np.concatenate((*self.bones, self.origins))
 
 
 def skeleton_of(robot: Robot, q: FloatArray) -> Skeleton:
-    """The skeleton at one q.
+    """Return the skeleton at one q.
 
     Args:
         robot: The robot.

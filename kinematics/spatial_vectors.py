@@ -1,4 +1,4 @@
-"""Twists and wrenches as requests give them -> arrays, checked; and batches that go together."""
+"""Twists and wrenches as callers give them: conversion to arrays, and checks of batches."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.configuration import MAX_VALUE
+from kinematics.bounds import MAX_VALUE
 from kinematics.errors import Location, WrongVector
 from robots.robot import FloatArray
 
@@ -18,13 +18,13 @@ WRENCH_ROWS = ("fx", "fy", "fz", "mx", "my", "mz")
 def spatial_vector(
     values: ArrayLike, rows: Sequence[str], argument: str, index: Location = ()
 ) -> FloatArray:
-    """Checks one twist or wrench, or a batch.
+    """Check one twist or wrench, or a batch, and return it as an array.
 
     Args:
         values: Shape (m,) or (n, m).
         rows: Names of the m entries.
-        argument: What errors call it.
-        index: Place of the vector within that argument; its last part names it then.
+        argument: Name of the argument in errors.
+        index: Place of the vector within that argument; its last part then names it in errors.
 
     Returns:
         A float array of the same shape.
@@ -68,7 +68,7 @@ def spatial_vector(
 
 
 def check_same_length(q: FloatArray, other: FloatArray, argument: str) -> None:
-    """Refuses two batches of unequal length; one vector goes with every entry of a batch.
+    """Refuse two batches of unequal length; one vector goes with every entry of a batch.
 
     Raises:
         WrongVector: Both are batches, of other lengths.

@@ -1,4 +1,4 @@
-"""Statics: wrench -> joint torques by τ = Jᵀ w, and torques -> wrench where they determine it.
+"""Statics: joint torques of a wrench, τ = Jᵀ w, and the wrench of joint torques.
 
 No gravity: the wrench is the force and moment that the frame exerts on its surroundings at rest,
 taken at the same point and in the same axes as the twist of that reference frame, so that
@@ -24,15 +24,15 @@ from robots.robot import FloatArray, Robot
 
 @dataclass(frozen=True, eq=False)
 class Wrench:
-    """The wrench that joint torques hold; every leaf has a leading axis n for a batch.
+    """The wrench that joint torques hold; every field has a leading axis n for a batch.
 
     Attributes:
-        wrench: One entry a task row, N and N m, shape (m,) or (n, m); the others are taken as
-            zero. Of those that differ by ``lost_directions``, the one of least norm.
+        wrench: One entry per task row, N and N m, shape (m,) or (n, m); the others are taken as
+            zero. Of wrenches that differ by ``lost_directions``, that of least norm.
         residual: Torques that no wrench of the task balances, ``Jᵀ w - τ``, shape (dof,) or
-            (n, dof), N m and N: they would move the arm.
+            (n, dof), N m and N; they would move the arm.
         rank: Rank of the task Jacobian.
-        determined: True where the rank is the number m of task rows: one wrench alone.
+        determined: True where the rank is the number m of task rows: the wrench is unique.
         lost_directions: Unit wrenches that the structure carries without torques, shape
             (m - rank, m); for a batch a list of such arrays.
     """
@@ -51,7 +51,7 @@ def joint_torques(
     frame: str | None = None,
     reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
 ) -> FloatArray:
-    """Joint torques (forces of prismatic joints) that hold a wrench, ``τ = J(q)ᵀ w``.
+    """Return the joint torques (forces of prismatic joints) of a wrench, ``τ = J(q)ᵀ w``.
 
     Args:
         robot: The robot.
@@ -85,7 +85,7 @@ def wrench_of(
     *,
     tolerance: float = RANK_TOLERANCE,
 ) -> Wrench:
-    """The wrench that given joint torques hold at a frame, ``w = (Jᵀ)† τ``.
+    """Return the wrench that given joint torques hold at a frame, ``w = (Jᵀ)† τ``.
 
     Args:
         robot: The robot.

@@ -1,4 +1,4 @@
-"""Task spaces: which of vx, vy, vz, wx, wy, wz count."""
+"""Task spaces: the rows of vx, vy, vz, wx, wy, wz that count."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Task:
     def mask(self) -> FloatArray:
         """1 for the rows that count, else 0, then 1 for ``own_axes``; shape (7,).
 
-        With own axes all three rows of rotation count: they hold a vector across z.
+        With own axes all three rows of rotation count: they hold a vector perpendicular to z.
         """
         mask = np.zeros(7)
         mask[list(self.rows)] = 1.0
@@ -69,7 +69,7 @@ class Task:
         return mask
 
     def of(self, J: FloatArray, R: FloatArray) -> FloatArray:
-        """The rows of a Jacobian that count.
+        """Return the rows of a Jacobian that count.
 
         Args:
             J: Geometric Jacobian in base axes, shape (..., 6, n).
@@ -95,12 +95,12 @@ POSE = TASKS["pose"]
 def task_from(
     value: str | Sequence[bool | int | float], argument: str = "task", index: Location = ()
 ) -> Task:
-    """A task by name, or by a mask of six (1: the row counts).
+    """Return a task by name, or by a mask of six (1: the row counts).
 
     Args:
         value: Name or mask.
-        argument: What errors call it.
-        index: Its place within that argument.
+        argument: Name of the argument in errors.
+        index: Place of the task within that argument, for errors.
 
     Raises:
         UnknownTask: Neither.

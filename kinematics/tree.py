@@ -1,4 +1,4 @@
-"""The joint tree of a robot as constants: each joint a placement, then a motion along or about z.
+"""Joint tree of a robot as constants: each joint a placement, then a motion along or about z.
 
 The constants are read from the Pinocchio model; Pinocchio is the oracle in the tests.
 """
@@ -33,7 +33,7 @@ class TreeJoint:
 
 @dataclass(frozen=True)
 class Tree:
-    """The moving joints of a robot, parents first, and where each frame stands.
+    """The moving joints of a robot, parents first, and the placement of each frame.
 
     Attributes:
         joints: The joints.
@@ -45,7 +45,7 @@ class Tree:
     frames: dict[str, tuple[int, FloatArray]]
 
     def path(self, frame: str) -> tuple[int, ...]:
-        """Indices of the joints between the root and a frame, root first."""
+        """Return the indices of the joints between the root and a frame, root first."""
         index, found = self.frames[frame][0], []
         while index >= 0:
             found.append(index)
@@ -57,7 +57,7 @@ _TREES: WeakKeyDictionary[Robot, Tree] = WeakKeyDictionary()
 
 
 def tree_of(robot: Robot) -> Tree:
-    """The tree of a robot, kept as long as the robot is."""
+    """Return the tree of a robot; it is kept as long as the robot."""
     tree = _TREES.get(robot)
     if tree is None:
         tree = _TREES[robot] = build_tree(robot)
@@ -65,7 +65,7 @@ def tree_of(robot: Robot) -> Tree:
 
 
 def build_tree(robot: Robot) -> Tree:
-    """Reads the constants of a robot's tree from its Pinocchio model."""
+    """Return the constants of a robot's tree, read from its Pinocchio model."""
     model, data = robot.model, robot.model.createData()
     neutral = pin.neutral(model)
     column_of = {int(model.getJointId(joint.name)): k for k, joint in enumerate(robot.joints)}
@@ -90,7 +90,7 @@ def build_tree(robot: Robot) -> Tree:
 
 
 def _z_onto(axis: FloatArray) -> FloatArray:
-    """A rotation (4x4) that turns z onto a unit axis; exact for ±x, ±y, ±z."""
+    """Return a rotation (4x4) that turns z onto a unit axis; exact for ±x, ±y, ±z."""
     z = axis / np.linalg.norm(axis)
     helper = np.eye(3)[int(np.argmin(np.abs(z)))]
     x = np.cross(helper, z)

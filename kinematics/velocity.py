@@ -1,4 +1,4 @@
-"""Differential kinematics both ways: joint velocities -> twist, twist -> joint velocities."""
+"""Differential kinematics: twist of joint velocities, and joint velocities for a twist."""
 
 from __future__ import annotations
 
@@ -7,32 +7,34 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.bounds import Bounds
 from kinematics.configuration import configuration
 from kinematics.deadline import checked, svd
-from kinematics.errors import InvalidOption
 from kinematics.jacobian import ReferenceFrame, jacobian, task_jacobian
 from kinematics.singularity import RANK_TOLERANCE, rank_of, signed
 from kinematics.spatial_vectors import check_same_length, spatial_vector
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
-MIN_DAMPING, MAX_DAMPING = 1e-12, 1e6
+DAMPING = Bounds(1e-12, 1e6)
+"""Bounds of λ, in the units of the Jacobian; 0, the pseudo-inverse, is accepted as well."""
+TOLERANCE = Bounds(0.0, 1.0, upper_included=False)
+"""Bounds of the relative tolerance of the rank."""
 
 
 @dataclass(frozen=True, eq=False)
 class JointVelocities:
-    """Joint velocities for a twist; every leaf has a leading axis n for a batch.
+    """Joint velocities for a twist; every field has a leading axis n for a batch.
 
     Attributes:
         qd: Joint velocities, rad/s and m/s, shape (dof,) or (n, dof).
-        residual: What the model makes of them less what was asked, ``J qd - twist``, m/s and
-            rad/s, shape (m,) or (n, m).
+        residual: Error on the model, ``J qd - twist``, m/s and rad/s, shape (m,) or (n, m).
         rank: Rank of the task Jacobian.
-        determined: True where the rank is the number m of task rows, so that every twist can be
-            had.
+        determined: True where the rank is the number m of task rows, so that every twist is
+            possible.
         null_motions: Unit joint velocities that add nothing to the twist, shape (dof - rank, dof);
             for a batch a list of such arrays.
-        within_velocity_limits: Whether no joint is faster than its limit.
+        within_velocity_limits: Whether no joint exceeds its speed limit.
     """
 
     qd: FloatArray
@@ -50,7 +52,7 @@ def twist_of(
     frame: str | None = None,
     reference_frame: ReferenceFrame = ReferenceFrame.LOCAL_WORLD_ALIGNED,
 ) -> FloatArray:
-    """Twist of a frame against the base, ``[v; ω] = J(q) qd``.
+    """Return the twist of a frame against the base, ``[v; ω] = J(q) qd``.
 
     Args:
         robot: The robot.
@@ -84,13 +86,13 @@ def joint_velocities(
     damping: float = 0.0,
     tolerance: float = RANK_TOLERANCE,
 ) -> JointVelocities:
-    """Joint velocities of least norm for a twist: ``qd = J† twist``, or damped.
+    """Return the joint velocities of least norm for a twist: ``qd = J† twist``, or damped.
 
     Without damping, singular values that do not count for the rank are left out: where the rank
     is that of the task ``J qd = twist``, elsewhere ``qd`` is the least-squares solution of least
     norm. With damping λ, ``qd = Jᵀ (J Jᵀ + λ² I)⁻¹ twist`` (Nakamura and Hanafusa, 1986; Wampler,
-    1986), which stays below ``|twist| / (2 λ)`` everywhere. Least squares and damping weigh m/s
-    and rad/s alike, and so does the least norm of arms that turn and slide.
+    1986), which stays below ``|twist| / (2 λ)`` everywhere. Least squares and damping weight m/s
+    and rad/s equally, and so does the least norm of arms with revolute and prismatic joints.
 
     Args:
         robot: The robot.
@@ -139,24 +141,16 @@ def joint_velocities(
 
 
 def check_options(damping: float, tolerance: float) -> None:
-    """Refuses a damping or a tolerance out of range.
+    """Refuse a damping or a tolerance out of range.
 
     Raises:
         InvalidOption: damping is neither 0 nor in 1e-12 … 1e6, or tolerance not in 0 … 1.
     """
-    if damping != 0 and not MIN_DAMPING <= damping <= MAX_DAMPING:
-        raise InvalidOption(
-            f"damping is {damping:g}; give 0, or 1e-12 up to 1e6, such as 0.01",
-            argument="damping",
-            value=damping,
-            lower=MIN_DAMPING,
-            upper=MAX_DAMPING,
+    if damping != 0 and damping not in DAMPING:
+        raise DAMPING.refusal(
+            f"damping is {damping:g}; give 0, or 1e-12 up to 1e6, such as 0.01", damping, "damping"
         )
-    if not 0 <= tolerance < 1:
-        raise InvalidOption(
-            f"tolerance is {tolerance:g}; give 0 up to below 1",
-            argument="tolerance",
-            value=tolerance,
-            lower=0.0,
-            upper=1.0,
+    if tolerance not in TOLERANCE:
+        raise TOLERANCE.refusal(
+            f"tolerance is {tolerance:g}; give 0 up to below 1", tolerance, "tolerance"
         )

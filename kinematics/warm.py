@@ -17,7 +17,7 @@ from kinematics.redundancy.follow import followed
 from kinematics.redundancy.measure import ends_of_links
 from kinematics.redundancy.methods import METHODS
 from kinematics.redundancy.path.geometry import Sampling, polyline
-from kinematics.redundancy.problem import Gains, PathOptions, Problem
+from kinematics.redundancy.problem import Gains, PathOptions, PathProblem
 from kinematics.task import POSE
 from robots.robot import Robot
 from robots.shipped import shipped_robot
@@ -54,7 +54,7 @@ def _follow_a_path() -> None:
     start, goal = fk(robot, np.array([q, q + 0.02]))[robot.tip_frame]
     path = polyline(start, [goal], POSE, Sampling(samples=4))
     ball = encoded([Sphere(start[:3, 3] + [0.0, 0.0, 0.5], 0.1)])
-    problem = Problem(arm, q, path, ball)
+    problem = PathProblem(arm, q, path, ball)
     options = PathOptions(gains=Gains(1.0, 1.0, 1.0, 1.0), obstacle_weight=1e-3)
     for name in ("pseudo_inverse", "damped", "null_space", "sqp", "qp"):
         followed(problem, METHODS[name], options)

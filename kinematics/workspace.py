@@ -1,4 +1,4 @@
-"""Where a frame can get: points reached from joint values drawn within the limits."""
+"""Workspace: positions of a frame at joint values drawn within the limits."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption
 from kinematics.forward import fk
 from robots.robot import FloatArray, Robot
 
-MAX_POINTS = 200_000
+SAMPLES = Bounds(1, 200_000)
+"""Bounds of the number of points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +25,7 @@ class Workspace:
         points: Positions of the frame in the axes of the base frame, shape (n, 3), m.
         low: Least coordinates, shape (3,), m.
         high: Greatest coordinates, shape (3,), m.
-        assumed: What was assumed of joints without limits, in words.
+        assumed: Assumptions about joints without limits, in words.
     """
 
     points: FloatArray
@@ -35,30 +37,26 @@ class Workspace:
 def workspace(
     robot: Robot, samples: int, frame: str | None = None, random_seed: int = 0
 ) -> Workspace:
-    """Draws joint values evenly within the limits and returns where the frame gets.
+    """Draw joint values uniformly within the limits, and return the positions of the frame.
 
-    Joints that turn without limits go through a whole turn.
+    Revolute joints without limits cover a whole turn.
 
     Args:
         robot: The robot.
-        samples: Number of points, 1 to ``MAX_POINTS``.
+        samples: Number of points, within ``SAMPLES``.
         frame: Frame name; default the tip.
-        random_seed: Of the draw; the same seed gives the same points.
+        random_seed: Seed of the draw; the same seed gives the same points.
 
     Returns:
         The cloud.
 
     Raises:
         UnknownFrame: The robot has no such frame.
-        InvalidOption: A slide without limits, or samples out of range.
+        InvalidOption: A prismatic joint without limits, or samples out of range.
     """
-    if not 1 <= samples <= MAX_POINTS:
-        raise InvalidOption(
-            f"samples is {samples}; give 1 to {MAX_POINTS}",
-            argument="samples",
-            value=samples,
-            lower=1,
-            upper=MAX_POINTS,
+    if samples not in SAMPLES:
+        raise SAMPLES.refusal(
+            f"samples is {samples}; give {SAMPLES.lower} to {SAMPLES.upper}", samples, "samples"
         )
     name = robot.tip_frame if frame is None else frame
     robot.frame_id(name)
@@ -72,14 +70,14 @@ def workspace(
 def drawn_bounds(
     robot: Robot, columns: Sequence[int] | None = None
 ) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
-    """Bounds between which joint values are drawn, shape (dof,) each, and what was assumed.
+    """Return bounds of the drawn joint values, shape (dof,) each, and assumptions in words.
 
     Args:
         robot: The robot.
         columns: Entries of q that are drawn; default all.
 
     Raises:
-        InvalidOption: A slide has no limits.
+        InvalidOption: A prismatic joint has no limits.
     """
     lower, upper = robot.lower.copy(), robot.upper.copy()
     assumed = []

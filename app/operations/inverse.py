@@ -30,6 +30,7 @@ from app.operations.shapes import (
 )
 from dh_to_urdf.errors import quoted
 from kinematics.configuration import joint_names
+from kinematics.errors import InvalidOption
 from kinematics.inverse import (
     IKBatch,
     IKOptions,
@@ -178,7 +179,19 @@ def _options(
     """Return what a request chose, and the same for a first attempt; most choose the same."""
     tolerance = Tolerance(position, orientation)
     budget = time_budget_ms / 1e3
-    options = IKOptions(tolerance, max_restarts, max_iterations, random_seed, budget)
+    try:
+        options = IKOptions(tolerance, max_restarts, max_iterations, random_seed, budget)
+    except InvalidOption as error:
+        if error.argument != "time_budget":
+            raise
+        milliseconds, most = budget * 1e3, 1000 * IKOptions.BOUNDS["time_budget"].upper
+        raise InvalidOption(
+            f"time_budget_ms is {quoted(milliseconds)}; give 0 to {most}",
+            argument="time_budget_ms",
+            value=milliseconds,
+            lower=0,
+            upper=most,
+        ) from None
     options = options.within(seconds)
     return options, options.within(QUICK_SECONDS)
 

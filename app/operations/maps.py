@@ -22,9 +22,11 @@ from app.operations.operation import (
 )
 from app.operations.shapes import AnswerUnits, Matrix, Position, Vector, rows, shaped
 from app.pictures.map_figure import heat_figure, workspace_figure
-from kinematics.manipulability_map import MAX_SAMPLES, MIN_SAMPLES, manipulability_map
+from kinematics.manipulability_map import SAMPLES as MAP_SAMPLES
+from kinematics.manipulability_map import manipulability_map
 from kinematics.task import POSE
-from kinematics.workspace import MAX_POINTS, workspace
+from kinematics.workspace import SAMPLES as POINTS
+from kinematics.workspace import workspace
 from robots.robot import FloatArray, Robot
 
 SAMPLES = "Number of samples, the start included."
@@ -35,7 +37,13 @@ class WorkspaceRequest(msgspec.Struct, kw_only=True):
 
     samples: Annotated[
         int,
-        within_query(1, MAX_POINTS, f"Points, 1 to {MAX_POINTS}.", SAMPLES, texts.integer),
+        within_query(
+            POINTS.lower,
+            POINTS.upper,
+            f"Points, {POINTS.lower} to {POINTS.upper}.",
+            SAMPLES,
+            texts.integer,
+        ),
     ] = 20_000
     frame: Frame = LEFT_OUT
     random_seed: Annotated[
@@ -76,9 +84,9 @@ class MapRequest(msgspec.Struct, kw_only=True):
     samples: Annotated[
         int,
         within_query(
-            MIN_SAMPLES,
-            MAX_SAMPLES,
-            f"Values of each, {MIN_SAMPLES} to {MAX_SAMPLES}.",
+            MAP_SAMPLES.lower,
+            MAP_SAMPLES.upper,
+            f"Values of each, {MAP_SAMPLES.lower} to {MAP_SAMPLES.upper}.",
             SAMPLES,
             texts.integer,
         ),

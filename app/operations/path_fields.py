@@ -31,7 +31,7 @@ from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.redundancy.problem import (
     Gains,
     PathOptions,
-    Problem,
+    PathProblem,
     PathTolerance,
     SecondaryTask,
 )
@@ -257,7 +257,7 @@ class PathScenario(MethodOptions, kw_only=True):
     ] = msgspec.field(default_factory=PathToleranceField)
 
 
-def read_problem(robot: Robot, request: PathScenario, context: Context) -> Problem:
+def read_problem(robot: Robot, request: PathScenario, context: Context) -> PathProblem:
     """Return the problem of a request.
 
     Raises:
@@ -275,7 +275,7 @@ def read_problem(robot: Robot, request: PathScenario, context: Context) -> Probl
         )
     sampling = Sampling(TimeLaw(request.time_law), request.tf, request.samples)
     radius = read_radius(request.link_radius, arm)
-    return Problem(
+    return PathProblem(
         arm,
         q,
         _path(robot, arm, q, request, sampling, context),
@@ -378,7 +378,7 @@ def _solid(field: ObstacleField, index: int, context: Context) -> solids.Obstacl
 
 
 def read_options(
-    robot: Robot, request: MethodOptions, problem: Problem, seconds: float, context: Context
+    robot: Robot, request: MethodOptions, problem: PathProblem, seconds: float, context: Context
 ) -> PathOptions:
     """The options of a request.
 
@@ -411,7 +411,7 @@ def read_options(
 
 
 def _secondary(
-    robot: Robot, field: SecondaryField, k: int, problem: Problem, context: Context
+    robot: Robot, field: SecondaryField, k: int, problem: PathProblem, context: Context
 ) -> SecondaryTask:
     task = task_from(field.task, "secondary", (k, "task"))
     arm = Arm.of(robot, field.frame, task, "secondary", (k, "frame"))

@@ -11,7 +11,7 @@ from dh_to_urdf.errors import quoted
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.link_geometry import LinkGeometry, link_geometry, too_near
-from kinematics.redundancy.problem import Problem
+from kinematics.redundancy.problem import PathProblem
 from robots.robot import FloatArray
 
 GEOMETRIES = ("skeleton", "urdf")
@@ -65,7 +65,7 @@ class LinksView(TypedDict):
     links: list[LinkPart] | None
 
 
-def links_view(problem: Problem) -> tuple[LinksView, list[str]]:
+def links_view(problem: PathProblem) -> tuple[LinksView, list[str]]:
     """Return the capsules for the answer, and warnings."""
     shaped = problem.shaped
     if shaped is None:

@@ -15,6 +15,7 @@ from app.operations.operation import Answer, Context, Operation, Runs
 from app.operations.shapes import AnswerUnits
 from dh_to_urdf import Convention, extract
 from kinematics import symbolic
+from kinematics.errors import InvalidOption
 from kinematics.symbolic.request import (
     DEFAULT_BUDGET,
     Notation,
@@ -188,7 +189,17 @@ def _run(robot: Robot, request: SymbolicRequest, context: Context) -> Answer:
     table = robot.table
     if table is None:
         table = extract(chain_of_robot(robot), Convention.MODIFIED).table
-    answer = context.symbolic_workers().run(table, _read(request, context))
+    try:
+        answer = context.symbolic_workers().run(table, _read(request, context))
+    except InvalidOption as error:
+        if error.argument != "time_budget":
+            raise
+        raise InvalidOption(
+            "time_budget_ms is not above 0; give milliseconds",
+            argument="time_budget_ms",
+            value=request.time_budget_ms,
+            lower=error.lower,
+        ) from None
     listing = answer.pop("listing", None)
     payload: dict[str, Any] = {
         "units": {"angle": "rad", "length": "m"},

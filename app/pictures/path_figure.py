@@ -13,7 +13,7 @@ from app.pictures.space import bounds_of, draw_space
 from kinematics.redundancy.clearance.link_points import RADIUS
 from kinematics.redundancy.follow import PathResult
 from kinematics.redundancy.measure import ends_of_links
-from kinematics.redundancy.problem import Problem
+from kinematics.redundancy.problem import PathProblem
 from kinematics.redundancy.timing.result import Retimed
 from robots.robot import FloatArray
 
@@ -158,7 +158,7 @@ def _charts(
 
 
 def _motion_charts(
-    problem: Problem, motion: Retimed
+    problem: PathProblem, motion: Retimed
 ) -> list[tuple[list[Curve], str, bool, list[Level]]]:
     """Speeds and accelerations of the motion in the shortest time, as parts of their limits."""
     made: list[tuple[list[Curve], str, bool, list[Level]]] = []

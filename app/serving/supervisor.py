@@ -16,7 +16,7 @@ from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from types import FrameType
 
-from app.serving.worker import BEAT_SECONDS, SERVING, Task, work
+from app.serving.worker import BEAT_SECONDS, SERVING, WorkerTask, work
 from app.settings import Settings
 from app.telemetry.metrics import forget_worker
 from app.telemetry.processes import cpu_seconds, pid_file
@@ -108,7 +108,7 @@ class Supervisor:
         for slot in [slot for slot, moment in self._due.items() if moment <= now]:
             del self._due[slot]
             ours, theirs = self._context.Pipe()
-            task = Task(slot, self._settings, self._sockets, directory)
+            task = WorkerTask(slot, self._settings, self._sockets, directory)
             name = f"denavit-worker-{slot}"
             process = self._context.Process(target=work, args=(task, theirs), name=name)
             process.start()

@@ -21,7 +21,7 @@ STARTING, SERVING = b"starting", b"serving"
 
 
 @dataclass(frozen=True)
-class Task:
+class WorkerTask:
     """What a worker needs to know.
 
     Attributes:
@@ -37,7 +37,7 @@ class Task:
     directory: Path
 
 
-def work(task: Task, connection: Connection) -> None:
+def work(task: WorkerTask, connection: Connection) -> None:
     """Serves until the supervisor, or its end, says otherwise."""
     # A Ctrl-C reaches every process of the terminal: what it means is the supervisor's decision.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dh_to_urdf.errors import quoted
-from kinematics.errors import InvalidOption, dotted
+from kinematics.bounds import Bounds
+from kinematics.errors import Location, dotted
 from robots.robot import FloatArray
 
 
@@ -39,6 +41,11 @@ class Tolerance:
         orientation: Norm of the rotation error in the task's axes, rad.
     """
 
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "position": Bounds(1e-12, 1e3),
+        "orientation": Bounds(1e-12, 4.0),
+    }
+
     position: float = 1e-6
     orientation: float = 1e-6
 
@@ -57,6 +64,13 @@ class IKOptions:
     Raises:
         InvalidOption: A value out of its range.
     """
+
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "max_restarts": Bounds(0, 10_000),
+        "max_iterations": Bounds(1, 10_000),
+        "random_seed": Bounds(0, 2**53),
+        "time_budget": Bounds(0, 60),
+    }
 
     tolerance: Tolerance = field(default_factory=Tolerance)
     max_restarts: int = 200
@@ -77,24 +91,20 @@ class IKOptions:
         return self if seconds >= self.time_budget else replace(self, time_budget=seconds)
 
     def __post_init__(self) -> None:
-        checks = (
-            (("tolerance", "position"), self.tolerance.position, 1e-12, 1e3),
-            (("tolerance", "orientation"), self.tolerance.orientation, 1e-12, 4.0),
-            (("max_restarts",), self.max_restarts, 0, 10_000),
-            (("max_iterations",), self.max_iterations, 1, 10_000),
-            (("random_seed",), self.random_seed, 0, 2**53),
-            (("time_budget_ms",), self.time_budget * 1e3, 0, 60_000),
+        for name, bounds in self.tolerance.BOUNDS.items():
+            _check(getattr(self.tolerance, name), bounds, "tolerance", (name,))
+        for name, bounds in self.BOUNDS.items():
+            _check(getattr(self, name), bounds, name)
+
+
+def _check(value: float, bounds: Bounds, argument: str, index: Location = ()) -> None:
+    if value not in bounds:
+        raise bounds.refusal(
+            f"{dotted(argument, index)} is {quoted(value)}; give {bounds.lower} to {bounds.upper}",
+            value,
+            argument,
+            index,
         )
-        for (argument, *index), value, low, high in checks:
-            if not low <= value <= high:
-                raise InvalidOption(
-                    f"{dotted(argument, tuple(index))} is {quoted(value)}; give {low} to {high}",
-                    argument=argument,
-                    index=tuple(index),
-                    value=value,
-                    lower=low,
-                    upper=high,
-                )
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from dh_to_urdf.poses import rigid_transform, rigid_transforms
+from kinematics.bounds import MAX_VALUE
 from kinematics.errors import InvalidTarget, Location
 from kinematics.orientation import (
     parse_sequence,
@@ -18,8 +19,6 @@ from kinematics.orientation import (
 from kinematics.task import Task
 from robots.robot import FloatArray
 
-MAX_VALUE = 1e6
-"""Largest coordinate of a target, m or rad."""
 Rows: TypeAlias = Sequence[Sequence[float]] | FloatArray
 
 

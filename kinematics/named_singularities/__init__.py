@@ -1,4 +1,4 @@
-"""Named singularities: det J as a product of factors with a meaning, where the arm has them."""
+"""Named singularities: det J as a product of factors with a geometric meaning."""
 
 from kinematics.named_singularities.factorization import Factorization, factorization
 from kinematics.named_singularities.posture import Factor

@@ -1,4 +1,4 @@
-"""Which factors the determinant of a chain's task Jacobian has, from the geometry of its axes."""
+"""Factors of the determinant of a chain's task Jacobian, from the geometry of its axes."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ class Factorization:
     """``det J = constant · Π factors``; arrays have shape (n,), or () for one q.
 
     Attributes:
-        structure: What was recognised, in words; None where nothing was.
+        structure: The recognised structure, in words; None where there is none.
         of: ``determinant`` of the chain's task Jacobian, its columns from base to frame; or
             ``manipulability`` where it is not square.
-        constant: What does not change with q: lengths and sines of link twists.
+        constant: The factor that does not depend on q: lengths and sines of link twists.
         factors: The factors.
         product: Constant times factors.
         difference: |product - the model's own determinant or manipulability|.
-        exact: Whether that is rounding: at most 1e-12 of it. Not so where a file's angles are
-            rounded, so that axes are parallel or meet only nearly.
+        exact: Whether the difference is rounding, at most 1e-12 relative. It is more where a file
+            holds rounded angles, so that axes are parallel, or meet, only nearly.
         reason: Why there are no factors, where there are none.
     """
 
@@ -52,11 +52,11 @@ class Factorization:
 def factorization(
     robot: Robot, q: FloatArray, task: Task = POSE, frame: str | None = None
 ) -> Factorization:
-    """The named singularities of an arm, where its structure is known.
+    """Return the named singularities of an arm whose structure is known.
 
     Known are: in ``pose`` six joints with a spherical wrist, six with axes 2, 3 and 4 parallel,
     and seven of shoulder, elbow and wrist (S-R-S); in ``position`` three joints, in
-    ``orientation`` three turning ones; planar 2R (``xy``, ``position``) and 3R (``xy_phi``,
+    ``orientation`` three revolute ones; planar 2R (``xy``, ``position``) and 3R (``xy_phi``,
     ``pose``), SCARA (``xyz_phi``, ``pose``). The product is compared with the model before it is
     returned.
 
@@ -95,7 +95,7 @@ def factorization(
     if not square:
         product = np.abs(product)
     difference = np.abs(product - measured)
-    # A determinant near zero is a difference of large products: its rounding is theirs.
+    # A determinant near zero is a difference of large products and has their rounding error.
     rounding = 64 * np.finfo(float).eps * np.prod(np.linalg.norm(J, axis=1), axis=-1)
     if np.any(difference > LARGEST_DIFFERENCE * np.abs(measured) + 1e4 * rounding):
         return _none(f"{structure}, but the product of its factors is not that of task {task.name}")
@@ -188,7 +188,7 @@ def _srs(
 def _flat(
     chain: Chain, axes: Relations, q: FloatArray, task: Task
 ) -> tuple[str, FloatArray, list[Factor]] | None:
-    """All axes parallel: the plane arm of the turning joints, and perhaps one slide along them."""
+    """Factor an arm with parallel axes: revolute joints and at most one prismatic joint."""
     turning = [int(k) for k in np.flatnonzero(axes.is_revolute)]
     slides = [int(k) for k in np.flatnonzero(~axes.is_revolute)]
     kind = (len(turning), len(slides), task.name)

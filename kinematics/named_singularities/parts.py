@@ -1,7 +1,7 @@
-"""The determinants of an arm's parts as products; each function returns (constant, factors).
+"""Determinants of parts of an arm as products; each function returns (constant, factors).
 
-With ``c_k = z_k × (P - o_k)`` the velocity of a point P by a turning joint, two identities split
-them: ``(u × a) × (u × b) = u (u · (a × b))`` for parallel axes, and
+With ``c_k = z_k × (P - o_k)`` the velocity of a point P per unit speed of a revolute joint, two
+identities split them: ``(u × a) × (u × b) = u (u · (a × b))`` for parallel axes, and
 ``(u × a) × (v × a) = a (a · (u × v))`` for axes that meet.
 """
 
@@ -28,7 +28,7 @@ Product: TypeAlias = tuple[FloatArray, list[Factor]]
 
 
 def wrist(at: Posture, i: int, j: int, k: int, name: str = "wrist") -> Product:
-    """``z_i · (z_j × z_k)``: the sine of the middle joint's angle times a constant."""
+    """Return ``z_i · (z_j × z_k)``: the sine of the middle joint's angle times a constant."""
     a, b, c = at.z(i), at.z(j), at.z(k)
     scale = norm(cross(a, b)) * norm(cross(b, c))
     sine = triple(b, a, c) / np.maximum(scale, 1e-300)
@@ -37,7 +37,7 @@ def wrist(at: Posture, i: int, j: int, k: int, name: str = "wrist") -> Product:
 
 
 def bend(at: Posture, i: int, j: int, point: FloatArray) -> Product:
-    """``z_i · ((P - o_i) × (P - o_j))`` of parallel axes i and j: how far P is from their plane."""
+    """Return ``z_i · ((P - o_i) × (P - o_j))`` of parallel axes i, j: 0 with P in their plane."""
     z = at.z(i)
     between = across(at.O[:, j] - at.O[:, i], z)
     length = norm(between)
@@ -53,7 +53,7 @@ def _stretched(i: int, j: int) -> str:
 
 
 def arm(at: Posture, axes: Relations, point: FloatArray) -> Product:
-    """``det [c_1 c_2 c_3]`` of the first three joints at a point.
+    """Return ``det [c_1 c_2 c_3]`` of the first three joints at a point.
 
     Args:
         at: The posture.
@@ -124,7 +124,7 @@ def arm(at: Posture, axes: Relations, point: FloatArray) -> Product:
 
 
 def three_parallel(at: Posture, i: int, j: int, k: int) -> Product:
-    """Of three turning joints about parallel axes in their plane, rows (v_x, v_y, ω_h)."""
+    """Return the determinant of three revolute joints with parallel axes, rows (v_x, v_y, ω_h)."""
     h = at.z(i)
     constant, (found,) = bend(at, i, j, at.O[:, k])
     signs = np.sign(dot(h, at.z(j))) * np.sign(dot(h, at.z(k)))
@@ -136,13 +136,13 @@ def three_parallel(at: Posture, i: int, j: int, k: int) -> Product:
 def around_parallel(
     at: Posture, is_revolute: NDArray[np.bool_], point: FloatArray, meets: bool, scale: FloatArray
 ) -> Product:
-    """What joints 1, 5 and 6 do that joints 2, 3 and 4 (parallel axes) cannot.
+    """Return the part of joints 1, 5 and 6 that joints 2, 3 and 4 (parallel axes) cannot yield.
 
-    Rows: velocity along h = z_2 of a point of axis 6, and turning across h.
+    Rows: velocity along h = z_2 of a point of axis 6, and angular velocity across h.
 
     Args:
         at: The posture.
-        is_revolute: True for joints that turn, shape (6,).
+        is_revolute: True for revolute joints, shape (6,).
         point: A point of axis 6; where axes 5 and 6 meet, that point.
         meets: Whether they do.
         scale: Bound of the distance of that point from axis 1's plane, shape (n,).
@@ -171,11 +171,11 @@ def around_parallel(
 
 
 def srs(at: Posture, shoulder: FloatArray, centre: FloatArray) -> Product:
-    """sqrt(det J Jᵀ) of spherical shoulder, elbow, spherical wrist.
+    """Return sqrt(det J Jᵀ) of an arm of spherical shoulder, elbow and spherical wrist.
 
-    Every 6-row minor holds the elbow's factor: w = |elbow| sqrt(W² A + S² B), with S = z1·(z2×z3),
-    W = z5·(z6×z7) and A, B the squares of d · (z_i × z_j) over pairs of shoulder and wrist axes, d
-    from the shoulder to the wrist.
+    Every 6-row minor contains the elbow's factor: w = |elbow| sqrt(W² A + S² B), with S =
+    z1·(z2×z3), W = z5·(z6×z7) and A, B the squares of d · (z_i × z_j) over pairs of shoulder and
+    wrist axes, d from the shoulder to the wrist.
     """
     d, z4 = centre - shoulder, at.z(3)
     between = across(at.O[:, 3] - shoulder, z4)

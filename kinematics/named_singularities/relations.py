@@ -1,4 +1,4 @@
-"""How the axes of a short chain lie to each other, found once."""
+"""Relative placement of the axes of a short chain, found once."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ MOST_JOINTS = 7
 
 @dataclass(frozen=True, eq=False)
 class Relations:
-    """Of a chain of up to seven joints, within the tolerances of :mod:`geometry`.
+    """Relations of up to seven axes, within the tolerances of :mod:`geometry`.
 
-    What lies between neighbours holds at every q; points are of q = 0.
+    Relations of neighbouring axes hold at every q; points are those at q = 0.
 
     Attributes:
-        is_revolute: True for joints that turn, shape (K,).
+        is_revolute: True for revolute joints, shape (K,).
         parallel: Whether axes i and j are parallel at q = 0, shape (K, K).
         size: Length that distances are compared with, m.
-        meeting: Where axes 1 and 2 meet, base axes, if both joints turn.
+        meeting: Where axes 1 and 2 meet, base axes, if both joints are revolute.
         shoulder: Where axes 1, 2 and 3 meet, base axes.
         wrist: Where the last three axes meet, in the frame.
         last_two: Where the last two axes meet, in the frame.
@@ -44,7 +44,7 @@ class Relations:
 
 @lru_cache(maxsize=512)
 def relations_of(chain: Chain) -> Relations | None:
-    """The relations of a chain; None where it has no joint or more than seven."""
+    """Return the relations of a chain; None where it has no joint or more than seven."""
     K = chain.length
     if not 1 <= K <= MOST_JOINTS:
         return None

@@ -1,4 +1,4 @@
-"""The nearest singular configuration: along each joint alone, and in joint space."""
+"""Nearest singular configuration, along each joint alone and in joint space."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LARGEST_VALUE = 1e5
 
 @dataclass(frozen=True, eq=False)
 class NearestSingularity:
-    """What is near a q.
+    """Singular configurations near a q.
 
     Attributes:
         singular: Whether q itself is singular; then it is the answer everywhere.
@@ -49,7 +49,7 @@ def nearest_singularity(
     *,
     tolerance: float = RANK_TOLERANCE,
 ) -> NearestSingularity:
-    """Seeks singular configurations near a q.
+    """Search for singular configurations near a q.
 
     Args:
         robot: The robot.

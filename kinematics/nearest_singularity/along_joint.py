@@ -1,10 +1,10 @@
-"""Along one joint alone: all roots at once.
+"""Singular values of one joint alone: all roots of the determinant at once.
 
 Along one joint every entry of the Jacobian (base axes, at the frame) is ``a + b cos q + c sin q``,
-for a sliding joint ``a + b q``. So det J is a trigonometric (or plain) polynomial of at most the
-degree of its size, and det J Jᵀ of twice that: samples give it exactly, and all its roots at once.
-Each root is then polished on the model, and only kept where the smallest singular value counts as
-zero there.
+for a prismatic joint ``a + b q``. So det J is a trigonometric (or plain) polynomial of at most the
+degree of its size, and det J Jᵀ of twice that: samples determine it exactly, and all its roots at
+once. Each root is then refined on the model, and kept only where the smallest singular value counts
+as zero there.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ MOST_CANDIDATES = 16
 NEAR_ROOT = 1e-2
 POLISHING_STEPS = 60
 SLIDE_EXTENT = 10.0
-"""Extents (of the chain's constants, m) within which a slide without limits is searched."""
+"""Extents (of the chain's constants, m) that a prismatic joint without limits is searched in."""
 
 
 @dataclass(frozen=True, eq=False)
 class SingularAlongJoint:
-    """Where one joint alone makes the arm singular.
+    """Values of one joint, the others fixed, at which the arm is singular.
 
     Attributes:
         column: Entry of q.
         value: The nearest singular value within the limits, rad or m; None where there is none.
-        distance: How far that is from q, rad or m.
+        distance: Its distance from q, rad or m.
         values: All singular values within the limits and a turn of q, ascending.
         singular_value: The smallest singular value of the task Jacobian at ``value``, measured.
     """
@@ -46,7 +46,7 @@ class SingularAlongJoint:
 
 
 def along_joint(search: Search, k: int) -> SingularAlongJoint:
-    """Where joint k of the chain alone makes the arm singular."""
+    """Return the values of joint k of the chain alone at which the arm is singular."""
     column, is_revolute = int(search.chain.columns[k]), bool(search.chain.is_revolute[k])
     here = float(search.q[column])
     low, high = float(search.chain.lower[k]), float(search.chain.upper[k])
@@ -91,7 +91,7 @@ def along_joint(search: Search, k: int) -> SingularAlongJoint:
 def _candidates(
     search: Search, column: int, is_revolute: bool, low: float, high: float
 ) -> list[float]:
-    """Where the determinant's polynomial has roots, or its samples a minimum; best first."""
+    """Return roots of the determinant's polynomial and minima of its samples, the best first."""
     if is_revolute:
         grid = search.q[column] + 2 * np.pi * np.arange(SAMPLES) / SAMPLES
     else:
@@ -146,14 +146,14 @@ def _sliding_roots(values: FloatArray, nodes: FloatArray, degree: int) -> list[f
 
 
 def _polished(search: Search, column: int, start: float) -> tuple[float, float] | None:
-    """Newton's method on the smallest singular value along one joint; None where it stays."""
+    """Refine a root by Newton's method on the smallest singular value; None if it stays above."""
     x, direction = search.q.copy(), np.zeros(search.robot.dof)
     x[column], direction[column] = start, 1.0
     best: tuple[float, float] | None = None
     before = np.inf
     for count in range(POLISHING_STEPS):
         U, V, sigma, zero = search.decomposed(x)
-        # At a double root the steps still quarter it; elsewhere it does not vanish.
+        # At a double root each step divides it by four; if it falls slower, it does not vanish.
         if count > 4 and sigma > 0.7 * before:
             break
         before = sigma

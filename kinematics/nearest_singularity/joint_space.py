@@ -1,9 +1,8 @@
-"""In joint space: projections.
+"""Nearest singular configuration in joint space, by projections.
 
-In joint space the nearest point of ``σ_min(q) = 0`` is sought by projection on its linearisation,
-with ``∂σ/∂q_k = uᵀ ∂J/∂q_k v``, within the limits, from q and from what single joints reached. It
-is a local minimum of the distance; another one may be nearer.
-
+The point of ``σ_min(q) = 0`` nearest to q is searched by projection on the linearisation, with
+``∂σ/∂q_k = uᵀ ∂J/∂q_k v``, within the limits, starting from q and from the singular values of
+single joints. It is a local minimum of the distance; another one may be nearer.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ class Found:
 
 
 def in_joint_space(search: Search, joints: tuple[SingularAlongJoint, ...]) -> Found | None:
-    """The nearest singular configuration that is found, at most as far as along one joint."""
+    """Return the nearest singular configuration found, at most as far as along one joint."""
     along: list[Found] = []
     for one in joints:
         if one.value is not None and one.distance is not None and one.singular_value is not None:
@@ -56,7 +55,7 @@ def in_joint_space(search: Search, joints: tuple[SingularAlongJoint, ...]) -> Fo
 
 
 def _projected(search: Search, start: FloatArray) -> Found | None:
-    """The point of the singular set nearest to q, as far as projections from a start lead."""
+    """Return the point of the singular set nearest to q that projections from a start lead to."""
     columns = search.chain.columns
     x = np.clip(start, search.robot.lower, search.robot.upper)
     best: Found | None = None
@@ -84,7 +83,7 @@ def _projected(search: Search, start: FloatArray) -> Found | None:
 
 
 def _nearest_within(search: Search, G: FloatArray, wanted: FloatArray, x: FloatArray) -> FloatArray:
-    """Of the points y with ``G (y - x) = wanted`` within the limits, the one nearest to q."""
+    """Return the point nearest to q of the y with ``G (y - x) = wanted`` within the limits."""
     columns = search.chain.columns
     lower, upper = search.chain.lower, search.chain.upper
     here = x[columns]

@@ -1,4 +1,4 @@
-"""The function whose zeros are sought: the smallest singular value of a task Jacobian."""
+"""The function whose zeros are searched: the smallest singular value of a task Jacobian."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from robots.robot import FloatArray, Robot
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What is searched, and the task Jacobian's smallest singular value at any q."""
+    """Robot, chain, task and start of a search, and the smallest singular value at any q."""
 
     robot: Robot
     chain: Chain
@@ -37,12 +37,12 @@ class Search:
         return ReferenceFrame.LOCAL if own else ReferenceFrame.LOCAL_WORLD_ALIGNED
 
     def jacobians(self, q: FloatArray) -> FloatArray:
-        """Task Jacobians over the chain's columns, shape (n, m, K)."""
+        """Return the task Jacobians over the chain's columns, shape (n, m, K)."""
         J = jacobian(self.robot, q, self.frame, self.axes)
         return J[:, self.rows][:, :, self.chain.columns]
 
     def decomposed(self, q: FloatArray) -> tuple[FloatArray, FloatArray, float, bool]:
-        """Singular vectors to the smallest singular value, it itself, and if it counts as zero."""
+        """Return the vectors of the least singular value, the value, and if it counts as zero."""
         checkpoint()
         U, sigma, Vt = np.linalg.svd(self.jacobians(q[None])[0])
         r = len(sigma)

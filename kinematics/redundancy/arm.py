@@ -1,4 +1,4 @@
-"""An arm with a task: what every method is given of the robot."""
+"""An arm with a task: the robot data that every method takes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Arm:
         robot: The robot.
         frame: Name of the frame.
         task: The task space.
-        chain: The chain, of K joints; the robot's other joints stand still.
+        chain: The chain, of K joints; the robot's other joints are fixed.
     """
 
     robot: Robot
@@ -41,14 +41,14 @@ class Arm:
         argument: str = "frame",
         index: Location = (),
     ) -> Arm:
-        """The arm of a robot.
+        """Return the arm from a robot's base to a frame.
 
         Args:
             robot: The robot.
             frame: Name of the frame; None for the tip.
             task: The task space.
-            argument: What errors call the frame's name.
-            index: Its place within that argument.
+            argument: Name of the argument that holds the frame's name, for errors.
+            index: Place of the name within that argument, for errors.
 
         Raises:
             UnknownFrame: The robot has no such frame.
@@ -89,7 +89,7 @@ class Arm:
 
     @cached_property
     def velocity(self) -> FloatArray:
-        """Largest joint speeds, inf where unknown; shape (K,)."""
+        """Speed limits of the joints, rad/s or m/s, inf where unknown; shape (K,)."""
         speeds = [joint.velocity for joint in self.robot.joints]
         every = np.array([np.inf if v is None or v <= 0 else v for v in speeds])
         return every[self.chain.columns]
@@ -100,17 +100,17 @@ class Arm:
         return tuple(self.robot.joints[k].name for k in self.chain.columns)
 
     def reduced(self, q: FloatArray) -> FloatArray:
-        """The chain's entries of q, shape (..., dof) -> (..., K)."""
+        """Return the chain's entries of q, shape (..., dof) -> (..., K)."""
         return np.ascontiguousarray(q[..., self.chain.columns])
 
     def expanded(self, q: FloatArray, start: FloatArray) -> FloatArray:
-        """Whole configurations; shape (n, K) -> (n, dof)."""
+        """Return configurations of all joints; shape (n, K) -> (n, dof)."""
         whole = np.repeat(start[None], len(q), axis=0)
         whole[:, self.chain.columns] = q
         return whole
 
     def task_at(self, q: FloatArray, G: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Error to a pose (m), Jacobian (m, K), and pose (12) at q of shape (K,)."""
+        """Return error to a pose (m,), Jacobian (m, K) and pose (12,) at q of shape (K,)."""
         W, e, J = workspace(self.K), np.empty(self.m), np.empty((self.m, self.K))
         task_at(*self.constants, G, q, W, e, J)
         return e, J, W[self.K].copy()
@@ -119,7 +119,7 @@ class Arm:
     def constants(
         self,
     ) -> tuple[FloatArray, NDArray[np.bool_], FloatArray, NDArray[np.int64], bool]:
-        """What compiled functions take first: C, turns, mask, rows, own axes."""
+        """First arguments of compiled functions: C, is_revolute, mask, rows, own axes."""
         return (
             self.chain.placements,
             self.chain.is_revolute,

@@ -1,4 +1,4 @@
-"""Several methods on one problem."""
+"""Comparison of several methods on one problem."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from dataclasses import replace
 
 from kinematics.redundancy.follow import PathResult, followed
 from kinematics.redundancy.methods import Method
-from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.problem import PathOptions, PathProblem
 
 
 def compared(
-    problem: Problem, entries: Sequence[tuple[Method, PathOptions]], seconds: float
+    problem: PathProblem, entries: Sequence[tuple[Method, PathOptions]], seconds: float
 ) -> Iterator[PathResult]:
-    """The result of each method with its options, one after the other.
+    """Yield the result of each method with its options, one after the other.
 
     Args:
-        problem: What is to be done.
-        entries: Methods and what they are told.
-        seconds: Longest computation of all together; who comes too late is told to stop at once.
+        problem: The path problem.
+        entries: Methods and their options.
+        seconds: Time limit of all together, s; a method that starts later stops at once.
     """
     deadline = time.perf_counter() + seconds
     for method, options in entries:

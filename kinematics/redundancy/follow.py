@@ -1,4 +1,4 @@
-"""One way to follow any path by any method: sample by sample, then measured and judged."""
+"""Following of a path by any method, sample by sample, with measurement and verdict."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from kinematics.errors import OutOfTime
 from kinematics.redundancy.judging.verdict import Verdict, judge
 from kinematics.redundancy.measure import Measures, measure
 from kinematics.redundancy.methods import Method
-from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.problem import PathOptions, PathProblem
 from kinematics.redundancy.stop import Stop, StopReason
 from robots.robot import FloatArray
 
@@ -23,18 +23,18 @@ class PathResult:
     """A followed path; n of N samples, all N unless the method stopped.
 
     Attributes:
-        problem: What was to be done.
+        problem: The path problem.
         method: Name of the method.
-        q: Whole configurations, shape (n, dof).
+        q: Configurations of all joints, shape (n, dof), rad and m.
         velocity: Of the chain's joints, by differences: central, at the ends one-sided of
             second order; rad/s or m/s, shape (n, dof).
         acceleration: Likewise, second differences.
         measures: Errors, clearances and steps.
-        verdict: Whether the task was done.
-        elapsed: Time of the method, without measuring, s.
+        verdict: Whether the path was followed.
+        elapsed: Time of the method without measuring, s.
     """
 
-    problem: Problem
+    problem: PathProblem
     method: str
     q: FloatArray
     velocity: FloatArray
@@ -45,7 +45,7 @@ class PathResult:
 
     @property
     def drift(self) -> FloatArray | None:
-        """Q at the end minus q at the start, where the path is closed and was run to its end."""
+        """Q at the end minus q at the start, where the path is closed and complete; else None."""
         if not self.problem.path.closed or len(self.q) < self.problem.path.samples:
             return None
         return np.asarray(self.q[-1] - self.q[0])
@@ -67,11 +67,11 @@ class Progress:
 
 
 def follow(
-    problem: Problem, method: Method, options: PathOptions
+    problem: PathProblem, method: Method, options: PathOptions
 ) -> Generator[Progress, None, PathResult]:
-    """Follows a path; gives what is done every now and then, and at last the result.
+    """Follow a path; yield progress, and return the result.
 
-    Whoever stops asking stops the work.
+    The work stops where the generator is closed.
     """
     Q = np.empty((problem.path.samples, problem.arm.K))
     Q[0] = problem.first
@@ -102,13 +102,13 @@ def follow(
         done = stop.sample
     if done > told:
         yield Progress(told, done, Q[:done])
-    # What was done is measured, also when the time is up.
+    # The samples that are done are measured, also when the time is up.
     with under(Deadline(of=whole)):
         return _result(problem, method, Q[:done], stop, elapsed)
 
 
-def followed(problem: Problem, method: Method, options: PathOptions) -> PathResult:
-    """The result of :func:`follow`."""
+def followed(problem: PathProblem, method: Method, options: PathOptions) -> PathResult:
+    """Return the result of :func:`follow`."""
     work = follow(problem, method, options)
     while True:
         try:
@@ -119,7 +119,7 @@ def followed(problem: Problem, method: Method, options: PathOptions) -> PathResu
 
 
 def _result(
-    problem: Problem,
+    problem: PathProblem,
     method: Method,
     Q: FloatArray,
     stop: Stop | None,
@@ -133,7 +133,7 @@ def _result(
 
 
 def rates(q: FloatArray, dt: float) -> tuple[FloatArray, FloatArray]:
-    """Velocities and accelerations of samples, shape (n, dof), by differences of second order."""
+    """Return velocities and accelerations of samples, shape (n, dof), by differences."""
     n = len(q)
     if n < 3:
         steps = np.diff(q, axis=0) / dt

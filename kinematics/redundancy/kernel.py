@@ -1,4 +1,4 @@
-"""Compiled: task error and task Jacobian of a chain, rows orthonormalised, pseudo-inverse steps.
+"""Compiled task error and task Jacobian of a chain, orthonormal rows, pseudo-inverse steps.
 
 The workspace W of a chain of K joints has 12 columns: rows 0 to K - 1 hold axis, origin and column
 of the Jacobian of each joint, row K the pose, row K + 1 the error, the last ones the links.
@@ -21,7 +21,7 @@ RANK_TOLERANCE = 1e-10
 
 @jit
 def task_rows(rows: Array, own: bool, K: int, W: Array, e: Array, J: Array) -> None:
-    """The rows of error and Jacobian that a task counts, from the workspace.
+    """Compute the rows of error and Jacobian that a task counts, from the workspace.
 
     Args:
         rows: Rows of the task, 0 to 5, shape (m,).
@@ -58,7 +58,7 @@ def task_at(
     e: Array,
     J: Array,
 ) -> tuple[float, float]:
-    """Error to G and Jacobian at q into e and J; returns the squared position, rotation error."""
+    """Compute error to G and Jacobian at q; return the squared position and rotation errors."""
     position, rotation = residual(C, is_revolute, mask, G, q, W)
     columns(is_revolute, mask, len(q), W)
     task_rows(rows, own, len(q), W, e, J)
@@ -67,9 +67,9 @@ def task_at(
 
 @inner
 def orthonormal_rows(J: Array, Q: Array, L: Array, order: Array) -> int:
-    """Rows of J as ``J[order] = L Q`` with Q's rows orthonormal, the longest remainder first.
+    """Factor the rows of J as ``J[order] = L Q`` with orthonormal rows of Q, pivoted.
 
-    Gram-Schmidt, each row orthogonalised twice.
+    Gram-Schmidt with the longest remainder first, each row orthogonalised twice.
 
     Args:
         J: Shape (m, K).
@@ -107,7 +107,7 @@ def orthonormal_rows(J: Array, Q: Array, L: Array, order: Array) -> int:
                 Q[i, k], Q[pivot, k] = Q[pivot, k], Q[i, k]
             for j in range(i):
                 L[i, j], L[pivot, j] = L[pivot, j], L[i, j]
-        for j in range(i):  # once more: what rounding left along the rows before
+        for j in range(i):  # second pass: removes the rounding error along the rows before
             s = 0.0
             for k in range(K):
                 s += Q[i, k] * Q[j, k]
@@ -133,7 +133,7 @@ def orthonormal_rows(J: Array, Q: Array, L: Array, order: Array) -> int:
 
 @inner
 def least_step(Q: Array, L: Array, order: Array, e: Array, y: Array, step: Array) -> None:
-    """``J† e`` of full row rank from :func:`orthonormal_rows`; y is memory, shape (m,)."""
+    """Compute ``J† e`` of full row rank from :func:`orthonormal_rows`; y is memory, shape (m,)."""
     m, K = Q.shape
     for i in range(m):
         s = e[order[i]]
@@ -148,7 +148,7 @@ def least_step(Q: Array, L: Array, order: Array, e: Array, y: Array, step: Array
 
 @inner
 def project_null(Q: Array, z: Array) -> None:
-    """``z ← (I − J†J) z`` in place."""
+    """Project z onto the null space in place, ``z ← (I − J†J) z``."""
     m, K = Q.shape
     for i in range(m):
         s = 0.0
@@ -160,7 +160,7 @@ def project_null(Q: Array, z: Array) -> None:
 
 @jit
 def exact_error_columns(mask: Array, K: int, W: Array) -> None:
-    """Turns the Jacobian's columns in W into minus the derivative of the error.
+    """Turn the Jacobian's columns in W into minus the derivative of the error.
 
     The error's rotation is ``φ = log(R_G R_Tᵀ)``; where the frame turns by δ in base axes, φ
     changes by ``−J_r⁻¹(φ) δ`` with ``J_r⁻¹(φ) = I + ½ [φ]ₓ + c [φ]ₓ²`` and
@@ -189,13 +189,13 @@ def exact_error_columns(mask: Array, K: int, W: Array) -> None:
 
 @inner
 def increment(G: Array, H: Array, mask: Array, W: Array, K: int) -> None:
-    """The twist that leads from pose G to pose H, into the error's place of the workspace."""
+    """Write the twist from pose G to pose H into the error's row of the workspace."""
     twist_error(G, H, W[K + 1])
     for i in range(6):
         W[K + 1, i] *= mask[i]
 
 
 def workspace(K: int, links: int = 0) -> Array:
-    """Memory for a chain of K joints that carry links."""
+    """Return memory for a chain of K joints that carry links."""
     chain = len(inverse.workspace(K))
     return np.zeros((chain + links, 12))

@@ -1,4 +1,4 @@
-"""What a followed path is like: errors, clearances and steps, measured on the model."""
+"""Measures of a followed path on the model: errors, clearances and steps."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from kinematics.redundancy.clearance.distances import clearances
 from kinematics.redundancy.clearance.link_points import link_ends
 from kinematics.redundancy.clearance.sweep import RESOLUTION, swept_clearances
 from kinematics.redundancy.kernel import workspace
-from kinematics.redundancy.problem import PathTolerance, Problem
+from kinematics.redundancy.problem import PathProblem, PathTolerance
 from robots.robot import FloatArray
 
 LOOKS = np.linspace(0.0, 1.0, 33)[1:-1]
-"""Parts of the way between two samples, among which the nearest to an obstacle is sought."""
+"""Parts of the way between two samples at which the clearance is evaluated."""
 SWEPT = 16
-"""Intervals that are swept between two checkpoints."""
+"""Intervals swept between two checkpoints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Measures:
         orientation_error: rad, shape (n,).
         clearance: Least signed distance of a link to an obstacle, m, shape (n,); inf where there
             are no obstacles.
-        nearest: Link and obstacle of it, shape (n, 2); -1 where there are none.
+        nearest: Link and obstacle of that distance, shape (n, 2); -1 where there are none.
         swept: A lower bound of the clearance between a sample and the next, shape (n - 1,); the
             least of all is exact to :data:`kinematics.redundancy.clearance.sweep.RESOLUTION`.
         limit_margin: Distance to the nearest limit, rad or m, negative beyond; shape (n,).
@@ -66,22 +66,22 @@ class Measures:
         return float(min(self.clearance.min(initial=np.inf), self.swept.min(initial=np.inf)))
 
 
-def errors_at(problem: Problem, Q: FloatArray, first: int = 0) -> tuple[FloatArray, FloatArray]:
-    """Position and orientation errors of samples ``first`` onwards; Q has shape (n, K)."""
+def errors_at(problem: PathProblem, Q: FloatArray, first: int = 0) -> tuple[FloatArray, FloatArray]:
+    """Return position (m) and orientation errors (rad) of samples from ``first``; Q: (n, K)."""
     e = error_vectors(problem.arm, Q, problem.path.targets[first : first + len(Q)])
     return np.linalg.norm(e[:, :3], axis=1), np.linalg.norm(e[:, 3:], axis=1)
 
 
 def error_vectors(arm: Arm, Q: FloatArray, targets: FloatArray) -> FloatArray:
-    """Task errors of Q, shape (n, K), to poses, shape (n, 12): m and rad, shape (n, 6)."""
+    """Return task errors of Q, shape (n, K), to poses, shape (n, 12): m and rad, shape (n, 6)."""
     out = np.empty((len(Q), 6))
     C, is_revolute, mask, _, _ = arm.constants
     _errors(C, is_revolute, mask, np.ascontiguousarray(Q), targets, workspace(arm.K), out)
     return out
 
 
-def clearances_at(problem: Problem, Q: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
-    """Least clearances, and link and obstacle of each; Q has shape (n, K)."""
+def clearances_at(problem: PathProblem, Q: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Return the least clearances, m, and link and obstacle of each; Q has shape (n, K)."""
     found, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
     C, is_revolute, *_ = problem.arm.constants
     W = workspace(problem.arm.K, len(problem.links))
@@ -90,14 +90,14 @@ def clearances_at(problem: Problem, Q: FloatArray) -> tuple[FloatArray, NDArray[
     return found, whose
 
 
-def nearest_part(problem: Problem, a: FloatArray, b: FloatArray) -> float:
-    """The part of the way from a to b, shape (K,), at which the arm comes nearest."""
+def nearest_part(problem: PathProblem, a: FloatArray, b: FloatArray) -> float:
+    """Return the part of the way from a to b, shape (K,), where the clearance is least."""
     found, _ = clearances_at(problem, a + LOOKS[:, None] * (b - a))
     return float(LOOKS[int(np.argmin(found))])
 
 
-def ends_of_links(problem: Problem, Q: FloatArray) -> FloatArray:
-    """Ends of the links' segments at Q, shape (n, K); shape (n, L, 2, 3), m."""
+def ends_of_links(problem: PathProblem, Q: FloatArray) -> FloatArray:
+    """Return the ends of the links' segments at Q, shape (n, K); shape (n, L, 2, 3), m."""
     rows = problem.links.rows
     out = np.empty((len(Q), len(rows), 6))
     C, is_revolute, *_ = problem.arm.constants
@@ -107,8 +107,8 @@ def ends_of_links(problem: Problem, Q: FloatArray) -> FloatArray:
     return out.reshape(len(Q), len(rows), 2, 3)
 
 
-def swept_between(problem: Problem, Q: FloatArray) -> FloatArray:
-    """See :attr:`Measures.swept`; Q has shape (n, K)."""
+def swept_between(problem: PathProblem, Q: FloatArray) -> FloatArray:
+    """Return the swept clearances :attr:`Measures.swept`, m; Q has shape (n, K)."""
     swept = np.full(len(Q) - 1, np.inf)
     if len(problem.obstacles):
         C, is_revolute, *_ = problem.arm.constants
@@ -123,8 +123,8 @@ def swept_between(problem: Problem, Q: FloatArray) -> FloatArray:
     return swept
 
 
-def measure(problem: Problem, Q: FloatArray) -> Measures:
-    """Measures joint values of shape (n, K)."""
+def measure(problem: PathProblem, Q: FloatArray) -> Measures:
+    """Return the measures of joint values of shape (n, K)."""
     chain = problem.arm.chain
     Q = np.ascontiguousarray(Q)
     position, orientation = errors_at(problem, Q)

@@ -1,4 +1,4 @@
-"""Tasks in strict order: each is done as well as possible without touching those before it."""
+"""Tasks in strict order: each is done as well as possible without affecting those before it."""
 
 from __future__ import annotations
 
@@ -9,25 +9,26 @@ import numpy as np
 from robots.robot import FloatArray
 
 RANK = 1e-10
-"""Singular values below RANK * max(1, largest) of the Jacobian count as zero."""
+"""Factor: singular values below RANK * max(1, largest) of the Jacobian count as zero."""
 
 
 def prioritized_step(
     tasks: Sequence[tuple[FloatArray, FloatArray]], dof: int
 ) -> tuple[FloatArray, FloatArray]:
-    """The least of all steps that solve the tasks in lexicographic order.
+    """Return the step of least norm that solves the tasks in lexicographic order.
 
     With Z a basis of the null space of all tasks before, task k adds ``Z (J_k Z)† (e_k − J_k Δq)``
-    (Siciliano and Slotine, ICAR 1991, with an orthonormal basis in the place of the projector:
-    the tasks before stay exact to rounding). It minimises ``‖J_k Δq − e_k‖`` subject to the ones
-    before, as the KKT conditions of that program say.
+    (Siciliano and Slotine, ICAR 1991, with an orthonormal basis in place of the projector, so that
+    the tasks before stay exact to rounding). It minimises ``‖J_k Δq − e_k‖`` subject to the tasks
+    before, by the KKT conditions of that program.
 
     Args:
         tasks: Jacobian (m_k, dof) and error (m_k,) of each, the highest priority first.
         dof: Number of joints.
 
     Returns:
-        Δq, shape (dof,), and an orthonormal basis of what no task takes, shape (dof, free).
+        Δq, shape (dof,), and an orthonormal basis of the null space of all tasks, shape
+        (dof, free).
     """
     q, Z = np.zeros(dof), np.eye(dof)
     for J, e in tasks:

@@ -1,13 +1,16 @@
-"""What is to be followed, and how: the same for every method."""
+"""Problem and options of path following, the same for every method."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
+from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption, Location, WrongConfiguration, dotted
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.link_geometry import LinkGeometry
@@ -16,10 +19,10 @@ from kinematics.redundancy.path.geometry import Path
 from robots.robot import FloatArray
 
 TOUCH = 1e-9
-"""A limit exceeded by no more than this is rounding, rad or m."""
+"""Excess of a limit that counts as rounding, rad or m."""
 MAX_OBSTACLES = 100
 MAX_PAIRS = 200_000
-"""Most samples times obstacles times links of a path."""
+"""Largest product of samples, obstacles and links of a path."""
 
 
 @dataclass(frozen=True)
@@ -31,41 +34,47 @@ class PathTolerance:
         orientation: rad.
     """
 
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "position": Bounds(1e-9, 1e3),
+        "orientation": Bounds(1e-9, 1e3),
+    }
+
     position: float = 1e-4
     orientation: float = 1e-4
 
     def __post_init__(self) -> None:
-        for name in ("position", "orientation"):
-            if not 1e-9 <= getattr(self, name) <= 1e3:
-                raise InvalidOption(
-                    f"tolerance.{name} is {getattr(self, name):g}; give 1e-9 to 1e3",
-                    argument="tolerance",
-                    index=(name,),
-                    value=getattr(self, name),
-                    lower=1e-9,
-                    upper=1e3,
+        for name, bounds in self.BOUNDS.items():
+            value = getattr(self, name)
+            if value not in bounds:
+                raise bounds.refusal(
+                    f"tolerance.{name} is {value:g}; give 1e-9 to 1e3", value, "tolerance", (name,)
                 )
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class PathProblem:
     """A path for an arm among obstacles.
 
     Attributes:
         arm: The arm and its task space.
-        start: Whole configuration of sample 0, shape (dof,).
+        start: Configuration of all joints at sample 0, shape (dof,), rad and m.
         path: The path; its first target is the arm's pose at the start.
         obstacles: See :func:`kinematics.redundancy.clearance.obstacles.encoded`; shape (M, 16).
         link_radius: Radius of the capsules about the segments between joint origins, m: one for
-            all, or of each, shape (K,).
-        d_safe: Clearance that is to be kept, m.
-        tolerance: What counts as on the path.
-        shaped: The arm's own shapes, which then keep clear instead of those segments.
+            all, or one for each, shape (K,).
+        d_safe: Clearance to keep, m.
+        tolerance: Largest errors that count as on the path.
+        shaped: The arm's own shapes, which replace those segments.
 
     Raises:
         WrongConfiguration: The start is outside the joint limits.
-        InvalidOption: A length is negative, or there is too much of something.
+        InvalidOption: A length is negative, or samples, obstacles or links are too many.
     """
+
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "link_radius": Bounds(0.0, 1e6),
+        "d_safe": Bounds(0.0, 1e6),
+    }
 
     arm: Arm
     start: FloatArray
@@ -77,16 +86,11 @@ class Problem:
     shaped: LinkGeometry | None = None
 
     def __post_init__(self) -> None:
-        for name in ("link_radius", "d_safe"):
+        for name, bounds in self.BOUNDS.items():
             values = np.atleast_1d(getattr(self, name))
-            if not ((values >= 0) & (values <= 1e6)).all():
-                raise InvalidOption(
-                    f"{name} is {values.min():g}; give 0 to 1e6",
-                    argument=name,
-                    value=float(values.min()),
-                    lower=0.0,
-                    upper=1e6,
-                )
+            if not ((values >= bounds.lower) & (values <= bounds.upper)).all():
+                least = float(values.min())
+                raise bounds.refusal(f"{name} is {least:g}; give 0 to 1e6", least, name)
         if len(self.obstacles) > MAX_OBSTACLES:
             raise InvalidOption(
                 f"there are {len(self.obstacles)} obstacles; give at most {MAX_OBSTACLES}",
@@ -121,42 +125,49 @@ class Problem:
 
     @cached_property
     def links(self) -> Links:
-        """What is to keep clear of the obstacles."""
+        """Links that keep clear of the obstacles."""
         if self.shaped is not None:
             return self.shaped.links
         return skeleton(self.arm, self.link_radius)
 
     @cached_property
     def first(self) -> FloatArray:
-        """The chain's joints at the start, within the limits; shape (K,)."""
+        """The chain's joint values at the start, within the limits; shape (K,), rad and m."""
         chain = self.arm.chain
         return np.clip(self.arm.reduced(self.start), chain.lower, chain.upper)
 
     @cached_property
     def scale(self) -> float:
-        """Length of the arm, m: the distances between successive joints added up."""
+        """Length of the arm, m: sum of the distances between successive joints."""
         lengths = np.linalg.norm(self.arm.chain.placements[1:, [3, 7, 11]], axis=1).sum()
         return float(lengths) or 1.0
 
     @cached_property
     def most_per_step(self) -> FloatArray:
-        """Largest motion of each joint between samples, by its speed; shape (K,)."""
+        """Largest motion of each joint between samples by its speed limit, rad or m; shape (K,)."""
         return np.asarray(self.arm.velocity * self.path.dt)
 
 
 @dataclass(frozen=True)
 class Gains:
-    """Weights of the potentials that the null-space motion goes down.
+    """Weights of the potentials that the null-space motion descends.
 
-    The null-space motion of a whole path is about a gain times the gradient, whatever its number
-    of samples. Lengths in m, angles in rad.
+    The null-space motion over a whole path is about a gain times the gradient, independent of the
+    number of samples. Lengths in m, angles in rad.
 
     Attributes:
-        limits: Of Liégeois' centring between the limits.
-        manipulability: Of the manipulability, which grows.
-        obstacles: Of the repulsion by obstacles nearer than ``influence``.
-        posture: Of the distance to ``posture_q``.
+        limits: Weight of Liégeois' potential, which centres joints between their limits.
+        manipulability: Weight of the negative manipulability.
+        obstacles: Weight of the repulsion by obstacles nearer than ``influence``.
+        posture: Weight of the distance to ``posture_q``.
     """
+
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "limits": Bounds(0, 1e6),
+        "manipulability": Bounds(0, 1e6),
+        "obstacles": Bounds(0, 1e6),
+        "posture": Bounds(0, 1e6),
+    }
 
     limits: float = 0.0
     manipulability: float = 0.0
@@ -166,13 +177,15 @@ class Gains:
 
 @dataclass(frozen=True, eq=False)
 class SecondaryTask:
-    """A task of lower priority: a frame is drawn to a pose, as far as the tasks before allow.
+    """A task of lower priority: a frame is moved to a pose as far as the tasks before allow.
 
     Attributes:
         arm: The chain to the frame, and the task space.
-        target: Pose, 12 numbers.
-        gain: Part of the error that is taken away in a sample, 0 to 1.
+        target: Pose in base axes, upper three rows of a 4x4 matrix, shape (12,).
+        gain: Part of the error that is corrected in a sample, 0 to 1.
     """
+
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {"gain": Bounds(0, 1)}
 
     arm: Arm
     target: FloatArray
@@ -181,22 +194,31 @@ class SecondaryTask:
 
 @dataclass(frozen=True, eq=False)
 class PathOptions:
-    """What methods may be told; each takes what concerns it.
+    """Options of the methods; each uses those that concern it.
 
     Attributes:
-        closed_loop: Of ``pseudo_inverse``: steps towards the path, not along it.
+        closed_loop: Of ``pseudo_inverse``: correct the error to the path in every step.
         damping: λ of the damped methods, in the units of the Jacobian.
-        iterations: Most corrections in a sample.
-        gains: Of ``null_space``; None: its own.
-        posture_q: Wanted posture of the chain, shape (K,); None: the start.
-        influence: Clearance from which on an obstacle repels, m; None: from the arm's size.
-        obstacle_weight: w of ``sqp``: weight of the repulsion in its objective.
-        margin: Of ``sqp``, ``qp`` and ``whole_path``: kept on top of d_safe where the path leaves
-            room for it, m.
-        secondary: Of ``task_priority``, the highest priority first.
-        perturb: Joint values by which the arm leaves the start, rad or m; 0: not.
-        seconds: Longest computation.
+        iterations: Largest number of corrections in a sample.
+        gains: Of ``null_space``; None: its default.
+        posture_q: Wanted posture of the chain, shape (K,), rad and m; None: the start.
+        influence: Clearance below which an obstacle repels, m; None: from the arm's size.
+        obstacle_weight: Of ``sqp``: weight w of the repulsion in its objective.
+        margin: Of ``sqp``, ``qp`` and ``whole_path``: clearance beyond d_safe, kept where the path
+            leaves room for it, m.
+        secondary: Tasks of ``task_priority``, the highest priority first.
+        perturb: Joint displacement at the start, rad or m, out of a singular posture; 0: none.
+        seconds: Time limit, s.
     """
+
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "damping": Bounds(1e-9, 1e3),
+        "iterations": Bounds(1, 100),
+        "influence": Bounds(1e-9, 1e6),
+        "obstacle_weight": Bounds(0, 1e6),
+        "margin": Bounds(0, 1e3),
+        "perturb": Bounds(0, 1),
+    }
 
     closed_loop: bool = True
     damping: float = 0.01
@@ -211,32 +233,16 @@ class PathOptions:
     seconds: float = math.inf
 
     def __post_init__(self) -> None:
-        ranges: dict[tuple[str, Location], tuple[float | None, float, float]] = {
-            ("damping", ()): (self.damping, 1e-9, 1e3),
-            ("iterations", ()): (self.iterations, 1, 100),
-            ("influence", ()): (self.influence, 1e-9, 1e6),
-            ("obstacle_weight", ()): (self.obstacle_weight, 0, 1e6),
-            ("margin", ()): (self.margin, 0, 1e3),
-            ("perturb", ()): (self.perturb, 0, 1),
-        }
+        for name, bounds in self.BOUNDS.items():
+            _check(getattr(self, name), bounds, name)
         if self.gains is not None:
-            for name in ("limits", "manipulability", "obstacles", "posture"):
-                ranges["gains", (name,)] = (getattr(self.gains, name), 0, 1e6)
+            for name, bounds in self.gains.BOUNDS.items():
+                _check(getattr(self.gains, name), bounds, "gains", (name,))
         for k, task in enumerate(self.secondary):
-            ranges["secondary", (k, "gain")] = (task.gain, 0, 1)
-        for (argument, index), (value, low, high) in ranges.items():
-            if value is not None and not low <= value <= high:
-                raise InvalidOption(
-                    f"{dotted(argument, index)} is {value:g}; give {low:g} to {high:g}",
-                    argument=argument,
-                    index=index,
-                    value=value,
-                    lower=low,
-                    upper=high,
-                )
+            _check(task.gain, task.BOUNDS["gain"], "secondary", (k, "gain"))
 
-    def reach_of_obstacles(self, problem: Problem) -> float:
-        """The clearance from which on an obstacle repels, m; above d_safe."""
+    def reach_of_obstacles(self, problem: PathProblem) -> float:
+        """Return the clearance below which an obstacle repels, m; above d_safe."""
         if self.influence is None:
             return problem.d_safe + 0.1 * problem.scale
         if self.influence <= problem.d_safe:
@@ -249,11 +255,21 @@ class PathOptions:
         return self.influence
 
 
-def departure(problem: Problem, options: PathOptions) -> FloatArray:
-    """Where the arm sets out from: the start, or a little off it where that is asked for.
+def _check(value: float | None, bounds: Bounds, argument: str, index: Location = ()) -> None:
+    if value is not None and value not in bounds:
+        raise bounds.refusal(
+            f"{dotted(argument, index)} is {value:g}; give {bounds.lower:g} to {bounds.upper:g}",
+            value,
+            argument,
+            index,
+        )
 
-    Joints are bent to alternate sides, by unequal parts of ``perturb``, so that a stretched arm
-    is no more so.
+
+def departure(problem: PathProblem, options: PathOptions) -> FloatArray:
+    """Return the first configuration of a method: the start, or one near it for ``perturb``.
+
+    Joints are displaced to alternate sides by unequal parts of ``perturb``, so that a stretched
+    arm is bent.
     """
     q = problem.first
     if options.perturb == 0.0:

@@ -1,25 +1,25 @@
-"""Inverse kinematics of a target of the path, apart from the way there."""
+"""Inverse kinematics of a target of a path, independent of the path."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from kinematics.inverse import IKOptions, IKResult, Tolerance, solve_ik
-from kinematics.redundancy.problem import Problem
+from kinematics.redundancy.problem import PathProblem
 from robots.robot import FloatArray
 
 
 def reach(
-    problem: Problem, sample: int, seed: FloatArray, *, restarts: int, seconds: float
+    problem: PathProblem, sample: int, seed: FloatArray, *, restarts: int, seconds: float
 ) -> IKResult:
-    """Solves for the target of a sample, within the limits and without its obstacles.
+    """Solve for the target of a sample, within the limits and without obstacles.
 
     Args:
-        problem: With the path.
+        problem: The path problem.
         sample: Number of the target; -1 for the end.
-        seed: All joint values of the robot to start from, shape (dof,).
-        restarts: From other seeds, at most.
-        seconds: For all of it.
+        seed: Joint values of the robot to start from, shape (dof,), rad and m.
+        restarts: Largest number of random starts.
+        seconds: Time limit, s.
     """
     arm = problem.arm
     pose = np.eye(4)

@@ -1,4 +1,4 @@
-"""The differential step ``Δθ = J† ΔX + (I − J†J) Z``, with everything that is in it."""
+"""The differential step ``Δθ = J† ΔX + (I − J†J) Z`` and all its parts."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dh_to_urdf.errors import quoted
+from kinematics.bounds import MAX_VALUE, Bounds
 from kinematics.chain import chain_of
 from kinematics.configuration import configuration
 from kinematics.errors import InvalidOption, Location, RankDeficient, WrongConfiguration
@@ -17,13 +18,16 @@ from kinematics.singularity import RANK_TOLERANCE
 from kinematics.task import TASKS, Task
 from robots.robot import FloatArray, Robot
 
+DAMPING = Bounds(0.0, 1e3)
+"""Bounds of λ, in the units of the Jacobian; 0: the pseudo-inverse."""
+
 
 @dataclass(frozen=True)
 class StepTask:
-    """A motion that is asked of a frame.
+    """A wanted motion of a frame.
 
     Attributes:
-        delta_x: One value a task row, m and rad, shape (m,).
+        delta_x: Wanted displacement, one value per task row, m and rad, shape (m,).
         task: The task space.
         frame: Frame name; None: the tip.
     """
@@ -42,10 +46,10 @@ class DifferentialStep:
         J: Task Jacobian, shape (m, dof).
         J_pinv: J† = Jᵀ(JJᵀ)⁻¹, with damping λ Jᵀ(JJᵀ + λ²I)⁻¹; shape (dof, m).
         N: Projector onto the null space of J, I − J⁺J; shape (dof, dof).
-        rank: Of J.
-        singular_values: Of J, largest first.
+        rank: Rank of J.
+        singular_values: Singular values of J, the largest first.
         task_motion: J† ΔX, shape (dof,).
-        null_motion: N Z, shape (dof,); of secondary tasks what they add.
+        null_motion: N Z, shape (dof,); with secondary tasks their contribution.
         achieved: J Δθ, shape (m,).
         residuals: ΔX − J Δθ of the task and of each secondary one.
     """
@@ -71,29 +75,23 @@ def differential_step(
     secondary: Sequence[StepTask] = (),
     damping: float = 0.0,
 ) -> DifferentialStep:
-    """The step of the linear model.
+    """Return the step of the linear model.
 
     Args:
         robot: The robot.
         q: Shape (dof,), rad and m.
-        first: What is asked of the frame.
-        z: Wanted joint motion, of which the part that does not move the frame is added.
-        secondary: Tasks of lower priority, in strict order, in the place of z.
+        first: The task of highest priority.
+        z: Wanted joint motion, shape (dof,), rad and m; its part in the null space is added.
+        secondary: Tasks of lower priority, in strict order, instead of z.
         damping: λ of damped least squares; 0: the pseudo-inverse.
 
     Raises:
-        RankDeficient: J has not full row rank, and there is no damping.
+        RankDeficient: J lacks full row rank, and there is no damping.
         WrongConfiguration: q, z or a delta_x does not fit.
         InvalidOption: damping is out of range, or both z and secondary tasks are given.
     """
-    if not 0 <= damping <= 1e3:
-        raise InvalidOption(
-            f"damping is {damping:g}; give 0 (none) to 1e3",
-            argument="damping",
-            value=damping,
-            lower=0.0,
-            upper=1e3,
-        )
+    if damping not in DAMPING:
+        raise DAMPING.refusal(f"damping is {damping:g}; give 0 (none) to 1e3", damping, "damping")
     if z is not None and secondary:
         raise InvalidOption("give z or secondary tasks, not both", argument="secondary")
     q = configuration(robot, q)
@@ -155,13 +153,13 @@ def _checked(one: StepTask, argument: str, index: Location = ()) -> FloatArray:
             expected=len(rows),
             known=rows,
         )
-    if not (np.abs(dx) <= 1e6).all():
+    if not (np.abs(dx) <= MAX_VALUE).all():
         raise WrongConfiguration(
             "delta_x has a value that is not finite or beyond ±1e6",
             argument=argument,
             index=index,
-            lower=-1e6,
-            upper=1e6,
+            lower=-MAX_VALUE,
+            upper=MAX_VALUE,
         )
     return dx
 
@@ -193,6 +191,6 @@ def _refusal(robot: Robot, one: StepTask, rank: int, m: int) -> RankDeficient:
 
 
 def _possible(robot: Robot, task: Task, frame: str | None) -> bool:
-    """Whether the task's rows are independent at some q."""
+    """Return whether the task's rows are independent at a generic q."""
     sample = 0.3 * np.sin(1.0 + 2.0 * np.arange(robot.dof))
     return int(np.linalg.matrix_rank(task_jacobian(robot, sample, task, frame))) == len(task.rows)

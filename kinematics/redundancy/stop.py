@@ -1,4 +1,4 @@
-"""Why a method stopped before the end of a path, or did less than it is there for."""
+"""Reasons for which a method stops before the end of a path, or falls back to another."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import StrEnum
 
 
 class StopReason(StrEnum):
-    """Kinds of stops; after the last there are all samples, those of ``qp``."""
+    """Kinds of stops; with ``AS_QP`` all samples are there, those of ``qp``."""
 
     RANK = "rank"
     DIVERGED = "diverged"
@@ -22,7 +22,7 @@ class Stop:
     Attributes:
         reason: Its kind.
         sample: The sample that was not reached.
-        rank: Rank of the task's Jacobian before it, where that is the reason.
+        rank: Rank of the task's Jacobian before it, for ``RANK``; else -1.
     """
 
     reason: StopReason

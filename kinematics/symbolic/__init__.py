@@ -1,7 +1,8 @@
 """Closed forms: A_k, 0A_k, T, the Jacobian and its determinant in the short names of lectures.
 
-``SymbolicWorkers().run(table, SymbolicRequest(quantities=(Quantity.POSITION,)))`` works in a
-process of its own. SymPy is needed (``pip install 'denavit[symbolic]'``), but not to import this.
+``SymbolicWorkers().run(table, SymbolicRequest(quantities=(Quantity.POSITION,)))`` computes in a
+process of its own. It needs SymPy (``pip install 'denavit[symbolic]'``); importing this module does
+not.
 """
 
 from kinematics.symbolic.request import Notation, Quantity, SymbolicRequest

@@ -1,4 +1,4 @@
-"""Angles ``±q1 ± q2 + constant``, and which constants have an exact cosine."""
+"""Angles ``±q1 ± q2 + constant``, and the constants that have an exact cosine."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 KNOWN = 1e-12
-"""rad; closer than this, a multiple of π/12 is meant."""
+"""Distance, rad, below which an angle counts as a multiple of π/12."""
 
 _STEP = math.pi / 12
 
@@ -38,7 +38,7 @@ class Angle:
 
 
 def total(parts: Iterable[tuple[Angle, int]]) -> Angle:
-    """The sum of angles, each times an integer."""
+    """Return the sum of angles, each times an integer."""
     multiples: dict[int, int] = {}
     constant = 0.0
     for angle, factor in parts:
@@ -49,13 +49,13 @@ def total(parts: Iterable[tuple[Angle, int]]) -> Angle:
 
 
 def twelfths(angle: float) -> int | None:
-    """``angle / (π/12)`` where that is an integer to within ``KNOWN``, from 0 to 23; else None."""
+    """Return ``angle / (π/12)``, 0 to 23, where that is an integer within ``KNOWN``; else None."""
     steps = round(angle / _STEP)
     return steps % 24 if abs(angle - steps * _STEP) <= KNOWN else None
 
 
 def turn_text(angle: float) -> str:
-    """``pi/2``, ``-3*pi/4``, or the digits of a number that is no such part of π."""
+    """Return ``pi/2``, ``-3*pi/4``, or the digits of a number that is no such multiple of π."""
     steps = round(angle / _STEP)
     if abs(angle - steps * _STEP) > KNOWN:
         return repr(angle)
@@ -66,7 +66,7 @@ def turn_text(angle: float) -> str:
 
 
 def angle_text(angle: Angle) -> str:
-    """``q1 + q2 - q4 + pi/6``."""
+    """Return an angle as text, such as ``q1 + q2 - q4 + pi/6``."""
     parts = []
     for joint, n in angle.multiples:
         size = "" if abs(n) == 1 else f"{abs(n)}*"

@@ -1,4 +1,4 @@
-"""Polynomials -> expressions: by lengths as in the lectures, or nested from base to tip."""
+"""Polynomials arranged as expressions: by lengths as in lectures, or nested from base to tip."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from kinematics.symbolic.trigonometry import angle_labels
 
 
 def folded(p: Polynomial, names: Names) -> Polynomial:
-    """With the symbols that stand for numbers multiplied into the coefficients.
+    """Return a polynomial with number symbols multiplied into the coefficients.
 
-    Roots stay as they are, except beside cosines of angles that are only known as numbers.
+    Roots are kept, except beside cosines of angles that are known as numbers only.
     """
     values = {name: names.numbers[name] for name in p.symbols() if name in names.numbers}
     if any("(" in name for name in values):
@@ -40,12 +40,12 @@ def folded(p: Polynomial, names: Names) -> Polynomial:
 
 
 def expanded(p: Polynomial, names: Names) -> Sum:
-    """As a plain sum."""
+    """Return a polynomial as a plain sum."""
     return Sum(tuple(_product(m, c, names) for m, c in _sorted(p, names)))
 
 
 def by_lengths(p: Polynomial, names: Names) -> Sum:
-    """Terms with the same length together: ``R5*(…) + R3*C1*S2``."""
+    """Return a polynomial with terms of the same length together: ``R5*(…) + R3*C1*S2``."""
     groups: dict[tuple[Monomial, Coefficient], dict[Monomial, Coefficient]] = {}
     for monomial, coefficient in _sorted(p, names):
         lengths, rest = _lengths(monomial, names)
@@ -60,7 +60,7 @@ def by_lengths(p: Polynomial, names: Names) -> Sum:
 
 
 def nested(p: Polynomial, names: Names, labels: list[str]) -> Sum:
-    """Collected by angles in the given order: ``C1*(C23*(…) - S23*…) - S1*(…)``."""
+    """Return it collected by angles in the given order: ``C1*(C23*(…) - S23*…) - S1*(…)``."""
     if len(p) <= 1:
         return expanded(p, names)
     shared = content(p)
@@ -80,7 +80,7 @@ def nested(p: Polynomial, names: Names, labels: list[str]) -> Sum:
 
 
 def shortest_form(p: Polynomial, names: Names, *, position: bool = False) -> Sum:
-    """The form that takes the fewest operations; positions by lengths."""
+    """Return the form with the fewest operations; positions by lengths."""
     p = folded(p, names)
     if position:
         return by_lengths(p, names)
@@ -90,7 +90,7 @@ def shortest_form(p: Polynomial, names: Names, *, position: bool = False) -> Sum
 
 
 def leading_sign(p: Polynomial, names: Names) -> int:
-    """Sign of the term that is written first."""
+    """Return the sign of the term that is written first."""
     return 1 if not p or _sorted(p, names)[0][1] > 0 else -1
 
 
@@ -119,14 +119,14 @@ def _grouped_inner(p: Polynomial, names: Names) -> Sum:
 
 
 def _without_sign(body: Sum) -> tuple[int, Sum]:
-    """The body with as few minus signs as may be, the first of them taken out."""
+    """Return the body with as few minus signs as possible, the leading one taken out."""
     if body.terms and body.terms[0].coefficient < 0:
         return -1, Sum(tuple(term.scaled(-1) for term in body.terms))
     return 1, body
 
 
 def _positive_first(body: Sum) -> tuple[int, Sum]:
-    """The body beginning with a positive term; where it has none, all signs are taken out."""
+    """Return the body with a positive term first; if there is none, all signs are taken out."""
     terms = sorted(body.terms, key=lambda term: term.coefficient < 0)
     first_only = body.terms[:1] != tuple(terms[:1])
     moved = (terms[0], *(t for t in body.terms if t is not terms[0])) if first_only else body.terms
@@ -134,7 +134,7 @@ def _positive_first(body: Sum) -> tuple[int, Sum]:
 
 
 def _times(monomial: Monomial, factor: Coefficient, body: Sum, names: Names) -> Product:
-    """``factor * monomial * body``; a body of one term is multiplied in."""
+    """Return ``factor * monomial * body``; a body of one term is multiplied in."""
     outside = tuple(sorted(monomial, key=lambda item: names.order(item[0])))
     if len(body.terms) == 1:
         (inner,) = body.terms
@@ -147,7 +147,7 @@ def _times(monomial: Monomial, factor: Coefficient, body: Sum, names: Names) -> 
 
 
 def _flat(products: Iterable[Product]) -> tuple[Product, ...]:
-    """Products that are only a sum in parentheses, without these."""
+    """Return products with those that are only a sum in parentheses opened."""
     found: list[Product] = []
     for product in products:
         if len(product.factors) == 1 and isinstance(product.factors[0][0], Sum):
@@ -166,7 +166,7 @@ def _product(monomial: Monomial, coefficient: Coefficient, names: Names) -> Prod
 
 
 def _sorted(p: Polynomial, names: Names) -> list[tuple[Monomial, Coefficient]]:
-    """Terms with many factors first, then by the angles nearest the tip, sines first."""
+    """Return terms with many factors first, then by the angles nearest the tip, sines first."""
     return sorted(p, key=_term_order(names))
 
 

@@ -1,4 +1,4 @@
-"""From a D-H table to the chain of frames between two of them."""
+"""The chain of frames between two frames of a D-H table."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class Axis:
 
     Attributes:
         joint: Its number in q, from 1.
-        node: Location of the frame on whose z it moves.
-        sign: -1 where q runs against z.
-        is_revolute: Whether it turns.
+        node: Index of the frame on whose z axis it moves.
+        sign: -1 where q is measured against z.
+        is_revolute: Whether it is revolute.
     """
 
     joint: int
@@ -44,7 +44,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Chain:
-    """Frames one after the other.
+    """Consecutive frames.
 
     Attributes:
         names: Symbols of the computation.
@@ -59,19 +59,19 @@ class Chain:
     axes: tuple[Axis, ...]
 
     def poses(self, node: int) -> list[Pose]:
-        """All frames as seen from one of them."""
+        """Return all frames in the axes of one of them."""
         ahead, behind = Walker(self.names), Walker(self.names)
         after = [ahead.go(steps) for steps in self.steps[node:]]
         before = [behind.go(backwards(steps)) for steps in self.steps[:node][::-1]]
         return [*before[::-1], Pose(), *after]
 
     def node(self, frame: str) -> int:
-        """Location of a frame."""
+        """Return the index of a frame."""
         return self.frames.index(frame)
 
 
 class Steps:
-    """The steps of a table's rows, base and tool."""
+    """Elementary steps of a table's rows, base and tool."""
 
     def __init__(self, table: DHTable, names: Names) -> None:
         self.table = table
@@ -83,11 +83,11 @@ class Steps:
         self._numbers = {k: n for n, k in enumerate(table.moving_rows, start=1)}
 
     def joint(self, k: int) -> int | None:
-        """Number in q of row k (from 0); None for a fixed row."""
+        """Return the number in q of row k (from 0); None for a fixed row."""
         return self._numbers.get(k)
 
     def row(self, k: int) -> list[Step]:
-        """The steps of A_{k+1}."""
+        """Return the steps of A_{k+1}."""
         row, joint = self.table.rows[k], self.joint(k)
         a, d, b = (self._length(k + 1, column) for column in ("a", "d", "b"))
         if row.type is JointType.PRISMATIC and joint is not None:
@@ -100,7 +100,7 @@ class Steps:
         return [*branch, *along(x=a), *twist, *turn, *along(z=d)]
 
     def placement(self, number: int, placement: Matrix) -> list[Step]:
-        """The steps of the base (0) or the tool (-1)."""
+        """Return the steps of the base (0) or the tool (-1)."""
         origin: Vector = (
             self._length(number, "x"), self._length(number, "y"), self._length(number, "z")
         )  # fmt: skip
@@ -117,7 +117,7 @@ class Steps:
 
 
 def path_to(table: DHTable, frame: int) -> list[int]:
-    """Indices of the rows from frame 0 to frame ``frame``, in this order."""
+    """Return the indices of the rows from frame 0 to frame ``frame``, in this order."""
     path = []
     while frame:
         path.append(frame - 1)
@@ -126,7 +126,7 @@ def path_to(table: DHTable, frame: int) -> list[int]:
 
 
 def chain_of(table: DHTable, names: Names, base: str, frame: str) -> Chain:
-    """The chain from ``base`` (base_link or frame_0) to a frame.
+    """Return the chain from ``base`` (base_link or frame_0) to a frame.
 
     Args:
         table: The table.

@@ -1,4 +1,4 @@
-"""Expressions against numbers: what is written down must give what the table gives."""
+"""Numerical checks of expressions against the table."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SAMPLES = 3
 
 
 class Checker:
-    """Compares with the table's own numbers at a few q."""
+    """Compares expressions with the table's numbers at a few q."""
 
     def __init__(self, table: DHTable, chain: Chain) -> None:
         self.table = table
@@ -29,7 +29,7 @@ class Checker:
         self.samples = rng.uniform(-3.0, 3.0, (SAMPLES, table.dof))
 
     def holds(self, entries: Entries, expressed_in: str) -> bool:
-        """Whether written expressions have the right values."""
+        """Return whether written expressions have the right values."""
         for q in self.samples:
             values = _values(self.chain.names, q)
             found = np.array(
@@ -44,9 +44,9 @@ class Checker:
         return True
 
     def settle_signs(self, determinant: Determinant) -> None:
-        """Gives determinants the sign of the base's axes; drops any that is wrong.
+        """Give determinants the sign of the base's axes; drop any that is wrong.
 
-        Frames whose axes only span the same rows of a task can turn the sign.
+        Frames whose axes span the same rows of a task may change the sign.
         """
         J = [self.jacobian(q, self.chain.frames[0]) for q in self.samples]
         for minor in determinant.minors:
@@ -54,7 +54,7 @@ class Checker:
                 continue
             columns = [j - 1 for j in determinant.joints if j not in minor.without]
             square = [one[np.ix_(list(determinant.rows), columns)] for one in J]
-            # Hadamard's bound: the rounding of a determinant scales with it.
+            # Hadamard's bound: the rounding error of a determinant scales with it.
             scale = [float(np.prod(np.linalg.norm(one, axis=0))) for one in square]
             expected = [float(np.linalg.det(one)) for one in square]
             values = [_values(self.chain.names, q) for q in self.samples]
@@ -67,7 +67,7 @@ class Checker:
                 minor.expression = None
 
     def jacobian(self, q: Matrix, expressed_in: str) -> Matrix:
-        """Geometric Jacobian of the chain's last frame, shape (6, dof), from the table's frames."""
+        """Return the geometric Jacobian of the last frame, shape (6, dof), from the table."""
         poses = self._poses(q)
         tip = poses[self.chain.frames[-1]]
         J = np.zeros((6, self.table.dof))
@@ -80,7 +80,7 @@ class Checker:
         return np.concatenate((R @ J[:3], R @ J[3:]))
 
     def _poses(self, q: Matrix) -> dict[str, Matrix]:
-        """Every frame in the axes of frame_0."""
+        """Return every frame in the axes of frame_0."""
         matrices = dh_matrices(self.table, q)
         poses = {f"frame_{k}": T for k, T in enumerate(matrices.T0, start=1)}
         poses["frame_0"] = np.eye(4)

@@ -1,4 +1,4 @@
-"""Expressions as a function of Python or C, common subexpressions computed once (SymPy)."""
+"""Expressions as source of a function in Python or C, with common subexpressions (SymPy)."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class Function:
 
     Attributes:
         name: Its name.
-        says: What it gives, in one line.
-        shape: Of the result: () for a number, (4, 4), (3,), ….
+        says: Description of its result, in one line.
+        shape: Shape of the result: () for a number, (4, 4), (3,), ….
         expressions: Entries of the result, row by row.
     """
 
@@ -52,7 +52,7 @@ class _Body:
 def python_code(
     functions: Sequence[Function], names: Names, dof: int, *, share: bool = True
 ) -> str:
-    """A module of Python; lengths are keyword arguments with the table's values.
+    """Return a Python module; lengths are keyword arguments with the table's values.
 
     Args:
         functions: What to write.
@@ -82,7 +82,7 @@ def python_code(
 
 
 def c_code(functions: Sequence[Function], names: Names, dof: int, *, share: bool = True) -> str:
-    """C99 functions that fill ``out`` row by row; lengths are arguments after q.
+    """Return C99 functions that fill ``out`` row by row; lengths are arguments after q.
 
     Args:
         functions: What to write.

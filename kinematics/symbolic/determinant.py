@@ -1,7 +1,7 @@
-"""det J in factors: in the frame and at the point where J is sparsest.
+"""Factors of det J, in the frame and at the point where J is sparsest.
 
 The determinant of the full Jacobian is the same in every frame and at every point, and does not
-change when a column is subtracted from another. So the columns of parallel axes are subtracted
+change when a column is subtracted from another. The columns of parallel axes are subtracted
 from each other, J is written in the frame and at the origin with the most zeros, and its block
 triangular form (Dulmage and Mendelsohn) gives the factors: at the centre of a spherical wrist,
 that of the arm and that of the wrist.
@@ -21,12 +21,12 @@ from kinematics.symbolic.steps import Pose
 from kinematics.symbolic.trigonometry import combined, reduced
 
 MAX_ENTRY = 400
-"""Terms of an entry of J above which a frame is not considered."""
+"""Number of terms of an entry of J above which a frame is not considered."""
 
 
 @dataclass(frozen=True)
 class Sparse:
-    """J as it is best looked at.
+    """A square Jacobian in its sparsest form.
 
     Attributes:
         axes: Name of the frame in whose axes it is written.
@@ -47,7 +47,7 @@ class Views:
     """J of a chain in the axes of all frames and at the origins of all."""
 
     def __init__(self, chain: Chain, rows: Sequence[int]) -> None:
-        """Writes nothing yet but the poses.
+        """Compute the poses.
 
         Args:
             chain: From the base to the frame whose Jacobian is meant.
@@ -60,13 +60,13 @@ class Views:
         self._differences: dict[tuple[int, int, int, int], Column | None] = {}
 
     def sparsest(self, joints: Sequence[int]) -> Sparse:
-        """The frame and the point where the square Jacobian of these joints is sparsest.
+        """Return the square Jacobian of these joints in the frame and point where it is sparsest.
 
         Args:
             joints: Numbers of the joints, as many as rows.
 
         Raises:
-            TooManyTerms: It is beyond all limits in every frame.
+            TooManyTerms: It exceeds the limits in every frame.
         """
         used = [axis for axis in self.chain.axes if axis.joint in joints]
         numbers = tuple(axis.joint for axis in used)
@@ -86,7 +86,7 @@ class Views:
         return best[1]
 
     def _square(self, axes: int, point: int, used: Sequence[Axis]) -> list[Column] | None:
-        """Columns of J, those of parallel axes as differences; None where they are too large."""
+        """Return columns of J, parallel axes as differences; None where they are too large."""
         columns = []
         for k, axis in enumerate(used):
             following = used[k + 1] if k + 1 < len(used) else None
@@ -127,10 +127,10 @@ class Views:
 
 
 def determinant(sparse: Sparse, names: Names) -> list[Polynomial]:
-    """Factors of the determinant, the sign in the first; ``[0]`` where it vanishes identically.
+    """Return the factors of the determinant, the sign in the first; ``[0]`` if identically zero.
 
     Raises:
-        TooManyTerms: A block is beyond all limits.
+        TooManyTerms: A block exceeds the limits.
     """
     blocks = _blocks(sparse.matrix)
     if blocks is None:
@@ -145,7 +145,7 @@ def determinant(sparse: Sparse, names: Names) -> list[Polynomial]:
 
 
 def _kept_poses(chain: Chain, rows: Sequence[int]) -> dict[int, list[Pose]]:
-    """Poses as seen from each frame whose axes keep the task's rows, the middle ones first."""
+    """Return poses in each frame whose axes keep the task's rows, the middle ones first."""
     found = {}
     middle = (len(chain.frames) - 1) / 2
     for axes in sorted(range(len(chain.frames)), key=lambda k: (abs(k - middle), k)):
@@ -159,9 +159,9 @@ def _kept_poses(chain: Chain, rows: Sequence[int]) -> dict[int, list[Pose]]:
 
 
 def _keeps(base: Pose, rows: Sequence[int]) -> bool:
-    """Whether turning from the base's axes mixes only rows of the task with each other.
+    """Return whether rotating from the base's axes mixes rows of the task only with each other.
 
-    Then the determinant changes by that of an orthogonal matrix, ±1.
+    Then the determinant changes by the factor of an orthogonal matrix, ±1.
     """
     linear, angular = {i for i in rows if i < 3}, {i - 3 for i in rows if i >= 3}
     return all(
@@ -174,7 +174,7 @@ def _keeps(base: Pose, rows: Sequence[int]) -> bool:
 
 
 def _points(chain: Chain, poses: list[Pose], rows: Sequence[int]) -> list[int]:
-    """Frames with different origins; only the tip where the task lacks rows to move the point."""
+    """Return frames with different origins; only the tip where the task lacks rows to move it."""
     angular = [i for i in range(3, 6) if i not in rows]
     turning = [poses[axis.node].axes[2] for axis in chain.axes if axis.is_revolute]
     linear = {i for i in rows if i < 3}
@@ -188,7 +188,7 @@ def _points(chain: Chain, poses: list[Pose], rows: Sequence[int]) -> list[int]:
 
 
 def _parallel(one: Column, other: Column) -> int:
-    """1 or -1 for axes with the same or the opposite direction, else 0."""
+    """Return 1 or -1 for axes with the same or the opposite direction, else 0."""
     for sign in (1, -1):
         if all(a == b.scaled(sign) for a, b in zip(one[3:], other[3:], strict=True)):
             return sign
@@ -205,7 +205,7 @@ def _tidy(entries: Iterable[Polynomial], names: Names) -> Column | None:
 
 
 def _cost(matrix: Sequence[Sequence[Polynomial]]) -> tuple[int, int]:
-    """What expanding the blocks takes, about, and the number of terms."""
+    """Return the approximate cost of expanding the blocks, and the number of terms."""
     terms = sum(len(entry) for row in matrix for entry in row)
     blocks = _blocks(matrix)
     if blocks is None:
@@ -222,7 +222,7 @@ def _cost(matrix: Sequence[Sequence[Polynomial]]) -> tuple[int, int]:
 def _blocks(
     matrix: Sequence[Sequence[Polynomial]],
 ) -> list[tuple[tuple[int, ...], tuple[int, ...]]] | None:
-    """Diagonal blocks of the block triangular form; None where no permutation has a full diagonal.
+    """Return diagonal blocks of the block triangular form; None if no diagonal can be full.
 
     The rows of a block are matched with its columns; the blocks are the strong components of the
     graph from a column to the columns matched with its rows.
@@ -246,7 +246,7 @@ def _blocks(
     reach = {j: _reachable(j, follows) for j in range(size)}
     left, blocks = set(range(size)), []
     while left:
-        # A block on which no other block that is left depends comes first.
+        # A block on which no remaining block depends comes first.
         first = min(left, key=lambda j: (len(reach[j] & left), j))
         block = tuple(sorted(k for k in reach[first] & left if first in reach[k]))
         blocks.append((tuple(sorted(row_of[j] for j in block)), block))
@@ -264,7 +264,7 @@ def _reachable(start: int, follows: dict[int, set[int]]) -> set[int]:
 
 
 def _expansion(block: Sequence[Sequence[Polynomial]], names: Names) -> Polynomial:
-    """Laplace's expansion; each minor of the last rows once."""
+    """Return a determinant by Laplace's expansion; each minor of the last rows once."""
     size = len(block)
 
     @cache

@@ -1,4 +1,4 @@
-"""Expressions as people write them: sums of products, with parentheses."""
+"""Expressions: sums of products, with parentheses."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Product:
     factors: tuple[tuple[Factor, int], ...] = ()
 
     def scaled(self, by: Coefficient) -> Product:
-        """Times a number."""
+        """Return the product times a number."""
         return Product(self.coefficient * by, self.factors)
 
 
@@ -37,7 +37,7 @@ Factor: TypeAlias = str | Sum
 
 
 def operations(expression: Sum) -> int:
-    """How many additions and multiplications it takes to compute it."""
+    """Return the number of additions and multiplications that evaluate it."""
     return max(0, len(expression.terms) - 1) + sum(_of_product(term) for term in expression.terms)
 
 
@@ -49,7 +49,7 @@ def _of_product(product: Product) -> int:
 
 
 def evaluate(expression: Sum, values: Mapping[str, float]) -> float:
-    """Its value, given the values of its symbols."""
+    """Return its value, given the values of its symbols."""
     return math.fsum(_value_of(term, values) for term in expression.terms)
 
 
@@ -62,7 +62,7 @@ def _value_of(product: Product, values: Mapping[str, float]) -> float:
 
 
 def symbols(expression: Sum) -> set[str]:
-    """Names that occur."""
+    """Return the names that occur."""
     found: set[str] = set()
     for term in expression.terms:
         for factor, _ in term.factors:
@@ -71,7 +71,7 @@ def symbols(expression: Sum) -> set[str]:
 
 
 def number_text(value: Coefficient) -> str:
-    """A number in decimal digits: exact where at most 17 do, else to the nearest double."""
+    """Return a number in decimal digits, exact with at most 17, else as the nearest double."""
     value = Fraction(value)
     if value.denominator == 1:
         return str(value.numerator)
@@ -87,12 +87,12 @@ def number_text(value: Coefficient) -> str:
 
 
 def text(expression: Sum) -> str:
-    """``R5*(C1*C2*C3*S4 - S1*S3*S4 + C1*S2*C4) + R3*C1*S2``; Python reads it too."""
+    """Return text as ``R5*(C1*C2*C3*S4 - S1*S3*S4 + C1*S2*C4) + R3*C1*S2``, valid in Python."""
     return _written(expression, _text_product)
 
 
 def latex(expression: Sum) -> str:
-    """For a formula of LaTeX."""
+    """Return an expression in LaTeX."""
     return _written(expression, _latex_product)
 
 
@@ -126,13 +126,13 @@ def _latex_product(product: Product) -> str:
 
 
 def latex_number(value: Coefficient) -> str:
-    r"""Digits, or ``1.2 \cdot 10^{-9}``."""
+    r"""Return digits, or ``1.2 \cdot 10^{-9}``."""
     mantissa, e, exponent = number_text(value).partition("e")
     return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if e else mantissa
 
 
 def latex_name(name: str) -> str:
-    r"""``C_{23}`` for C23, ``\sqrt{2}`` for sqrt(2)."""
+    r"""Return ``C_{23}`` for C23, ``\sqrt{2}`` for sqrt(2)."""
     if name.startswith("sqrt("):
         return rf"\sqrt{{{name[5:-1]}}}"
     letters = name.rstrip("0123456789_m") if name[0] in "CS" else name.rstrip("0123456789")

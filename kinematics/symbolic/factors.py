@@ -1,4 +1,4 @@
-"""Products of polynomials as products of short factors."""
+"""Factorisation of products of polynomials into short factors."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from kinematics.symbolic.polynomial import Coefficient, Polynomial, content, div
 from kinematics.symbolic.trigonometry import reduced, shortest
 
 MAX_VARIED = 12
-"""Terms above which only the shortest form is factored."""
+"""Number of terms above which only the shortest form is factored."""
 MAX_FACTORED = 40
-"""Terms above which nothing that is linear in no symbol is factored."""
+"""Number of terms above which only polynomials linear in a symbol are factored."""
 
 
 def factored(factors: Iterable[Polynomial], names: Names, *, deeply: bool = True) -> Product:
-    """The product of polynomials, each factored over the rationals (SymPy).
+    """Return the product of polynomials, each factored over the rationals (SymPy).
 
     Sines and cosines count as independent, so that a factorisation that only holds with
     ``S² + C² = 1`` is found where one of its forms shows it.
@@ -31,7 +31,7 @@ def factored(factors: Iterable[Polynomial], names: Names, *, deeply: bool = True
     Args:
         factors: The polynomials.
         names: Their symbols.
-        deeply: False only takes out what divides every term.
+        deeply: False only takes out common divisors of all terms.
     """
     powers: dict[Factor, int] = {}
     coefficient: Coefficient = 1
@@ -83,7 +83,7 @@ def _factors(p: Polynomial, names: Names, deeply: bool) -> Product:
 
 
 def _irreducible(p: Polynomial) -> list[tuple[Polynomial, int]]:
-    """Factors of a polynomial that no monomial divides."""
+    """Return the factors of a polynomial that no monomial divides."""
     symbols = sorted(p.symbols())
     polynomials = ring([f"x{k}" for k in range(len(symbols))], QQ)[0]
     place = {name: k for k, name in enumerate(symbols)}
@@ -109,11 +109,11 @@ def _irreducible(p: Polynomial) -> list[tuple[Polynomial, int]]:
 
 
 def _split(p: Any) -> list[tuple[Any, int]]:
-    """Factors of an element of a ring.
+    """Return the factors of an element of a ring.
 
-    ``a x + b`` falls into gcd(a, b) and a part that cannot be factored further. Nearly everything
-    here is linear in some symbol; SymPy's factorisation, which tries at random and can take any
-    time, is for small rests.
+    ``a x + b`` splits into gcd(a, b) and an irreducible part. Nearly all polynomials here are
+    linear in some symbol; SymPy's factorisation, which is randomised and of unbounded time, is
+    for small remainders.
     """
     polynomials, linear = p.ring, {}
     for k, x in enumerate(polynomials.gens):

@@ -1,4 +1,4 @@
-"""The geometric Jacobian as polynomials: at any frame's origin, in any frame's axes."""
+"""Geometric Jacobian as polynomials, at any frame's origin and in any frame's axes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Column: TypeAlias = tuple[Polynomial, ...]
 
 
 def column(axis: Axis, poses: list[Pose], point: Vector) -> Column:
-    """One joint's twist per unit of its speed.
+    """Return one joint's twist per unit of its speed.
 
     Args:
         axis: The joint.
@@ -39,13 +39,13 @@ def column(axis: Axis, poses: list[Pose], point: Vector) -> Column:
 
 
 def jacobian_columns(chain: Chain, dof: int, axes: int, point: int) -> list[Column]:
-    """All columns, in the order of q; zeros for joints that are not on the chain.
+    """Return all columns, in the order of q; zeros for joints that are not on the chain.
 
     Args:
         chain: The chain.
         dof: Length of q.
-        axes: Location of the frame in whose axes to write.
-        point: Location of the frame at whose origin the linear velocity is taken.
+        axes: Index of the frame whose axes are used.
+        point: Index of the frame at whose origin the linear velocity is taken.
     """
     poses = chain.poses(axes)
     columns: list[Column] = [(ZERO,) * 6] * dof
@@ -58,14 +58,14 @@ def jacobian_columns(chain: Chain, dof: int, axes: int, point: int) -> list[Colu
 
 
 def _derivative(axis: Axis, poses: list[Pose], point: Vector, names: Names) -> Column:
-    """The same column in the base's axes, without products: ``[∂p/∂q; z]``."""
+    """Return the same column in the base's axes, without products: ``[∂p/∂q; z]``."""
     moved = tuple(derivative(entry, axis.joint, names) for entry in point)
     z = poses[axis.node].axes[2]
     return (*moved, *((z if axis.sign > 0 else negated(z)) if axis.is_revolute else NOWHERE))
 
 
 def derivative(p: Polynomial, joint: int, names: Names) -> Polynomial:
-    """``∂p/∂q`` of one joint."""
+    """Return ``∂p/∂q`` of one joint."""
     terms: list[tuple[Monomial, Coefficient]] = []
     for monomial, coefficient in p:
         for name, exponent in monomial:
@@ -81,7 +81,7 @@ def derivative(p: Polynomial, joint: int, names: Names) -> Polynomial:
 
 
 def _inner(name: str, joint: int, names: Names) -> tuple[str, int] | None:
-    """Derivative of one symbol as (symbol, factor); an empty symbol for 1."""
+    """Return the derivative of one symbol as (symbol, factor); an empty symbol for 1."""
     if names.variables.get(name) == joint:
         return "", 1
     angle = names.angle_of(name)

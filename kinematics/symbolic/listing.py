@@ -1,4 +1,4 @@
-"""Answers as the lines a student writes, or as LaTeX."""
+"""Answers as lines of text in the notation of lectures, or as LaTeX."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any
 
 WIDTH = 100
 _AXES = {"x": "u", "y": "v", "z": "w"}
-"""The axes of the tip by the letters that go with X, Y, Z."""
+"""Letters of the tip's axes beside X, Y, Z of the position."""
 
 
 def text_listing(answer: Mapping[str, Any]) -> str:
-    """``X = …`` and so on, after what the short names mean; Python reads it too."""
+    """Return lines ``X = …``, after the definitions of the short names; valid in Python."""
     lines = [f"# {line}" for line in _heading(answer)]
     lines += [f"{name} = {value!r}" for name, value in answer["values"].items()]
     lines += [f"{name} = {value}" for name, value in answer["definitions"].items()]
@@ -22,7 +22,7 @@ def text_listing(answer: Mapping[str, Any]) -> str:
 
 
 def latex_listing(answer: Mapping[str, Any]) -> str:
-    r"""``\[ … \]`` for each quantity, after the values of the lengths as a comment."""
+    r"""Return ``\[ … \]`` for each quantity, after the values of the lengths as a comment."""
     lines = [f"% {line}" for line in _heading(answer)]
     lines += [f"% {name} = {value!r}" for name, value in answer["values"].items()]
     for label, rows in _matrices(answer):

@@ -1,4 +1,4 @@
-"""The symbols of one computation: lengths, joint variables, C1, S23, and what they stand for."""
+"""Symbols of one computation: lengths, joint variables, C1, S23, and their definitions."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _QUARTER = Fraction(1, 4)
 ROOT2, ROOT3 = "sqrt(2)", "sqrt(3)"
 ROOTS = {ROOT2: 2, ROOT3: 3}
 ENTRY = 1e-14
-"""An entry of a rotation matrix closer than this to a known cosine is that cosine."""
+"""Distance of a rotation matrix entry from a known cosine below which it is that cosine."""
 
 
 class Kind(IntEnum):
-    """What a symbol is, in the order in which factors are written."""
+    """Kind of a symbol, in the order in which factors are written."""
 
     NUMBER = 0
     ROOT = 1
@@ -30,7 +30,7 @@ class Kind(IntEnum):
 
 
 class Names:
-    """The symbols that occur; each computation makes its own.
+    """The symbols that occur in one computation.
 
     Attributes:
         lengths: Value of each named length, m.
@@ -42,14 +42,14 @@ class Names:
     def __init__(
         self, dof: int, symbolic: bool, chosen: Mapping[str, str], *, rounded: bool = False
     ) -> None:
-        """No symbols yet.
+        """Create an empty set of symbols.
 
         Args:
             dof: Length of q.
             symbolic: Whether lengths have names.
             chosen: Names of lengths by their default names.
-            rounded: Whether numbers are multiplied out at once instead of being kept apart as
-                symbols, where there would be too many.
+            rounded: Whether numbers are multiplied out at once instead of kept as symbols, where
+                there would be too many.
         """
         self.lengths: dict[str, float] = {}
         self.numbers: dict[str, Fraction] = {}
@@ -62,10 +62,10 @@ class Names:
         self._labels: dict[Angle, str] = {}
 
     def length(self, default: str, value: float) -> Polynomial:
-        """A length of the table: its name, or its number.
+        """Return the symbol of a length of the table, or its number.
 
         Args:
-            default: Name that the courses give it.
+            default: Its default name, as in lectures.
             value: m.
         """
         if value == 0.0:
@@ -77,7 +77,7 @@ class Names:
         return self.number(value)
 
     def number(self, value: float) -> Polynomial:
-        """A number, kept apart as a symbol of its own until it is written."""
+        """Return a number as a symbol of its own, kept apart until it is written."""
         if value == 0.0 or value == 1.0 or value == -1.0:
             return Polynomial.constant(int(value))
         if self._rounded:
@@ -87,17 +87,17 @@ class Names:
         return Polynomial.symbol(name).scaled(1 if value > 0 else -1)
 
     def variable(self, joint: int) -> Polynomial:
-        """Q of a prismatic joint."""
+        """Return q of a prismatic joint."""
         self.variables[f"q{joint}"] = joint
         return Polynomial.symbol(f"q{joint}")
 
     def entry(self, value: float) -> Polynomial:
-        """An entry of a rotation matrix; exact where it is the cosine of a known angle."""
+        """Return an entry of a rotation matrix; exact where it is the cosine of a known angle."""
         exact = known_cosine(value)
         return self.number(value) if exact is None else exact
 
     def cos_sin(self, angle: Angle) -> tuple[Polynomial, Polynomial]:
-        """Cosine and sine of an angle."""
+        """Return cosine and sine of an angle."""
         if not angle.multiples:
             return self._constant(angle.constant)
         if angle.multiples[0][1] < 0:
@@ -114,7 +114,7 @@ class Names:
         return ((cosine, sine), (-sine, cosine), (-cosine, -sine), (sine, -cosine))[quarters % 4]
 
     def kind(self, name: str) -> Kind:
-        """What a symbol is."""
+        """Return the kind of a symbol."""
         if name in ROOTS:
             return Kind.ROOT
         if name in self.numbers:
@@ -124,22 +124,22 @@ class Names:
         return Kind.VARIABLE if name in self.variables else Kind.TRIGONOMETRIC
 
     def angle_of(self, name: str) -> Angle | None:
-        """The angle of a symbol such as S23; None for other symbols."""
+        """Return the angle of a symbol such as S23; None for other symbols."""
         return self.angles.get(name[1:]) if self.kind(name) is Kind.TRIGONOMETRIC else None
 
     def definition(self, name: str) -> str:
-        """``cos(q2 + q3)`` for C23."""
+        """Return the definition of a symbol: ``cos(q2 + q3)`` for C23."""
         return f"{'cos' if name[0] == 'C' else 'sin'}({angle_text(self.angles[name[1:]])})"
 
     def order(self, name: str) -> tuple[int, tuple[int, ...], str]:
-        """Sort key of a factor: numbers, lengths, then angles from the base to the tip."""
+        """Return the sort key of a factor: numbers, lengths, angles from the base to the tip."""
         kind = self.kind(name)
         if kind is not Kind.TRIGONOMETRIC:
             return kind, (), name
         return kind, tuple(joint for joint, _ in self.angles[name[1:]].multiples), name
 
     def values(self, q: Mapping[int, float]) -> dict[str, float]:
-        """Every symbol's value at joint values by number."""
+        """Return every symbol's value at joint values by number."""
         found = {name: float(value) for name, value in self.numbers.items()}
         found.update({name: math.sqrt(value) for name, value in ROOTS.items()})
         found.update(self.lengths)
@@ -182,13 +182,13 @@ class Names:
 
 
 def known_cosine(value: float) -> Polynomial | None:
-    """A number as the exact cosine of a multiple of π/12; None where it is none."""
+    """Return a number as the exact cosine of a multiple of π/12; None where it is none."""
     exact = map(_known_cosine, range(13))
     return next((p for p in exact if abs(value - _evaluated(p)) <= ENTRY), None)
 
 
 def _known_cosine(steps: int) -> Polynomial:
-    """The cosine of ``steps`` twelfths of π; exact."""
+    """Return the exact cosine of ``steps`` twelfths of π."""
     steps = min(steps % 24, -steps % 24)
     if steps > 6:
         return -_known_cosine(12 - steps)

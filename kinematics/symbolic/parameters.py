@@ -1,4 +1,4 @@
-"""Lengths of a table and the names that courses give them."""
+"""Lengths of a table and their names in lectures."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from kinematics.symbolic.angles import KNOWN, turn_text, twelfths
 from kinematics.symbolic.names import known_cosine
 
 NEAR = 2e-3
-"""rad; as far as 1.57 is from π/2, and a bit."""
+"""Distance, rad, somewhat above that of 1.57 from π/2."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class Length:
 
 
 def lengths_of(table: DHTable) -> list[Length]:
-    """Every length that is not zero, with the name it has in the courses.
+    """Return every length that is not zero, with its default name.
 
     standard: ``a_k``, ``d_k``. modified: ``a_{k-1}``, ``d_k`` (Craig's row k holds a_{k-1}).
     khalil: ``D_k`` for d, ``R_k`` for r, ``B_k`` for b. ``o_k`` is the offset of a prismatic
@@ -55,7 +55,7 @@ def lengths_of(table: DHTable) -> list[Length]:
 
 
 def unusual_angles(table: DHTable) -> int:
-    """How many constants have no exact cosine: twists, fixed angles, axes of base and tool."""
+    """Return the number of constants without exact cosine: twists, fixed angles, base, tool."""
     found: set[float] = set()
     for row in table.rows:
         constants = (row.alpha, row.gamma, 0.0 if row.type.is_revolute else row.theta)
@@ -65,7 +65,7 @@ def unusual_angles(table: DHTable) -> int:
 
 
 def nearly_right_angles(table: DHTable) -> list[str]:
-    """Angles that were written with few digits, such as 1.5708 for π/2, in words."""
+    """Describe angles written with few digits, such as 1.5708 for π/2."""
     found = []
     for k, row in enumerate(table.rows, start=1):
         columns = {"alpha": row.alpha, "gamma": row.gamma, "theta": row.theta}

@@ -1,8 +1,8 @@
-"""Sparse polynomials in named symbols, with exact coefficients wherever that is bearable.
+"""Sparse polynomials in named symbols, with exact coefficients where that is affordable.
 
-The cosine and sine of an angle are two symbols like any others; that ``S² = 1 - C²`` is known to
-:mod:`kinematics.symbolic.trigonometry`. SymPy's rings would fix the symbols beforehand, but sums of
-angles such as C23 turn up on the way, and its expressions cost a hundred times as much.
+Cosine and sine of an angle are independent symbols here; ``S² = 1 - C²`` is applied by
+:mod:`kinematics.symbolic.trigonometry`. SymPy's rings need the symbols in advance, but sums of
+angles such as C23 arise during the computation; its expressions are a hundred times as slow.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ Monomial: TypeAlias = tuple[tuple[str, int], ...]
 """Symbols with their exponents, sorted by name."""
 
 ROUNDING = 1e-15
-"""Floating coefficients are products of cosines; a smaller sum of them is zero."""
+"""Bound below which a floating coefficient, a sum of products of cosines, is zero."""
 MAX_TERMS = 4_000
 MAX_PRODUCTS = 200_000
 
 
 class TooManyTerms(ArithmeticError):
-    """A polynomial grew beyond what anyone would read."""
+    """A polynomial exceeded the limits of readable size."""
 
 
 class Polynomial:
-    """Immutable. ``terms`` maps monomials to coefficients other than zero."""
+    """An immutable polynomial. ``terms`` maps monomials to nonzero coefficients."""
 
     __slots__ = ("terms",)
 
@@ -37,17 +37,17 @@ class Polynomial:
 
     @classmethod
     def constant(cls, value: Coefficient) -> Polynomial:
-        """A number."""
+        """Return a constant."""
         return cls({(): value}) if value else cls({})
 
     @classmethod
     def symbol(cls, name: str) -> Polynomial:
-        """One symbol."""
+        """Return one symbol."""
         return cls({((name, 1),): 1})
 
     @classmethod
     def collected(cls, terms: Iterable[tuple[Monomial, Coefficient]]) -> Polynomial:
-        """The sum of terms, in which a monomial may occur more than once."""
+        """Return the sum of terms, in which a monomial may occur more than once."""
         found: dict[Monomial, Coefficient] = {}
         for monomial, coefficient in terms:
             found[monomial] = found.get(monomial, 0) + coefficient
@@ -87,7 +87,7 @@ class Polynomial:
         )
 
     def scaled(self, factor: Coefficient) -> Polynomial:
-        """Times a number."""
+        """Return the polynomial times a number."""
         if factor == 1:
             return self
         return Polynomial({m: c * factor for m, c in self} if factor else {})
@@ -103,7 +103,7 @@ class Polynomial:
 
 
 def vanishes(value: Coefficient) -> bool:
-    """True for zero, and for what rounding leaves of it."""
+    """Return True for zero, and for rounding errors of zero."""
     return abs(value) < ROUNDING if isinstance(value, float) else value == 0
 
 
@@ -112,7 +112,7 @@ ONE = Polynomial.constant(1)
 
 
 def multiplied(one: Monomial, two: Monomial) -> Monomial:
-    """The product of two monomials."""
+    """Return the product of two monomials."""
     if not one or not two:
         return one if one else two
     exponents = dict(one)
@@ -122,14 +122,14 @@ def multiplied(one: Monomial, two: Monomial) -> Monomial:
 
 
 def split(monomial: Monomial, names: Iterable[str]) -> tuple[Monomial, Monomial]:
-    """The part of a monomial in some symbols, and the rest."""
+    """Return the part of a monomial in some symbols, and the rest."""
     chosen = names if isinstance(names, (set, frozenset, dict)) else set(names)
     inside = tuple(item for item in monomial if item[0] in chosen)
     return inside, tuple(item for item in monomial if item[0] not in chosen)
 
 
 def content(p: Polynomial) -> Monomial:
-    """The largest monomial that divides every term."""
+    """Return the largest monomial that divides every term."""
     terms = iter(p.terms)
     shared = dict(next(terms, ()))
     for monomial in terms:
@@ -141,7 +141,7 @@ def content(p: Polynomial) -> Monomial:
 
 
 def divided(p: Polynomial, monomial: Monomial) -> Polynomial:
-    """``p`` by a monomial that divides every term of it."""
+    """Return ``p`` divided by a monomial that divides every term of it."""
     if not monomial:
         return p
     lowered = {name: -exponent for name, exponent in monomial}

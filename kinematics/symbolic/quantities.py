@@ -1,4 +1,4 @@
-"""The polynomials of each quantity, and their expressions, plain or simplified."""
+"""Polynomials of each quantity, and their expressions, plain or simplified."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from kinematics.symbolic.trigonometry import shortest
 MAX_MINORS = 36
 
 MAX_UNUSUAL = 2
-"""Angles without exact cosines whose cosines are kept apart, so that their squares cancel."""
+"""Number of angles without exact cosine whose cosines are kept as symbols, to cancel squares."""
 
 Grid: TypeAlias = list[list[Polynomial]]
 
 
 @dataclass
 class Entries:
-    """One quantity: matrices of polynomials, and how they are written so far.
+    """One quantity: matrices of polynomials, and their expressions so far.
 
     Attributes:
-        quantity: Which.
+        quantity: The quantity.
         labels: Name of each matrix: ``A1``, ``T``, ….
         grids: The matrices.
         positions: Whether the last column of the first three rows holds positions.
@@ -55,10 +55,10 @@ class Minor:
     """The determinant of one square part of J.
 
     Attributes:
-        without: Joints (numbers) whose columns are left out.
-        sparse: J where it is sparsest.
+        without: Numbers of the joints whose columns are left out.
+        sparse: J in its sparsest form.
         expression: The determinant, if found.
-        factored: Whether its factors are as small as they get.
+        factored: Whether its factors are irreducible.
     """
 
     without: tuple[int, ...]
@@ -69,13 +69,13 @@ class Minor:
 
 @dataclass
 class Determinant:
-    """What is given of det J.
+    """Determinants of a Jacobian: of J itself, or of its square parts.
 
     Attributes:
         rows: Rows of the task, as indices.
         joints: Numbers of the joints on the chain.
         minors: One for a square J; for a redundant arm each square part of it.
-        note: Why there is none, or what the minors are.
+        note: Why there is none, or which minors they are.
     """
 
     rows: tuple[int, ...]
@@ -84,7 +84,7 @@ class Determinant:
     note: str = ""
 
     def notes(self) -> list[str]:
-        """What to know about it, in words."""
+        """Return notes about it, in words."""
         zero = self.minors and all(minor.expression == Sum() for minor in self.minors)
         return [self.note, "these rows of J are dependent in every configuration" if zero else ""]
 
@@ -119,10 +119,10 @@ class Work:
         self._columns: dict[str, list[Column]] = {}
 
     def entries(self, quantity: Quantity) -> Entries:
-        """The polynomials of a quantity, written as they come.
+        """Return the polynomials of a quantity, written without simplification.
 
         Raises:
-            TooManyTerms: They are beyond all limits.
+            TooManyTerms: They exceed the limits.
         """
         labels, grids, positions = {
             Quantity.A: self._links,
@@ -140,7 +140,7 @@ class Work:
         return found
 
     def simplify(self, entries: Entries) -> None:
-        """Simplifies entry after entry in place; may be interrupted between any two."""
+        """Simplify entry after entry in place; may be interrupted between any two."""
         for m, grid in enumerate(entries.grids):
             for i, row in enumerate(grid):
                 for j, entry in enumerate(row):
@@ -149,7 +149,7 @@ class Work:
         entries.simplified = True
 
     def simple(self, p: Polynomial, *, position: bool = False) -> Sum:
-        """The shortest form of a polynomial."""
+        """Return the shortest form of a polynomial."""
         key = (p, position)
         if key not in self._known:
             form = shortest(p, self.names)
@@ -157,7 +157,7 @@ class Work:
         return self._known[key]
 
     def determinant(self) -> Determinant:
-        """Which determinants there are to find."""
+        """Return the determinants to compute."""
         joints = tuple(axis.joint for axis in self.chain.axes)
         rows, note = self._rows(len(joints))
         count = comb(len(joints), len(rows)) if 0 < len(rows) <= len(joints) else 0
@@ -172,7 +172,7 @@ class Work:
         return Determinant(rows, joints, [Minor(without) for without in dropped], note)
 
     def look(self, found: Determinant) -> None:
-        """Writes each square part of J where it is sparsest."""
+        """Write each square part of J where it is sparsest."""
         if not found.minors:
             return
         seen = Views(self.chain, found.rows)
@@ -181,7 +181,7 @@ class Work:
             minor.sparse = seen.sparsest(kept)
 
     def solve(self, minor: Minor) -> None:
-        """Finds one determinant, up to the sign that :mod:`kinematics.symbolic.check` settles."""
+        """Compute one determinant, up to the sign that :mod:`kinematics.symbolic.check` settles."""
         if minor.sparse is None:
             return
         blocks = determinant(minor.sparse, self.names)
@@ -191,7 +191,7 @@ class Work:
             minor.factored = deeply
 
     def jacobian(self, expressed_in: str) -> list[Column]:
-        """Columns of J in the axes of a frame."""
+        """Return the columns of J in the axes of a frame."""
         tip = len(self.chain.frames) - 1
         if expressed_in not in self._columns:
             self._columns[expressed_in] = jacobian_columns(

@@ -1,4 +1,4 @@
-"""What to write down symbolically, and how; checked before any work is done."""
+"""A request for closed forms, and its checks before any work."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robots.errors import UnknownFrame, hint
 
 
 class Quantity(StrEnum):
-    """What can be written down.
+    """Quantities that can be written.
 
     ``A``: the link matrices A_k. ``T0``: the products 0A_k in frame 0. ``T``: the pose of the
     frame in the base, with its ``position`` and the columns of its ``rotation``. ``jacobian``: the
@@ -37,7 +37,7 @@ class Quantity(StrEnum):
 
 
 class Notation(StrEnum):
-    """How expressions are written: short names as in lectures, LaTeX, or source of a function."""
+    """Notation of expressions: short names as in lectures, LaTeX, or source of a function."""
 
     TEXT = "text"
     LATEX = "latex"
@@ -61,20 +61,21 @@ _WORDS = frozenset(keyword.kwlist).union(
 
 @dataclass(frozen=True)
 class SymbolicRequest:
-    """What to write down.
+    """Quantities to write, and their form.
 
     Attributes:
-        quantities: What.
+        quantities: The quantities.
         parameters: ``numeric``: lengths as numbers; ``symbolic``: by the names of
             :func:`kinematics.symbolic.parameters.lengths_of`.
-        symbols: Other names, by those; with ``numeric`` only these lengths get a name.
-        frame: The frame whose pose and Jacobian are meant: ``tool`` or ``frame_k``.
-        base: In whose axes the pose is given: ``base_link`` or ``frame_0``.
-        expressed_in: In whose axes the Jacobian is written; None for the base.
-        task: Rows of the determinant, in base axes; None chooses: those that do not vanish.
-        notation: How expressions are written.
-        time_budget: Seconds for simplification.
-        listing: Whether the answer is also wanted as one text.
+        symbols: Pairs of a default name and another; with ``numeric`` only these lengths have a
+            name.
+        frame: The frame of pose and Jacobian: ``tool`` or ``frame_k``.
+        base: The frame in whose axes the pose is given: ``base_link`` or ``frame_0``.
+        expressed_in: The frame in whose axes the Jacobian is given; None for the base.
+        task: Rows of the determinant, in base axes; None: those that do not vanish.
+        notation: Notation of expressions.
+        time_budget: Time for simplification, s.
+        listing: Whether the answer is also given as one text.
     """
 
     quantities: tuple[Quantity, ...] = (Quantity.T,)
@@ -90,11 +91,11 @@ class SymbolicRequest:
 
 
 def checked(table: DHTable, request: SymbolicRequest) -> SymbolicRequest:
-    """The request, with the quantities in the order of :class:`Quantity`, each once.
+    """Return the request with its quantities in the order of :class:`Quantity`, each once.
 
     Raises:
-        InvalidOption: An option is none, a name cannot be used, or the budget is no duration.
-        UnknownFrame: There is no such frame, or not between base and frame.
+        InvalidOption: An option is unknown, a name cannot be used, or the time is not above 0.
+        UnknownFrame: There is no such frame, or it is not between base and frame.
     """
     if not request.quantities:
         raise InvalidOption(
@@ -111,9 +112,9 @@ def checked(table: DHTable, request: SymbolicRequest) -> SymbolicRequest:
         )
     if not (math.isfinite(request.time_budget) and request.time_budget > 0):
         raise InvalidOption(
-            "time_budget_ms is not above 0; give milliseconds",
-            argument="time_budget_ms",
-            value=request.time_budget * 1e3,
+            "time_budget is not above 0; give seconds",
+            argument="time_budget",
+            value=request.time_budget,
             lower=0.0,
         )
     if request.base not in (BASE, "frame_0"):
@@ -130,7 +131,7 @@ def checked(table: DHTable, request: SymbolicRequest) -> SymbolicRequest:
 
 
 def quantity_from(name: str, argument: str = "quantities", index: Location = ()) -> Quantity:
-    """A quantity by name.
+    """Return a quantity by name.
 
     Raises:
         InvalidOption: There is none of this name.
@@ -147,7 +148,7 @@ def quantity_from(name: str, argument: str = "quantities", index: Location = ())
 
 
 def notation_from(name: str, argument: str = "format", index: Location = ()) -> Notation:
-    """A notation by name.
+    """Return a notation by name.
 
     Raises:
         InvalidOption: There is none of this name.
@@ -164,7 +165,7 @@ def notation_from(name: str, argument: str = "format", index: Location = ()) -> 
 
 
 def frames_between(table: DHTable, base: str, frame: str) -> tuple[str, ...]:
-    """Names of the frames from the base to a frame."""
+    """Return the names of the frames from the base to a frame."""
     last = table.tip_row if frame == TOOL else int(frame.removeprefix("frame_"))
     start = (base,) if base == "frame_0" else (base, "frame_0")
     path = (f"frame_{k + 1}" for k in path_to(table, last))
@@ -172,10 +173,10 @@ def frames_between(table: DHTable, base: str, frame: str) -> tuple[str, ...]:
 
 
 def check_symbols(table: DHTable, request: SymbolicRequest) -> None:
-    """Refuses names that cannot be used.
+    """Refuse names that cannot be used.
 
     Raises:
-        InvalidOption: Its index is the name.
+        InvalidOption: A name is unknown, cannot be used, or stands for unequal lengths.
     """
     if len(request.symbols) > MAX_SYMBOLS:
         raise InvalidOption(

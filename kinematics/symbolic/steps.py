@@ -1,6 +1,6 @@
 """A chain of frames as elementary steps, and the frames' poses as polynomials.
 
-Turns about parallel axes are added up before their cosine is taken, so that C23 appears by itself.
+Rotations about parallel axes are added before their cosine is taken, which yields C23 directly.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from kinematics.symbolic.polynomial import ONE, ZERO, Polynomial
 
 Vector: TypeAlias = tuple[Polynomial, Polynomial, Polynomial]
 Rotation: TypeAlias = tuple[Vector, Vector, Vector]
-"""By columns: the axes x, y, z."""
+"""Columns: the axes x, y, z."""
 
 NOWHERE: Vector = (ZERO, ZERO, ZERO)
 UNTURNED: Rotation = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
@@ -24,14 +24,14 @@ UNTURNED: Rotation = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
 
 @dataclass(frozen=True)
 class AboutZ:
-    """A turn about z by an angle with joint variables."""
+    """A rotation about z by an angle with joint variables."""
 
     angle: Angle
 
 
 @dataclass(frozen=True)
 class AboutX:
-    """A turn about x by a constant angle, rad."""
+    """A rotation about x by a constant angle, rad."""
 
     angle: float
 
@@ -55,7 +55,7 @@ Step: TypeAlias = AboutZ | AboutX | Shift | Turn
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a frame stands; all polynomials.
+    """Pose of a frame as polynomials.
 
     Attributes:
         axes: Its axes x, y, z as columns.
@@ -66,13 +66,13 @@ class Pose:
     origin: Vector = NOWHERE
 
     def matrix(self) -> list[list[Polynomial]]:
-        """4x4."""
+        """Return the 4x4 matrix."""
         rows = [[*(axis[i] for axis in self.axes), self.origin[i]] for i in range(3)]
         return [*rows, [ZERO, ZERO, ZERO, ONE]]
 
 
 def backwards(steps: Iterable[Step]) -> list[Step]:
-    """The steps that lead back."""
+    """Return the inverse steps."""
     found: list[Step] = []
     for step in steps:
         if isinstance(step, AboutZ):
@@ -88,24 +88,24 @@ def backwards(steps: Iterable[Step]) -> list[Step]:
 
 
 def negated(v: Vector) -> Vector:
-    """``-v``."""
+    """Return ``-v``."""
     return (-v[0], -v[1], -v[2])
 
 
 def added(v: Vector, w: Vector) -> Vector:
-    """``v + w``."""
+    """Return ``v + w``."""
     return (v[0] + w[0], v[1] + w[1], v[2] + w[2])
 
 
 def times(v: Vector, factor: Polynomial) -> Vector:
-    """``factor v``."""
+    """Return ``factor v``."""
     if not factor:
         return NOWHERE
     return (v[0] * factor, v[1] * factor, v[2] * factor)
 
 
 def cross(v: Vector, w: Vector) -> Vector:
-    """``v x w``."""
+    """Return ``v x w``."""
     return (
         v[1] * w[2] - v[2] * w[1],
         v[2] * w[0] - v[0] * w[2],
@@ -114,20 +114,20 @@ def cross(v: Vector, w: Vector) -> Vector:
 
 
 def combination(axes: Rotation, v: Vector) -> Vector:
-    """``R v``."""
+    """Return ``R v``."""
     return added(added(times(axes[0], v[0]), times(axes[1], v[1])), times(axes[2], v[2]))
 
 
 @dataclass
 class Walker:
-    """Goes along steps; ``R = outer Rz(angle) F`` with F the identity or a half turn about x.
+    """Accumulates steps; ``R = outer Rz(angle) F`` with F the identity or a half turn about x.
 
     Attributes:
         names: Symbols of the computation.
         outer: Rotation up to the last axis that was not parallel.
-        angle: What was turned about it since.
+        angle: Rotation about it since, rad.
         flipped: Whether z points against that axis.
-        origin: Where we are.
+        origin: The current origin.
     """
 
     names: Names
@@ -137,7 +137,7 @@ class Walker:
     origin: Vector = NOWHERE
 
     def go(self, steps: Iterable[Step]) -> Pose:
-        """Takes steps; where they lead."""
+        """Take steps and return the pose."""
         for step in steps:
             self._take(step)
         return Pose(self._axes(), self.origin)
@@ -185,12 +185,12 @@ class Walker:
 
 
 def about_z(angle: float, joint: int | None = None, sign: int = 1) -> list[Step]:
-    """A turn about z by ``sign q + angle``; nothing for a constant 0."""
+    """Return the rotation about z by ``sign q + angle``; nothing for a constant 0."""
     if joint is None and twelfths(angle) == 0:
         return []
     return [AboutZ(Angle(((joint, sign),) if joint else (), math.remainder(angle, 2 * math.pi)))]
 
 
 def along(x: Polynomial = ZERO, z: Polynomial = ZERO) -> list[Step]:
-    """A translation along x and z; nothing for 0."""
+    """Return the translation along x and z; nothing for 0."""
     return [Shift((x, ZERO, z))] if x or z else []

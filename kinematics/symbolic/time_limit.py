@@ -1,4 +1,4 @@
-"""Calls that end when their time is up; for the main thread of a process of its own."""
+"""Calls with a time limit; for the main thread of a process of its own."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from kinematics.symbolic.polynomial import TooManyTerms
 
 T = TypeVar("T")
 GRACE_SECONDS = 15
-"""What a worker has beside its time budget: to start, and for what comes before and after."""
+"""Time of a worker beside its time budget, s: start, and work before and after."""
 HEADER = 8
 """Bytes of a task's length, big-endian."""
 
 
 class Unfinished(Exception):
-    """A call that did not end; its text says why."""
+    """A call that did not end; the text is the reason."""
 
 
 class _Alarm(BaseException):
-    """No Exception, so that no library takes it for one of its own."""
+    """Raised by the alarm; not an Exception, so that no library handles it."""
 
 
 def limited(seconds: float, call: Callable[[], T]) -> T:
-    """Calls, for so many seconds at most.
+    """Call a function with a time limit, s.
 
     Raises:
-        Unfinished: The time was up, the memory full, or a polynomial grew beyond its limit.
+        Unfinished: The time was up, memory was exhausted, or a polynomial exceeded its limit.
     """
     if seconds <= 0:
         raise Unfinished("out of time")
@@ -49,7 +49,7 @@ def _alarm(seconds: float) -> Iterator[None]:
         raise _Alarm
 
     signal.signal(signal.SIGALRM, ring)
-    # Again and again: an alarm that falls into a destructor or a callback is lost.
+    # Repeated: an alarm in a destructor or a callback is lost.
     signal.setitimer(signal.ITIMER_REAL, seconds, 0.1)
     try:
         yield

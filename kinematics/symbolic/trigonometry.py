@@ -1,4 +1,4 @@
-"""What holds between sines and cosines: squares, and sums of angles."""
+"""Identities of sines and cosines: squares, and sums of angles."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from kinematics.symbolic.polynomial import (
 )
 
 MAX_DEGREE = 6
-"""Products of more sines and cosines of dependent angles than this are left alone."""
+"""Number of sines and cosines of dependent angles above which a product is not changed."""
 
 _Exponents = tuple[tuple[str, int], ...]
 """``e^(i Σ n ψ)`` as (label of ψ, n), sorted, without zeros."""
 
 
 def reduced(p: Polynomial, names: Names, keep: str = "C") -> Polynomial:
-    """Replaces ``S²`` by ``1 - C²`` and ``√2²`` by 2; a normal form while angles are independent.
+    """Replace ``S²`` by ``1 - C²`` and ``√2²`` by 2; a normal form while angles are independent.
 
     Args:
         p: The polynomial.
@@ -70,10 +70,10 @@ def _reduced_terms(
 
 
 def combined(p: Polynomial, names: Names) -> Polynomial:
-    """Joins sums of angles where that makes it shorter: ``C2 C3 - S2 S3`` becomes ``C23``.
+    """Join sums of angles where that is shorter: ``C2 C3 - S2 S3`` becomes ``C23``.
 
-    Sines and cosines of angles that share joints are written as exponentials, where equal things
-    look equal, and back.
+    Sines and cosines of angles that share joints are converted to exponentials, in which equal
+    terms have one form, and back.
     """
     for family in _families(p, names):
         symbols = {f"{letter}{label}" for label in family for letter in "CS"}
@@ -98,7 +98,7 @@ def _weight(terms: Iterable[Monomial]) -> int:
 
 
 def _families(p: Polynomial, names: Names) -> list[set[str]]:
-    """Labels of angles that share joints, two or more a family."""
+    """Return the labels of angles that share joints, two or more a family."""
     families: list[tuple[set[str], set[int]]] = []
     for name in sorted(p.symbols()):
         angle = names.angle_of(name)
@@ -117,7 +117,7 @@ def _families(p: Polynomial, names: Names) -> list[set[str]]:
 
 
 def _joined(terms: dict[Monomial, Coefficient], names: Names) -> Polynomial | None:
-    """As a sum of single sines and cosines; None where that needs multiples such as 2 q2."""
+    """Return a sum of single sines and cosines; None where that needs multiples such as 2 q2."""
     if len(terms) < 2 or any(sum(e for _, e in monomial) > MAX_DEGREE for monomial in terms):
         return None
     waves: dict[_Exponents, tuple[Coefficient, Coefficient]] = {}
@@ -134,7 +134,7 @@ def _joined(terms: dict[Monomial, Coefficient], names: Names) -> Polynomial | No
         if any(abs(n) > 1 for _, n in angle.multiples):
             return None
         cosine, sine = names.cos_sin(angle) if exponents else (Polynomial.constant(1), ZERO)
-        # Its conjugate, -exponents, brings the other half and cancels the imaginary part.
+        # Its conjugate, -exponents, adds the other half and cancels the imaginary part.
         result += cosine.scaled(_plain(real)) + sine.scaled(_plain(-imaginary))
     return result
 
@@ -147,7 +147,7 @@ def _plain(value: Coefficient) -> Coefficient:
 def _exponentials(
     monomial: Monomial, coefficient: Coefficient
 ) -> list[tuple[_Exponents, Coefficient, Coefficient]]:
-    """``C = (E + 1/E)/2`` and ``S = (E - 1/E)/(2i)``, multiplied out."""
+    """Multiply out ``C = (E + 1/E)/2`` and ``S = (E - 1/E)/(2i)``."""
     parts: list[tuple[dict[str, int], Coefficient, Coefficient]] = [({}, coefficient, Fraction(0))]
     for name, exponent in monomial:
         letter, label = name[0], name[1:]
@@ -165,13 +165,13 @@ def _exponentials(
 
 
 def angle_labels(p: Polynomial, names: Names) -> list[str]:
-    """Labels of the angles in it, from the base to the tip."""
+    """Return the labels of the angles in it, from the base to the tip."""
     labels = {name[1:] for name in p.symbols() if names.angle_of(name) is not None}
     return sorted(labels, key=lambda label: names.order(f"C{label}"))
 
 
 def shortest(p: Polynomial, names: Names) -> Polynomial:
-    """The shortest of the equal polynomials that squares and sums of angles lead to."""
+    """Return the shortest of the equal polynomials found by squares and sums of angles."""
     candidates = [reduced(p, names), reduced(p, names, keep="S")]
     joined = [combined(candidate, names) for candidate in candidates]
     candidates += joined

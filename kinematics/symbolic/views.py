@@ -1,4 +1,4 @@
-"""What was written down, as an answer: nested lists of strings, a listing, or source code."""
+"""Results as an answer: nested lists of strings, a listing, or source code."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _FUNCTIONS = {
 
 
 def view(entries: Entries, write: Writer) -> Any:
-    """A quantity as nested lists of strings."""
+    """Return a quantity as nested lists of strings."""
     grids = [[[write(entry) for entry in row] for row in grid] for grid in entries.written]
     if entries.quantity in (Quantity.A, Quantity.T0):
         return grids
@@ -44,12 +44,12 @@ def view(entries: Entries, write: Writer) -> Any:
 def determinant_view(
     found: Determinant, names: Sequence[str], write: Writer, work: Work
 ) -> dict[str, Any]:
-    """What is given of det J; J itself where its determinant was not found.
+    """Return det J as it was found; J itself where its determinant was not found.
 
     Args:
         found: The determinants.
         names: Names of the joints.
-        write: How expressions are written.
+        write: Writer of expressions.
         work: Simplifies the entries of J.
     """
     square = len(found.minors) == 1
@@ -95,7 +95,7 @@ def _alone(factor: str | Sum) -> Sum:
 
 
 def used_symbols(entries: Sequence[Entries], determinant: Determinant | None) -> set[str]:
-    """Every symbol in what was written."""
+    """Return every symbol that occurs."""
     found: set[str] = set()
     for one in entries:
         for grid in one.written:
@@ -111,7 +111,7 @@ def used_symbols(entries: Sequence[Entries], determinant: Determinant | None) ->
 
 
 def definitions(used: set[str], names: Names) -> dict[str, str]:
-    """``{"C1": "cos(q1)", …}``, from the base to the tip."""
+    """Return ``{"C1": "cos(q1)", …}``, from the base to the tip."""
     turning = [name for name in used if names.kind(name) is Kind.TRIGONOMETRIC]
     return {name: names.definition(name) for name in sorted(turning, key=names.order)}
 
@@ -125,7 +125,7 @@ def source(
     *,
     share: bool,
 ) -> str:
-    """The quantities as functions of Python or C."""
+    """Return the quantities as functions of Python or C."""
     functions = []
     words = {
         "frame": request.frame,
@@ -162,10 +162,10 @@ def _determinant_function(determinant: Determinant) -> Function:
 
 
 def writer_of(notation: Notation) -> Writer:
-    """How leaves of an answer are written: LaTeX, else short names."""
+    """Return the writer of an answer's entries: LaTeX, else short names."""
     return latex if notation is Notation.LATEX else text
 
 
 def characters(entries: Entries, write: Writer) -> int:
-    """Length of a quantity as text."""
+    """Return the length of a quantity as text."""
     return sum(len(write(entry)) for grid in entries.written for row in grid for entry in row)

@@ -1,9 +1,9 @@
-"""The process that does the work: tables and requests in, answers out, a line of JSON each.
+"""The worker process: reads tables and requests, writes answers, one line of JSON each.
 
-It loads what it needs, then reads one task after another from standard input (its length in eight
+It imports its libraries, then reads one task after another from standard input (its length in eight
 bytes, then a pickle) and writes the plain answer, the simplified one, and an empty line. It limits
-its own memory and processor time; who started it may kill it at any moment and keep the last line.
-It ends with its standard input, also in the middle of a task: who would read the answer is gone.
+its own memory and processor time; its parent may kill it at any moment and keep the last line. It
+ends when its standard input closes, also in the middle of a task, as no one reads the answer then.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 GIGABYTE = 1 << 30
 MEMORY = 2 * GIGABYTE
 TASKS = 100
-"""After so many another process takes over, so that what libraries keep does not pile up."""
+"""Number of tasks after which the process is replaced, as libraries accumulate memory."""
 
 
 def main() -> None:
-    """Does tasks until there are no more."""
+    """Process tasks until there are no more."""
     threading.Thread(target=_end_with_input, daemon=True).start()
     os.nice(5)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
@@ -44,15 +44,15 @@ def main() -> None:
 
 
 def _end_with_input() -> None:
-    """Waits until nobody can write to standard input any more."""
+    """Wait until standard input is closed, and end the process."""
     watch = select.poll()
-    watch.register(sys.stdin.fileno(), 0)  # with no event asked for, only the end is told
+    watch.register(sys.stdin.fileno(), 0)  # without requested events, poll reports the end only
     watch.poll()
     os._exit(0)
 
 
 def _done(task: bytes) -> bool:
-    """Does one task; whether this process is fit for another."""
+    """Process one task; return whether this process is fit for another."""
     table, request = pickle.loads(task)
     used = resource.getrusage(resource.RUSAGE_SELF)
     seconds = int(used.ru_utime + used.ru_stime + request.time_budget) + GRACE_SECONDS

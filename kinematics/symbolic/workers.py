@@ -1,4 +1,4 @@
-"""Symbolic work in processes of its own, which are killed when they take too long."""
+"""Symbolic work in processes of their own, which are killed when they take too long."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from kinematics.symbolic.time_limit import GRACE_SECONDS, HEADER
 
 ROOT = Path(__file__).parents[2]
 LOOK = 0.2
-"""Seconds between two looks at whether anybody still waits."""
+"""Interval of checks whether the result is still wanted, s."""
 PATIENCE = 10.0
-"""Seconds that a request waits for a worker."""
+"""Longest wait for a worker, s."""
 WAITING = 4
-"""Requests that wait; more are turned away at once."""
+"""Largest number of waiting computations; more are refused at once."""
 CACHE_CHARACTERS = 32_000_000
-"""Bound on the answers in memory."""
+"""Largest size of the cached answers, characters."""
 _LOG = logging.getLogger(__name__)
 _READ = 1 << 20
 
@@ -45,10 +45,10 @@ class SymbolicUnavailable(KinematicsError):
 
 
 class WorkersBusy(KinematicsError):
-    """Every worker is at work, or the work was stopped from outside.
+    """Every worker is busy, or the work was stopped from outside.
 
     Attributes:
-        retry_after: Seconds after which to ask again.
+        retry_after: Time after which to try again, s.
     """
 
     def __init__(self, message: str, retry_after: float) -> None:
@@ -57,11 +57,11 @@ class WorkersBusy(KinematicsError):
 
 
 class SymbolicWorkers:
-    """At most so many processes at a time, and the answers that were found.
+    """A bounded number of worker processes, and a cache of their answers.
 
-    Answers are kept by the content of table and request, the oldest dropped first. A process that
-    has finished its task waits for the next; it ends with its standard input, so with this process
-    at the latest.
+    Answers are cached by the content of table and request, the oldest dropped first. A process
+    that has finished its task waits for the next; it ends when its standard input closes, so with
+    this process at the latest.
     """
 
     def __init__(self, workers: int = 1) -> None:
@@ -72,7 +72,7 @@ class SymbolicWorkers:
         self._idle: list[subprocess.Popen[bytes]] = []
 
     def close(self) -> None:
-        """Ends the processes that wait for work."""
+        """End the idle processes."""
         with self._lock:
             idle, self._idle = self._idle, []
         for process in idle:
@@ -80,12 +80,12 @@ class SymbolicWorkers:
                 process.kill()
 
     def run(self, table: DHTable, request: SymbolicRequest) -> dict[str, Any]:
-        """Writes down what is asked; see :meth:`kinematics.symbolic.writing.Writing.answer`.
+        """Return the answer to a request; see :meth:`kinematics.symbolic.writing.Writing.answer`.
 
-        Blocks until the answer is there, at most for the time budget and a fixed grace.
+        Blocks until the answer is complete, at most for the time budget and a fixed grace.
 
         Raises:
-            InvalidOption: An option is none.
+            InvalidOption: An option is invalid.
             UnknownFrame: There is no such frame.
             SymbolicUnavailable: SymPy is not installed.
             WorkersBusy: No worker was free in time, or it was killed from outside.
@@ -121,7 +121,7 @@ class SymbolicWorkers:
         return line
 
     def _work(self, table: DHTable, request: SymbolicRequest) -> str:
-        """The last answer of a worker: all of it, or what it had when it was stopped."""
+        """Return the last answer of a worker: complete, or up to when it was stopped."""
         process = self._process()
         finished = False
         try:
@@ -142,7 +142,7 @@ class SymbolicWorkers:
         return lines[-1]
 
     def _process(self) -> subprocess.Popen[bytes]:
-        """One that waits for work, or a new one."""
+        """Return an idle process, or a new one."""
         while True:
             with self._lock:
                 if not self._idle:
@@ -162,7 +162,7 @@ class SymbolicWorkers:
             return line
 
     def _keep(self, key: bytes, line: str, budget: float) -> None:
-        """Keeps an answer; one that is simplified throughout serves any budget."""
+        """Keep an answer; one that is simplified throughout serves any time budget."""
         answer = json.loads(line)
         if "error" in answer:
             return
@@ -200,7 +200,7 @@ def _started() -> subprocess.Popen[bytes]:
 
 
 def _lines(process: subprocess.Popen[bytes], task: bytes, budget: float) -> tuple[list[str], bool]:
-    """Complete lines that arrive before the deadline, and whether the task is finished."""
+    """Return the complete lines before the deadline, and whether the task is finished."""
     assert process.stdin is not None
     assert process.stdout is not None
     wanted = current()

@@ -25,15 +25,15 @@ from kinematics.symbolic.views import (
 from kinematics.task import ROWS
 
 PLAIN_SECONDS = 6.0
-"""For writing everything down as it comes."""
+"""Time for writing everything without simplification, s."""
 CODE_SHARE = 0.3
-"""Of the time budget: for finding common subexpressions."""
+"""Share of the time budget for common subexpressions."""
 MAX_CHARACTERS = 1_000_000
-"""Of one quantity."""
+"""Largest size of one quantity, characters."""
 
 
 class Writing:
-    """The answer to one request, as it grows."""
+    """The growing answer to one request."""
 
     def __init__(self, table: DHTable, request: SymbolicRequest) -> None:
         self.table = table
@@ -47,7 +47,7 @@ class Writing:
         self._shared = False
 
     def plain(self) -> None:
-        """Writes everything down as it comes; what is too large is left out and said so."""
+        """Write everything without simplification; note what is too large and left out."""
         end = time.monotonic() + PLAIN_SECONDS
         for quantity in self.request.quantities:
             left = end - time.monotonic()
@@ -62,7 +62,7 @@ class Writing:
             self._write_code(end - time.monotonic(), share=False)
 
     def simplify(self) -> None:
-        """Simplifies one quantity after the other until the time budget is spent."""
+        """Simplify one quantity after the other until the time budget is spent."""
         coding = self.request.notation in CODE
         end = time.monotonic() + self.request.time_budget
         simplified_by = end - (CODE_SHARE * self.request.time_budget if coding else 0.0)
@@ -75,7 +75,7 @@ class Writing:
             self._write_code(end - time.monotonic(), share=True)
 
     def answer(self) -> dict[str, Any]:
-        """What is known so far, ready for JSON."""
+        """Return the answer so far, ready for JSON."""
         request, names = self.request, self.work.names
         used = used_symbols(self.entries, self.determinant)
         joints = [self.table.rows[k].name for k in self.table.moving_rows]

@@ -1,4 +1,4 @@
-"""Capsules about shapes: the shape itself where it is one, else the least of volume about it."""
+"""Bounding capsules of shapes: the shape itself where it is one, else that of least volume."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from robots.robot import FloatArray
 from robots.shapes import Shape
 
 LENGTHS = 257
-"""Lengths that are tried; every one of them bounds the shape, the choice alone is approximate."""
+"""Lengths that are tried; each bounds the shape, only the choice of the least is approximate."""
 
 
 @dataclass(frozen=True, eq=False)
 class BoundingCapsule:
-    """A capsule that holds a shape.
+    """A capsule that contains a shape.
 
     Attributes:
         start: One end of its segment, in the link's axes, shape (3,), m.
         end: The other.
         radius: m.
-        excess: How far it sticks out of the shape at most, m; 0 where it is the shape.
+        excess: Largest distance of its surface from the shape, m; 0 where it is the shape.
     """
 
     start: FloatArray
@@ -31,7 +31,7 @@ class BoundingCapsule:
 
 
 def bounding_capsule(shape: Shape) -> BoundingCapsule:
-    """The capsule about a shape other than a mesh, its segment along an axis of the shape.
+    """Return the capsule about a shape that is no mesh, its segment along an axis of the shape.
 
     A segment of half length h along an axis on which the shape has half length c reaches a rim of
     radius ρ with the radius ``√(ρ² + (c − h)²)``; of all h, and of a box's three axes, the least
@@ -54,7 +54,7 @@ def bounding_capsule(shape: Shape) -> BoundingCapsule:
 
 
 def _least(rim: float, c: float) -> tuple[float, float, float]:
-    """Half length and radius of the least volume, and the volume."""
+    """Return half length and radius of the capsule of least volume, m, and the volume, m³."""
     h = np.linspace(0.0, c, LENGTHS)
     R = np.hypot(rim, c - h)
     volume = np.pi * R * R * (2 * h + 4 / 3 * R)

@@ -20,7 +20,7 @@ TINY = 1e-12
 
 @jit
 def pair_distance(A: Array, B: Array, obstacle: Array, out: Array) -> float:
-    """Signed distance between a segment and an obstacle's surface.
+    """Return the signed distance between a segment and an obstacle's surface, m.
 
     Args:
         A: Start of the segment, shape (3,).
@@ -62,7 +62,7 @@ def _to_point(A: Array, B: Array, c: Array, flat: bool, out: Array) -> float:
 def _direction(
     x: float, y: float, z: float, dx: float, dy: float, dz: float, t: float, out: Array
 ) -> float:
-    """Length of (x, y, z); its direction, or one across the segment where it vanishes."""
+    """Return the length of (x, y, z), and write its direction; across the segment if it is zero."""
     length = math.sqrt(x * x + y * y + z * z)
     out[0] = t
     if length > TINY:
@@ -106,7 +106,7 @@ def _to_segment(A: Array, B: Array, P: Array, Q: Array, out: Array) -> float:
             elif t > 1.0:
                 t, s = 1.0, min(1.0, max(0.0, (b - c) / a))
     x, y, z = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
-    if x * x + y * y + z * z <= TINY * TINY:  # they cross: apart along the common normal
+    if x * x + y * y + z * z <= TINY * TINY:  # they cross: separated along the common normal
         x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         _direction(x, y, z, ux, uy, uz, s, out)
         return 0.0
@@ -115,7 +115,7 @@ def _to_segment(A: Array, B: Array, P: Array, Q: Array, out: Array) -> float:
 
 @inner
 def _to_box(A: Array, B: Array, box: Array, out: Array) -> float:
-    """Segment to box: a piecewise quadratic along the segment outside, separating axes inside."""
+    """Return the distance of a segment to a box, m; negative inside, by separating axes."""
     a, d = np.empty(3), np.empty(3)
     for i in range(3):
         u = box[7 + 3 * i : 10 + 3 * i]
@@ -205,9 +205,9 @@ def _slope(a: Array, d: Array, box: Array, t: float) -> float:
 
 @inner
 def link_distance(W: Array, S: Array, k: int, obstacle: Array, out: Array) -> float:
-    """Clearance of link k, after ``link_points``; out as of :func:`pair_distance`.
+    """Return the clearance of link k, m, after ``link_points``; out as of :func:`pair_distance`.
 
-    Of a link that is not ``WHOLE`` a half-space counts the end alone.
+    For a half-space, only the end of a link that is not ``WHOLE`` counts.
     """
     P = W[len(W) - len(S) + k]
     if obstacle[0] == 3.0 and S[k, WHOLE] == 0.0:
@@ -219,7 +219,7 @@ def link_distance(W: Array, S: Array, k: int, obstacle: Array, out: Array) -> fl
 def link_gradient(
     W: Array, is_revolute: Array, K: int, S: Array, k: int, out: Array, half: bool, g: Array
 ) -> None:
-    """Gradient of a link's distance with respect to q, from its witness; g of shape (K,)."""
+    """Compute the gradient in q of a link's distance from its witness; g of shape (K,)."""
     t, nx, ny, nz = out[0], out[1], out[2], out[3]
     if half and S[k, WHOLE] == 0.0:
         t = 1.0
@@ -245,7 +245,7 @@ def link_gradient(
 
 @inner
 def least_distance(W: Array, S: Array, obstacles: Array, out: Array) -> tuple[float, int, int]:
-    """The smallest clearance of all links and obstacles, and whose."""
+    """Return the smallest clearance of all links and obstacles, m, with link and obstacle."""
     best, link, which = math.inf, -1, -1
     for k in range(len(S)):
         for o in range(len(obstacles)):
@@ -266,7 +266,7 @@ def clearances(
     found: Array,
     whose: Array,
 ) -> None:
-    """Least clearance at many configurations.
+    """Compute the least clearance at many configurations, m.
 
     Args:
         C: Constants of the chain.
@@ -298,7 +298,7 @@ def near_pairs(
     g: Array,
     whose: Array,
 ) -> tuple[int, float]:
-    """Pairs of link and obstacle that are nearer than ``within``: clearances and gradients.
+    """List pairs of link and obstacle nearer than ``within``, with clearances and gradients.
 
     Args:
         C: Constants of the chain.
@@ -308,7 +308,7 @@ def near_pairs(
         S: Links, shape (L, 11).
         within: Largest clearance of a pair that is listed, m.
         W: Workspace.
-        d: Filled: clearances, shape (P,); pairs beyond P are left out, the nearest are not.
+        d: Filled: clearances, m, shape (P,); of more than P pairs the nearest are listed.
         g: Filled: gradients, shape (P, K).
         whose: Filled: link and obstacle, shape (P, 2).
 
@@ -326,7 +326,7 @@ def near_pairs(
             if c > within:
                 continue
             place = count
-            if count == most:  # full: in the place of the farthest, if that is farther
+            if count == most:  # full: replaces the farthest, if that is farther
                 place = 0
                 for i in range(1, most):
                     if d[i] > d[place]:
@@ -354,7 +354,7 @@ def listed_pairs(
     d: Array,
     g: Array,
 ) -> None:
-    """Clearances and gradients of given pairs; see :func:`near_pairs`."""
+    """Compute clearances and gradients of given pairs; see :func:`near_pairs`."""
     K = len(is_revolute)
     out = np.empty(4)
     link_points(C, is_revolute, q, S, W)

@@ -1,9 +1,10 @@
-"""The links of an arm from the shapes of its URDF, and what stands still or is not known of it.
+"""Links of an arm as capsules, from the shapes of its URDF, with warnings about gaps.
 
-Whatever the arm's joints move is to keep clear of obstacles: also what lies beyond the frame
-(fingers, a tool, the rest of the arm), and side branches. Joints that are not between base and
-frame stand still, so that is carried along as it is at the start. What no joint of the arm moves,
-such as its base, is not counted: no motion could do anything about it. It is looked at once.
+Everything that the arm's joints move keeps clear of obstacles, also what lies beyond the frame
+(fingers, a tool, the rest of the arm) and on side branches. Joints that are not between base and
+frame are fixed, so that these parts keep their placement at the start. Parts that no joint of the
+arm moves, such as its base, are not included, as no motion changes their clearance; it is checked
+once.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class Part:
         shape: box, cylinder, sphere, capsule, or segment (between joint origins).
         radius: Of the capsule, m.
         length: Of its segment, m; None of a segment between joint origins, which may change.
-        excess: How far the capsule sticks out of the shape at most, m.
+        excess: Largest distance of the capsule's surface from the shape, m.
     """
 
     link: str
@@ -49,15 +50,15 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class LinkGeometry:
-    """What an arm consists of.
+    """Links of an arm.
 
     Attributes:
         links: The capsules.
-        parts: The same for people, one each.
-        warnings: What is not known of it.
-        fixed: Capsules, as obstacles are coded, of what no joint moves; shape (n, 7): start, end,
-            radius, in base axes.
-        fixed_names: Their links.
+        parts: Description of each.
+        warnings: What the capsules do not cover.
+        fixed: Capsules of parts that no joint moves; shape (n, 7): start, end, radius, m, in base
+            axes.
+        fixed_names: Names of their links.
     """
 
     links: Links
@@ -68,16 +69,16 @@ class LinkGeometry:
 
 
 def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometry:
-    """The links of an arm from its URDF.
+    """Return the links of an arm from its URDF.
 
-    What a joint moves is the capsules about its boxes, cylinders, spheres and capsules. Where it
-    also moves a mesh (meshes are not read) or nothing that has a shape, the segment to the next
-    joint's origin is kept as well, with the radius given for it.
+    Each joint moves the capsules about its boxes, cylinders, spheres and capsules. Where it also
+    moves a mesh (meshes are not read), or nothing with a shape, the segment to the next joint's
+    origin is added, with the radius given for it.
 
     Args:
         arm: The arm.
-        start: Whole configuration, shape (dof,): where the other joints stand.
-        radii: Of the segments that are kept, m; shape (K,).
+        start: Configuration of all joints, shape (dof,), rad and m; fixes the other joints.
+        radii: Radii of the segments that are added, m; shape (K,).
     """
     shapes = link_shapes(arm.robot)
     poses, carriers = _placements(arm, start, shapes)
@@ -119,7 +120,7 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
 
 
 def too_near(geometry: LinkGeometry, obstacles: FloatArray, d_safe: float) -> tuple[str, ...]:
-    """Warnings of what no joint moves and is nearer to an obstacle than d_safe."""
+    """Return warnings about fixed parts that are nearer to an obstacle than d_safe."""
     found, out = [], np.empty(4)
     for capsule, name in zip(geometry.fixed, geometry.fixed_names, strict=True):
         for k, obstacle in enumerate(obstacles):
@@ -141,7 +142,7 @@ def _part(arm: Arm, carrier: int, shape: Shape, capsule: BoundingCapsule) -> Par
 def _placements(
     arm: Arm, start: FloatArray, shapes: Sequence[Shape]
 ) -> tuple[dict[str, FloatArray], dict[str, int]]:
-    """Of each link with a shape: its pose in base axes, and the joint of the chain that carries it.
+    """Return the pose of each link with a shape, in base axes, and the joint that moves it.
 
     The carrier is the last joint of the chain between the base and the link, -1 for none.
     """
@@ -171,7 +172,7 @@ def _ancestors(model: pin.Model, joint: int) -> frozenset[int]:
 
 
 def _carriers(arm: Arm, start: FloatArray) -> list[FloatArray]:
-    """Pose of each joint of the chain, as the compiled kinematics sees it, in base axes, 4x4."""
+    """Return the pose of each joint of the chain in base axes, 4x4."""
     chain, q, poses = arm.chain, arm.reduced(start), []
     T = _square(chain.placements[0])
     for k in range(arm.K):

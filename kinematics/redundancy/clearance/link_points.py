@@ -1,8 +1,8 @@
-"""Compiled: where the links of an arm are at a configuration.
+"""Compiled placement of the links of an arm at a configuration.
 
-Links are the rows S of :class:`~.links.Links`, capsules whose ends are carried
-by joints; row K of the carriers is the frame. Their ends are put into the last rows of the
-workspace, which :func:`kinematics.redundancy.kernel.workspace` makes long enough.
+Links are the rows S of :class:`~.links.Links`, capsules whose ends are fixed to joints; row K of
+the carriers is the frame. Their ends are written to the last rows of the workspace, which
+:func:`kinematics.redundancy.kernel.workspace` makes long enough.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from kinematics.compiled import inner, jit
 from kinematics.kernels import Array, forward
 
 RADIUS, OFFSET, WHOLE, TURNED = 2, 3, 9, 10
-"""Columns of S: after the carriers of start and end; see :class:`..links.Links`."""
+"""Columns of S after the carriers of start and end; see :class:`..links.Links`."""
 
 
 @inner
 def link_points(C: Array, is_revolute: Array, q: Array, S: Array, W: Array) -> None:
-    """The joints' axes and origins, the frame's origin, and the ends of the links.
+    """Compute the joints' axes and origins, the frame's origin, and the ends of the links, m.
 
     Rows 0 to K - 1 of W get axis and origin (and, where a link needs it, the x axis in columns 6
     to 8), row K the frame's origin in columns 3 to 5, row K + 1 the pose, the last len(S) rows
@@ -51,7 +51,7 @@ def link_points(C: Array, is_revolute: Array, q: Array, S: Array, W: Array) -> N
 
 @jit
 def link_ends(C: Array, is_revolute: Array, Q: Array, S: Array, W: Array, out: Array) -> None:
-    """Start and end of every link at configurations of shape (n, K), into out, shape (n, L, 6)."""
+    """Compute start and end of every link at q of shape (n, K), into out, shape (n, L, 6), m."""
     for i in range(len(Q)):
         link_points(C, is_revolute, Q[i], S, W)
         for k in range(len(S)):
@@ -61,7 +61,7 @@ def link_ends(C: Array, is_revolute: Array, Q: Array, S: Array, W: Array, out: A
 
 @inner
 def _first_axes(C: Array, is_revolute: Array, trig: Array, K: int, W: Array) -> None:
-    """The x axis of each joint into columns 6 to 8 of its row, after ``forward``."""
+    """Write the x axis of each joint into columns 6 to 8 of its row, after ``forward``."""
     x, y, z = np.zeros(3), np.zeros(3), np.zeros(3)
     x[0] = y[1] = z[2] = 1.0
     for k in range(K):

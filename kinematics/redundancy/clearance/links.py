@@ -1,4 +1,4 @@
-"""The parts of an arm that are to keep clear of obstacles: capsules that its joints carry."""
+"""Parts of an arm that keep clear of obstacles: capsules fixed to its joints."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Links:
     Attributes:
         rows: Shape (L, 11), for the compiled distances: the carriers of start and end (a joint of
             the chain counted from 0, or K for the frame), the radius, start and end in the
-            carriers' axes from their origins, whether a half-space looks at the start as well, and
-            whether start and end lie off the carriers' origins. Lengths in m.
-        names: What a message calls each.
+            carriers' axes from their origins, whether the start counts for a half-space as well,
+            and whether start and end lie off the carriers' origins. Lengths in m.
+        names: Name of each in messages.
     """
 
     rows: FloatArray
@@ -33,11 +33,11 @@ class Links:
 
 
 def skeleton(arm: Arm, radii: FloatArray | float) -> Links:
-    """Capsules about the segments between successive joint origins, the last one to the frame.
+    """Return capsules about the segments between successive joint origins, the last to the frame.
 
-    A half-space counts a segment's start only where the segment before is thinner, so that no
-    point counts twice; the origin of a first joint that turns, which nothing moves, counts never:
-    an arm may stand on a floor.
+    For a half-space, the start of a segment counts only where the segment before is thinner, so
+    that no point counts twice. The origin of a revolute first joint, which nothing moves, never
+    counts: an arm may stand on a floor.
 
     Args:
         arm: The arm.
@@ -53,7 +53,7 @@ def skeleton(arm: Arm, radii: FloatArray | float) -> Links:
 
 
 def carried(carrier: int, start: FloatArray, end: FloatArray, radius: float) -> FloatArray:
-    """The row of a capsule in the axes of one joint, shape (11,)."""
+    """Return the row of a capsule in the axes of one joint, shape (11,)."""
     row = np.zeros(COLUMNS)
     row[:2] = carrier
     row[RADIUS] = radius

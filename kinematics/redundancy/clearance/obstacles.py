@@ -1,4 +1,4 @@
-"""Obstacles as requests give them -> rows of numbers for the compiled distances."""
+"""Obstacles: checks, and the rows of numbers that the compiled distances read."""
 
 from __future__ import annotations
 
@@ -8,17 +8,19 @@ from typing import TypeAlias
 
 import numpy as np
 
+from kinematics.bounds import MAX_VALUE, Bounds
 from kinematics.errors import InvalidOption
 from robots.robot import FloatArray
 
 SPHERE, CIRCLE, CAPSULE, HALF_SPACE, BOX = 0.0, 1.0, 2.0, 3.0, 4.0
 WIDTH = 16
-MAX_VALUE = 1e6
+RADIUS = Bounds(0.0, MAX_VALUE)
+"""Bounds of the radius of an obstacle, m."""
 
 
 @dataclass(frozen=True)
 class Sphere:
-    """A ball: center (3,) and radius, m."""
+    """A ball: center (3,) and radius, m, in base axes."""
 
     center: Sequence[float]
     radius: float
@@ -34,7 +36,7 @@ class CircleObstacle:
 
 @dataclass(frozen=True)
 class Capsule:
-    """What is nearer than radius to the segment from start to end, m."""
+    """The points nearer than radius to the segment from start to end, m."""
 
     start: Sequence[float]
     end: Sequence[float]
@@ -43,7 +45,7 @@ class Capsule:
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """What lies behind a plane: points p with normal · p < offset (m, of the unit normal)."""
+    """The points p behind a plane, normal · p < offset (m, along the unit normal)."""
 
     normal: Sequence[float]
     offset: float
@@ -63,11 +65,15 @@ _Place: TypeAlias = tuple[str, int]
 
 
 def encoded(obstacles: Sequence[Obstacle], argument: str = "obstacles") -> FloatArray:
-    """Obstacles as the compiled distances read them, shape (n, 16).
+    """Return obstacles as the compiled distances read them, shape (n, 16).
 
     A row holds the kind; then of a sphere and circle center and radius, of a capsule start, end
     and radius, of a half-space unit normal and offset, of a box center, half lengths and axes
-    (the columns of its rotation, one after the other).
+    (the columns of its rotation, one after the other). Lengths in m, in base axes.
+
+    Args:
+        obstacles: The obstacles.
+        argument: Name of the argument in errors.
 
     Raises:
         InvalidOption: A value is not finite, a radius negative, a size or normal zero.
@@ -139,13 +145,7 @@ def _vector(
 
 
 def _length(value: float, name: str, where: _Place) -> float:
-    if not 0 <= value <= MAX_VALUE:
-        raise InvalidOption(
-            f"{name} is {value:g}; give 0 to 1e6",
-            value=value,
-            lower=0.0,
-            upper=MAX_VALUE,
-            argument=where[0],
-            index=(where[1], name),
-        )
+    if value not in RADIUS:
+        argument, number = where
+        raise RADIUS.refusal(f"{name} is {value:g}; give 0 to 1e6", value, argument, (number, name))
     return value

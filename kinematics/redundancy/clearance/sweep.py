@@ -1,10 +1,10 @@
-"""Compiled: the least clearance between two configurations, joints moving in step.
+"""Compiled least clearance between two configurations, all joints moving linearly.
 
-Between samples q runs straight, so every point of a link moves with a bounded speed and a bounded
-acceleration. An interval of half width h about a configuration with clearance c of a link cannot
-come nearer than ``c − h v − h² a / 2``, v the largest speed of the link's ends there and a the
-bound on acceleration: intervals are halved until that bound says enough. Nothing is missed; the
-result is a lower bound that is attained but for ``RESOLUTION``.
+Between samples q moves on a straight line, so every point of a link has a bounded speed and a
+bounded acceleration. Within an interval of half width h about a configuration where a link has the
+clearance c, its clearance is at least ``c − h v − h² a / 2``, with v the largest speed of the
+link's ends there and a the bound on acceleration: intervals are halved until that bound suffices.
+The result is a lower bound that is attained up to ``RESOLUTION``.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from kinematics.redundancy.clearance.distances import least_distance, link_dista
 from kinematics.redundancy.clearance.link_points import OFFSET, link_points
 
 RESOLUTION = 1e-5
-"""What a reported swept clearance may be below the true one, m."""
+"""Largest difference of a reported swept clearance below the true one, m."""
 MAX_DEPTH = 40
 MAX_VISITS = 20_000
-"""Configurations looked at in one interval; then the bound is what is certain so far."""
+"""Configurations evaluated in one interval; then the bound proved so far is returned."""
 MAX_DISTANCES = 100_000_000
-"""Distances computed for a whole path, some seconds of work."""
+"""Distances computed for a whole path: some seconds."""
 
 
 @inner
 def reaches(W: Array, K: int, R: Array) -> None:
-    """R[j, k] ≥ the distance of joint j from joint k (K: the frame): the lengths between, added."""
+    """Compute bounds R[j, k] of the distance of joint j from joint k (K: the frame), m."""
     for j in range(K):
         total = 0.0
         for k in range(j + 1, K + 1):
@@ -53,7 +53,7 @@ def swept_clearance(
     W: Array,
     most: int = MAX_VISITS,
 ) -> float:
-    """A lower bound of the clearance of all configurations between a and b.
+    """Return a lower bound of the clearance of all configurations between a and b, m.
 
     Args:
         C: Constants of the chain.
@@ -62,10 +62,10 @@ def swept_clearance(
         b: The other.
         obstacles: Shape (M, 16).
         S: Links, shape (L, 11).
-        enough: Stops where the clearance is proved to be at least this, m.
-        resolution: How far the bound may be from an attained clearance, m.
+        enough: Clearance at whose proof the search stops, m.
+        resolution: Largest difference of the bound from an attained clearance, m.
         W: Workspace.
-        most: Configurations looked at before what is certain so far is taken.
+        most: Configurations evaluated before the bound proved so far is returned.
 
     Returns:
         The bound, m; at least ``enough`` where that is proved.
@@ -121,7 +121,7 @@ def swept_clearance(
 
 @inner
 def _lever(S: Array, R: Array, is_revolute: Array, j: int, k: int, end: int) -> float:
-    """Largest distance of joint j from an end of link k; 1 if it slides, 0 if it is beyond."""
+    """Return the largest distance of joint j from an end of link k; 1 if prismatic, 0 if beyond."""
     row = int(S[k, end])
     if j > row:
         return 0.0
@@ -134,7 +134,7 @@ def _lever(S: Array, R: Array, is_revolute: Array, j: int, k: int, end: int) -> 
 
 @inner
 def _speed(W: Array, is_revolute: Array, d: Array, S: Array, k: int, end: int) -> float:
-    """Speed of an end of link k."""
+    """Return the speed of an end of link k per unit of the interval, m."""
     P = W[len(W) - len(S) + k, 3 * end : 3 * end + 3]
     x = y = z = 0.0
     for j in range(min(int(S[k, end]), len(d) - 1) + 1):
@@ -163,9 +163,9 @@ def swept_clearances(
     last: int,
     enough: float,
 ) -> float:
-    """:func:`swept_clearance` between successive configurations; found has shape (n - 1,).
+    """Compute :func:`swept_clearance` between successive configurations, shape (n - 1,).
 
-    Only the least of all is resolved; of the others is said that they are not below it.
+    Only the least of all is resolved; the others are proved not to be below it.
 
     Args:
         C: Constants of the chain.
@@ -173,15 +173,15 @@ def swept_clearances(
         Q: Configurations, shape (n, K).
         obstacles: Shape (M, 16).
         S: Links, see :mod:`kinematics.redundancy.clearance.link_points`.
-        resolution: How far the bound may be from an attained clearance, m.
+        resolution: Largest difference of the bound from an attained clearance, m.
         W: Workspace.
         found: Filled from ``first`` up to before ``last``.
         first: The first interval.
         last: The one after the last.
-        enough: The least clearance of those before, m.
+        enough: Least clearance of the intervals before, m.
 
     Returns:
-        The least so far, m.
+        The least clearance so far, m.
     """
     work = max(1, len(S) * len(obstacles) * (len(Q) - 1))
     most = max(16, min(MAX_VISITS, MAX_DISTANCES // work))

@@ -1,4 +1,4 @@
-"""A followed path in a few numbers: one row of a comparison."""
+"""Figures of a followed path: one row of a comparison."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from robots.robot import FloatArray
 
 @dataclass(frozen=True)
 class Summary:
-    """Figures of a followed path; lengths in m, joint values in the units that were asked for.
+    """Figures of a followed path; lengths in m, joint values in the requested units.
 
     Attributes:
-        max_position_error: Largest of all samples.
-        end_position_error: At the last sample that was computed.
+        max_position_error: Largest of all samples, m.
+        end_position_error: At the last sample that was computed, m.
         max_orientation_error: rad.
         end_orientation_error: rad.
         sum_dq: Σ‖Δq‖.
@@ -25,9 +25,9 @@ class Summary:
         min_clearance: At samples; None without obstacles.
         min_clearance_swept: A lower bound at samples and between, at most 1e-5 m too low.
         limit_margin: Least distance to a joint limit, negative beyond; None without limits.
-        speed_ratio: Largest part of a joint's speed limit that is used; None without limits.
+        speed_ratio: Largest speed relative to a joint's limit; None without limits.
         drift: ‖q at the end − q at the start‖ where the path is closed, else None.
-        ms_per_point: Time of the method, a sample.
+        ms_per_point: Time of the method per sample, ms.
     """
 
     max_position_error: float
@@ -45,11 +45,11 @@ class Summary:
 
 
 def summary(result: PathResult, unit: FloatArray) -> Summary:
-    """The figures of a result.
+    """Return the figures of a result.
 
     Args:
         result: The result.
-        unit: What each joint's value is multiplied with for the answer, shape (dof,).
+        unit: Factors from rad and m to the requested units, shape (dof,).
     """
     measures, arm = result.measures, result.problem.arm
     columns = arm.chain.columns
@@ -74,5 +74,5 @@ def summary(result: PathResult, unit: FloatArray) -> Summary:
 
 
 def finite(value: float) -> float | None:
-    """A value, None where it is infinite."""
+    """Return a value, None where it is infinite."""
     return value if math.isfinite(value) else None

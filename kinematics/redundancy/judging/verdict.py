@@ -1,4 +1,4 @@
-"""The verdict on a followed path: from what was measured, never from what a solver says."""
+"""Verdict on a followed path, from measurements alone, never from what a solver reports."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ import numpy as np
 from kinematics.inverse import IKStatus
 from kinematics.redundancy.kernel import RANK_TOLERANCE
 from kinematics.redundancy.measure import Measures
-from kinematics.redundancy.problem import TOUCH, Problem
+from kinematics.redundancy.problem import TOUCH, PathProblem
 from kinematics.redundancy.reach import reach
 from kinematics.redundancy.stop import Stop, StopReason
 from robots.robot import FloatArray
 
 JUMP = 1.0
-"""A joint that moves farther than this in one sample has diverged, if the path stays lost."""
+"""Motion of a joint in one sample, rad or m, beyond which a path that stays lost has diverged."""
 STUCK = 1e-6
-"""An arm that moved less than this, rad or m, has not left its start."""
+"""Motion, rad or m, below which an arm has not left its start."""
 REACH_SECONDS = 0.2
 REACH_RESTARTS = 100
 AS_QP = (
@@ -28,15 +28,15 @@ AS_QP = (
 
 
 class Reason(StrEnum):
-    """Why a path was not followed as it should be.
+    """Why a path was not followed.
 
-    ``singular_start``: the task's Jacobian loses rank at the start, and no step leads out of it.
-    ``singular``: it does so on the way. ``unreachable``: a target of the path is out of reach
+    ``singular_start``: the task's Jacobian loses rank at the start, and no step leaves it.
+    ``singular``: it loses rank on the way. ``unreachable``: a target of the path is out of reach
     within the limits. ``diverged``: the steps grew without bound. ``infeasible``: the targets are
     within reach, but not together with limits, speeds and clearance. ``collision``: a link meets
     an obstacle. ``clearance``: it comes nearer than d_safe. ``limits``: a joint leaves its
-    limits. ``velocity``: a joint is faster than it may be. ``tracking``: the error is
-    over the tolerance, as that of an open loop that drifts. ``timeout``: the time was over.
+    limits. ``velocity``: a joint exceeds its speed limit. ``tracking``: the error is
+    beyond the tolerance, such as the drift of an open loop. ``timeout``: the time was up.
     """
 
     SINGULAR_START = "singular_start"
@@ -54,12 +54,12 @@ class Reason(StrEnum):
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether the task was done.
+    """Whether a path was followed.
 
     Attributes:
         success: Errors, limits, clearance (swept) and speeds hold at every sample, to the end.
-        reason: What stands in the way, None for a success.
-        message: The same in words, with sample, joint, obstacle and remedy.
+        reason: Why not, None for a success.
+        message: The reason in words, with sample, joint, obstacle and remedy.
         violations: Every criterion that does not hold: tracking, limits, clearance, velocity,
             completeness.
         tracked: Part of the path, 0 to 1, that was followed within the tolerance.
@@ -75,19 +75,19 @@ class Verdict:
 
 
 def judge(
-    problem: Problem,
+    problem: PathProblem,
     Q: FloatArray,
     measures: Measures,
     stop: Stop | None,
     constrained: bool,
 ) -> Verdict:
-    """Judges joint values of shape (n, K), as measured.
+    """Judge joint values of shape (n, K) by their measures.
 
     Args:
-        problem: What was to be done.
-        Q: What was done, n of N samples.
-        measures: Of Q.
-        stop: Why the method stopped before the end, or did less than it is there for.
+        problem: The path problem.
+        Q: Joint values, n of N samples.
+        measures: Measures of Q.
+        stop: Why the method stopped before the end, or fell back to another.
         constrained: Whether the method keeps limits and clearance where it can.
     """
     N = problem.path.samples
@@ -105,7 +105,7 @@ def judge(
 
 
 def _violations(
-    problem: Problem, measures: Measures, first_lost: int | None, cut: bool
+    problem: PathProblem, measures: Measures, first_lost: int | None, cut: bool
 ) -> tuple[str, ...]:
     found = {
         "tracking": first_lost is not None,
@@ -118,7 +118,7 @@ def _violations(
 
 
 def _reason(
-    problem: Problem,
+    problem: PathProblem,
     Q: FloatArray,
     measures: Measures,
     stop: Stop | None,
@@ -180,31 +180,31 @@ def _reason(
     return Reason.VELOCITY, _velocity(problem, Q)
 
 
-def _rank(problem: Problem, q: FloatArray) -> int:
+def _rank(problem: PathProblem, q: FloatArray) -> int:
     _, J, _ = problem.arm.task_at(q, problem.path.targets[0])
     sigma = np.linalg.svd(J, compute_uv=False)
     return int(np.sum(sigma > RANK_TOLERANCE * max(1.0, float(sigma[0]))))
 
 
-def _never(problem: Problem) -> bool:
-    """True where the task loses rank at another q as well: it asks more than the arm can do."""
+def _never(problem: PathProblem) -> bool:
+    """Return whether the task loses rank at another q as well: the arm cannot do it anywhere."""
     k = np.arange(problem.arm.K)
     return _rank(problem, problem.first + 0.3 * np.sin(1.0 + 2.0 * k)) < problem.arm.m
 
 
-def _reachable(problem: Problem, sample: int) -> bool:
+def _reachable(problem: PathProblem, sample: int) -> bool:
     found = reach(problem, sample, problem.start, restarts=REACH_RESTARTS, seconds=REACH_SECONDS)
     return found.status is IKStatus.CONVERGED
 
 
-def _unreachable(problem: Problem, first_lost: int) -> int | None:
-    """A sample, of the first lost one and the last, that no q within the limits reaches."""
+def _unreachable(problem: PathProblem, first_lost: int) -> int | None:
+    """Return the first lost or the last sample if no q within the limits reaches it."""
     last = problem.path.samples - 1
     return next((k for k in (first_lost, last) if not _reachable(problem, k)), None)
 
 
-def _where(problem: Problem, measures: Measures, first_lost: int) -> str:
-    """Which samples are lost: all from the first on, or so many, the path being found again."""
+def _where(problem: PathProblem, measures: Measures, first_lost: int) -> str:
+    """Describe which samples are lost: all from the first on, or some of them."""
     lost, N = measures.off_path(problem.tolerance), problem.path.samples
     count = int(lost.sum()) + N - len(lost)
     if first_lost + count == N:
@@ -221,7 +221,7 @@ def _missed(measures: Measures) -> str:
 
 
 def _conflict(
-    problem: Problem,
+    problem: PathProblem,
     Q: FloatArray,
     measures: Measures,
     violations: tuple[str, ...],
@@ -245,7 +245,7 @@ def _conflict(
     return "; ".join(parts)
 
 
-def _clearance(problem: Problem, measures: Measures) -> str:
+def _clearance(problem: PathProblem, measures: Measures) -> str:
     at = int(np.argmin(measures.clearance))
     link, obstacle = measures.nearest[at]
     return (
@@ -254,7 +254,7 @@ def _clearance(problem: Problem, measures: Measures) -> str:
     )
 
 
-def _limits(problem: Problem, Q: FloatArray) -> str:
+def _limits(problem: PathProblem, Q: FloatArray) -> str:
     chain = problem.arm.chain
     outside = np.maximum(chain.lower - Q, Q - chain.upper)
     at, joint = np.unravel_index(int(np.argmax(outside)), outside.shape)
@@ -265,7 +265,7 @@ def _limits(problem: Problem, Q: FloatArray) -> str:
     )
 
 
-def _velocity(problem: Problem, Q: FloatArray) -> str:
+def _velocity(problem: PathProblem, Q: FloatArray) -> str:
     ratio = np.abs(np.diff(Q, axis=0)) / problem.most_per_step
     at, joint = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     return (

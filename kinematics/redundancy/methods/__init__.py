@@ -16,7 +16,7 @@ from kinematics.redundancy.methods import (
     task_priority,
     whole_path,
 )
-from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.problem import PathOptions, PathProblem
 from kinematics.redundancy.stop import Stop
 from robots.errors import hint
 from robots.robot import FloatArray
@@ -36,7 +36,7 @@ class Method:
     """
 
     name: str
-    follow: Callable[[Problem, PathOptions, FloatArray], Following]
+    follow: Callable[[PathProblem, PathOptions, FloatArray], Following]
     constrained: bool = False
 
 

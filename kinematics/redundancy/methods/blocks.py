@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 
-from kinematics.redundancy.problem import Problem
+from kinematics.redundancy.problem import PathProblem
 from kinematics.redundancy.stop import Stop, StopReason
 
 BLOCK = 64
@@ -12,7 +12,7 @@ BLOCK = 64
 
 
 def in_blocks(
-    problem: Problem, samples: int, solve: Callable[[int, int], tuple[int, int]]
+    problem: PathProblem, samples: int, solve: Callable[[int, int], tuple[int, int]]
 ) -> Generator[int, None, Stop | None]:
     """Solves samples 1 to the last, block by block, and gives how many are done.
 

@@ -15,7 +15,7 @@ from kinematics.inverse.damped_least_squares import columns, damped, residual
 from kinematics.kernels import Array
 from kinematics.redundancy.kernel import workspace
 from kinematics.redundancy.methods.blocks import in_blocks
-from kinematics.redundancy.problem import PathOptions, Problem, departure
+from kinematics.redundancy.problem import PathOptions, PathProblem, departure
 from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
 
@@ -24,7 +24,7 @@ EXACT = 1e-10
 
 
 def follow(
-    problem: Problem, options: PathOptions, Q: FloatArray
+    problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
     """See :class:`kinematics.redundancy.methods.Method`."""
     arm = problem.arm

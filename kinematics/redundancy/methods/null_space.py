@@ -25,7 +25,7 @@ from kinematics.redundancy.kernel import (
 from kinematics.redundancy.methods.blocks import in_blocks
 from kinematics.redundancy.methods.damped import EXACT
 from kinematics.redundancy.methods.pseudo_inverse import HUGE
-from kinematics.redundancy.problem import Gains, PathOptions, Problem, departure
+from kinematics.redundancy.problem import Gains, PathOptions, PathProblem, departure
 from kinematics.redundancy.steps.gradients import (
     limit_potential,
     manipulability_potential,
@@ -42,7 +42,7 @@ LARGEST = 0.05
 
 
 def follow(
-    problem: Problem, options: PathOptions, Q: FloatArray
+    problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
     """See :class:`kinematics.redundancy.methods.Method`."""
     arm, chain = problem.arm, problem.arm.chain

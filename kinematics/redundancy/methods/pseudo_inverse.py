@@ -23,7 +23,7 @@ from kinematics.redundancy.kernel import (
     workspace,
 )
 from kinematics.redundancy.methods.blocks import in_blocks
-from kinematics.redundancy.problem import PathOptions, Problem, departure
+from kinematics.redundancy.problem import PathOptions, PathProblem, departure
 from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
 
@@ -32,7 +32,7 @@ HUGE = 1e6
 
 
 def follow(
-    problem: Problem, options: PathOptions, Q: FloatArray
+    problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
     """See :class:`kinematics.redundancy.methods.Method`."""
     arm, G = problem.arm, problem.path.targets

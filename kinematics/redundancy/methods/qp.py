@@ -16,7 +16,7 @@ import daqp
 import numpy as np
 
 from kinematics.redundancy.measure import nearest_part
-from kinematics.redundancy.problem import PathOptions, Problem, departure
+from kinematics.redundancy.problem import PathOptions, PathProblem, departure
 from kinematics.redundancy.steps.best_effort import best_effort, merit
 from kinematics.redundancy.steps.linearised import Linearised
 from kinematics.redundancy.stop import Stop
@@ -38,7 +38,7 @@ Solve: TypeAlias = Callable[[Linearised, FloatArray, FloatArray, float], FloatAr
 
 
 def follow(
-    problem: Problem, options: PathOptions, Q: FloatArray
+    problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
     """See :class:`kinematics.redundancy.methods.Method`."""
     model = Linearised(problem, options)
@@ -52,7 +52,7 @@ def follow(
     return None
 
 
-def follow_from(problem: Problem, options: PathOptions, Q: FloatArray, first: int) -> None:
+def follow_from(problem: PathProblem, options: PathOptions, Q: FloatArray, first: int) -> None:
     """Fills the samples from ``first`` on, after those that are given."""
     model = Linearised(problem, options)
     for i in range(first, len(Q)):

@@ -22,7 +22,7 @@ from kinematics.kernels import Array
 from kinematics.redundancy.clearance.distances import listed_pairs, near_pairs
 from kinematics.redundancy.kernel import exact_error_columns, task_rows, workspace
 from kinematics.redundancy.methods.qp import advance
-from kinematics.redundancy.problem import PathOptions, Problem, departure
+from kinematics.redundancy.problem import PathOptions, PathProblem, departure
 from kinematics.redundancy.steps.gradients import obstacle_potential
 from kinematics.redundancy.steps.linearised import MOST_PAIRS, Linearised
 from kinematics.redundancy.stop import Stop
@@ -36,7 +36,7 @@ ITERATIONS = 60
 
 
 def follow(
-    problem: Problem, options: PathOptions, Q: FloatArray
+    problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
     """See :class:`kinematics.redundancy.methods.Method`."""
     program = _Program(problem, options)
@@ -52,7 +52,7 @@ def follow(
 class _Program:
     """The program of one sample, with values and gradients computed together."""
 
-    def __init__(self, problem: Problem, options: PathOptions) -> None:
+    def __init__(self, problem: PathProblem, options: PathOptions) -> None:
         arm = problem.arm
         self.problem = problem
         self.weight = options.obstacle_weight if len(problem.obstacles) else 0.0

@@ -16,7 +16,7 @@ from kinematics.redundancy.kernel import RANK_TOLERANCE
 from kinematics.redundancy.methods.damped import EXACT
 from kinematics.redundancy.methods.pseudo_inverse import HUGE
 from kinematics.redundancy.priority import prioritized_step
-from kinematics.redundancy.problem import PathOptions, Problem, departure
+from kinematics.redundancy.problem import PathOptions, PathProblem, departure
 from kinematics.redundancy.stop import Stop, StopReason
 from robots.robot import FloatArray
 
@@ -25,7 +25,7 @@ LARGEST = 0.05
 
 
 def follow(
-    problem: Problem, options: PathOptions, Q: FloatArray
+    problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
     """See :class:`kinematics.redundancy.methods.Method`."""
     if not options.secondary:
@@ -58,7 +58,7 @@ def follow(
 
 
 def _others(
-    problem: Problem,
+    problem: PathProblem,
     options: PathOptions,
     places: list[FloatArray],
     q: FloatArray,

@@ -22,7 +22,7 @@ from kinematics.redundancy.clearance.sweep import RESOLUTION
 from kinematics.redundancy.kernel import RANK_TOLERANCE
 from kinematics.redundancy.measure import clearances_at, measure, nearest_part, swept_between
 from kinematics.redundancy.methods import damped, null_space, qp
-from kinematics.redundancy.problem import TOUCH, PathOptions, Problem, departure
+from kinematics.redundancy.problem import TOUCH, PathOptions, PathProblem, departure
 from kinematics.redundancy.reach import reach
 from kinematics.redundancy.stop import Stop, StopReason
 from robots.robot import FloatArray
@@ -43,7 +43,7 @@ differ by so much, rad or m."""
 
 
 def follow(
-    problem: Problem, options: PathOptions, Q: FloatArray
+    problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
     """See :class:`kinematics.redundancy.methods.Method`."""
     try:
@@ -82,7 +82,7 @@ def follow(
 
 
 def _look_ahead(
-    casadi: Any, problem: Problem, options: PathOptions, Q: FloatArray, kept: int
+    casadi: Any, problem: PathProblem, options: PathOptions, Q: FloatArray, kept: int
 ) -> tuple[int, FloatArray]:
     """The best path of the program and how far it holds; ``kept`` and Q where none is better."""
     best, found = kept, Q
@@ -106,7 +106,7 @@ def _look_ahead(
     return best, found
 
 
-def kept_until(problem: Problem, Q: FloatArray) -> int:
+def kept_until(problem: PathProblem, Q: FloatArray) -> int:
     """The first sample at which something does not hold; their number N where all does.
 
     Error, clearance (swept from the sample before), limits and speeds, as the verdict sees them.
@@ -122,7 +122,7 @@ def kept_until(problem: Problem, Q: FloatArray) -> int:
 
 
 def _guesses(
-    problem: Problem, options: PathOptions, Q: FloatArray, kept: int
+    problem: PathProblem, options: PathOptions, Q: FloatArray, kept: int
 ) -> Iterator[FloatArray]:
     """First guesses: what qp found; where that does not do, ways on other sides of the obstacles.
 
@@ -157,7 +157,7 @@ def _exhausted(work: Generator[int, None, Stop | None]) -> Stop | None:
             return stop
 
 
-def _ends(problem: Problem) -> list[FloatArray]:
+def _ends(problem: PathProblem) -> list[FloatArray]:
     """Configurations that reach the end and keep clear there, far from each other."""
     arm, rng = problem.arm, np.random.default_rng(0)
     low, high = arm.chain.lower, arm.chain.upper
@@ -181,7 +181,7 @@ def _ends(problem: Problem) -> list[FloatArray]:
 
 def _solved(
     casadi: Any,
-    problem: Problem,
+    problem: PathProblem,
     options: PathOptions,
     program: _Program,
     guess: FloatArray,
@@ -212,7 +212,7 @@ class _Program:
     def __init__(
         self,
         casadi: Any,
-        problem: Problem,
+        problem: PathProblem,
         options: PathOptions,
         N: int,
         between: Sequence[tuple[int, float]],
@@ -317,7 +317,7 @@ def _wanted(casadi: Any, variables: int, constraints: int) -> Any:
     return Wanted()
 
 
-def _forward(casadi: Any, problem: Problem, q: Any) -> tuple[list[Any], Any]:
+def _forward(casadi: Any, problem: PathProblem, q: Any) -> tuple[list[Any], Any]:
     """Poses of the joints and of the frame, 4x4, and the latter again, as expressions."""
     chain = problem.arm.chain
     bottom = np.array([[0.0, 0.0, 0.0, 1.0]])
@@ -336,7 +336,7 @@ def _forward(casadi: Any, problem: Problem, q: Any) -> tuple[list[Any], Any]:
     return [*carriers, T], T
 
 
-def _error(casadi: Any, problem: Problem, T: Any, G: Any) -> Any:
+def _error(casadi: Any, problem: PathProblem, T: Any, G: Any) -> Any:
     """Task error that vanishes where the pose is reached; rows the arm cannot move left out."""
     task = problem.arm.task
     goal = casadi.reshape(G, 4, 3).T
@@ -355,7 +355,7 @@ def _error(casadi: Any, problem: Problem, T: Any, G: Any) -> Any:
     return every[[row for row, m in zip(task.rows, moved, strict=True) if m > 1e-12]]
 
 
-def _distances(casadi: Any, problem: Problem, carriers: list[Any]) -> Any:
+def _distances(casadi: Any, problem: PathProblem, carriers: list[Any]) -> Any:
     """Clearance of every pair of link and obstacle, not below zero for boxes."""
     found = []
     for link in problem.links.rows:

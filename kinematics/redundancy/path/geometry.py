@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
+from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption, Location
 from kinematics.inverse.damped_least_squares import twist_error
 from kinematics.redundancy.path.time_law import TimeLaw
@@ -15,42 +17,35 @@ from kinematics.task import Task
 from robots.robot import FloatArray
 
 CLOSED = 1e-9
-"""A path whose ends are nearer than this, m and rad, is closed."""
-MAX_SAMPLES = 10_000
-MAX_DURATION = 1e6
-MAX_TURNS = 100.0
+"""Distance of its ends, m and rad, below which a path is closed."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """When a path is sampled.
+    """Times at which a path is sampled.
 
     Attributes:
-        time_law: How it goes from one end to the other.
+        time_law: The time law from one end to the other.
         tf: Duration, s.
-        samples: Their number N, equally spaced in time; sample 0 is the start.
+        samples: Number N of samples, equally spaced in time; sample 0 is the start.
     """
+
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {"tf": Bounds(1e-6, 1e6), "samples": Bounds(2, 10_000)}
 
     time_law: TimeLaw = TimeLaw.CUBIC
     tf: float = 2.0
     samples: int = 101
 
     def __post_init__(self) -> None:
-        if not 1e-6 <= self.tf <= MAX_DURATION:
-            raise InvalidOption(
-                f"tf is {self.tf:g}; give seconds, 1e-6 to 1e6",
-                argument="tf",
-                value=self.tf,
-                lower=1e-6,
-                upper=MAX_DURATION,
-            )
-        if not 2 <= self.samples <= MAX_SAMPLES:
-            raise InvalidOption(
-                f"samples is {self.samples}; give 2 to {MAX_SAMPLES}, the start included",
-                argument="samples",
-                value=self.samples,
-                lower=2,
-                upper=MAX_SAMPLES,
+        duration, count = self.BOUNDS["tf"], self.BOUNDS["samples"]
+        if self.tf not in duration:
+            raise duration.refusal(f"tf is {self.tf:g}; give seconds, 1e-6 to 1e6", self.tf, "tf")
+        if self.samples not in count:
+            raise count.refusal(
+                f"samples is {self.samples}; give {count.lower} to {count.upper}, the start"
+                " included",
+                self.samples,
+                "samples",
             )
 
 
@@ -61,22 +56,23 @@ class Circle:
     Attributes:
         center: A point of the axis, shape (3,).
         normal: Direction of the axis, right-handed; shape (3,).
-        turns: How often; negative the other way round.
+        turns: Number of turns; negative in the opposite direction.
     """
+
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {"turns": Bounds(-100.0, 100.0)}
 
     center: FloatArray
     normal: FloatArray
     turns: float = 1.0
 
     def __post_init__(self) -> None:
-        if not 0 < abs(self.turns) <= MAX_TURNS:
-            raise InvalidOption(
-                f"circle.turns is {self.turns:g}; give up to ±{MAX_TURNS:g}, not 0",
-                argument="circle",
-                index=("turns",),
-                value=self.turns,
-                lower=-MAX_TURNS,
-                upper=MAX_TURNS,
+        turns = self.BOUNDS["turns"]
+        if self.turns == 0 or self.turns not in turns:
+            raise turns.refusal(
+                f"circle.turns is {self.turns:g}; give up to ±{turns.upper:g}, not 0",
+                self.turns,
+                "circle",
+                ("turns",),
             )
         if not np.linalg.norm(self.normal) > 1e-9:
             raise InvalidOption(
@@ -91,11 +87,11 @@ class Path:
     Attributes:
         targets: Poses, upper three rows of 4x4 matrices row by row, shape (N, 12).
         t: Times, s, shape (N,).
-        r: Part of the path that is covered, shape (N,).
-        r_dot: Its rate, 1/s.
-        r_ddot: Its acceleration, 1/s².
+        r: Part of the path that is covered, 0 to 1, shape (N,).
+        r_dot: Its rate, 1/s, shape (N,).
+        r_ddot: Its acceleration, 1/s², shape (N,).
         closed: Whether the last target is the first one.
-        at: Poses, shape (n, 12), where parts r of shape (n,) are covered: the curve itself.
+        at: The curve: poses, shape (n, 12), at parts r of shape (n,).
     """
 
     targets: FloatArray
@@ -108,7 +104,7 @@ class Path:
 
     @property
     def samples(self) -> int:
-        """N."""
+        """Number of samples, N."""
         return len(self.targets)
 
     @property
@@ -120,14 +116,14 @@ class Path:
 def polyline(
     start: FloatArray, poses: Sequence[FloatArray], task: Task, sampling: Sampling
 ) -> Path:
-    """From a pose through others on straight lines, turning at constant rates (SLERP).
+    """Return the path from a pose through others on straight lines, with SLERP between.
 
-    Every pose after the start is a sample, where the time law comes to its end: with ``linear``
-    a passage, else a rest. The intervals of time are shared out by length and angle.
+    Every pose after the start is a sample, at which the time law ends: without a stop for
+    ``linear``, else at rest. Time intervals are distributed by length and angle.
 
     Args:
-        start: 4x4.
-        poses: The others, each 4x4; what the task does not count is not looked at.
+        start: First pose, 4x4, in base axes.
+        poses: The others, each 4x4; rows outside the task are ignored.
         task: The task space.
         sampling: Time law, duration, number of samples.
 
@@ -182,18 +178,18 @@ def circle(
     argument: str = "circle",
     index: Location = ("normal",),
 ) -> Path:
-    """Around a circle through the start's position.
+    """Return the path around a circle through the start's position.
 
     Args:
-        start: 4x4.
+        start: First pose, 4x4, in base axes.
         about: The circle.
         task: The task space.
         sampling: Time law, duration, number of samples.
-        argument: What errors call the circle.
-        index: Place in it of what says in which plane it lies.
+        argument: Name of the circle in errors.
+        index: Place in it of the field that gives the plane, for errors.
 
     Raises:
-        InvalidOption: The start lies on the axis, or the task counts no two positions.
+        InvalidOption: The start lies on the axis, or the task has fewer than two positions.
     """
     n = about.normal / np.linalg.norm(about.normal)
     if len(task.positions) < 2:
@@ -239,7 +235,7 @@ def circle(
 
 @dataclass(frozen=True)
 class _Piece:
-    """A straight line with a turn about a fixed axis."""
+    """A straight line with a rotation about a fixed axis."""
 
     start: FloatArray
     shift: FloatArray
@@ -267,10 +263,10 @@ class _Piece:
 
 
 def _turn_about_z(start: FloatArray, end: FloatArray) -> float:
-    """By what the horizontal part of an axis of the frame turns, in [-π, π].
+    """Return the angle by which the horizontal part of an axis of the frame turns, in [-π, π].
 
-    However the frame is tilted: one that points down has an angle about z too, where the shortest
-    rotation to an upright end has none. Of x and y, the axis that is less upright counts.
+    Defined for any tilt: a frame that points down has an angle about z as well, where the shortest
+    rotation to an upright end has none. Of x and y, the axis nearer to the horizontal counts.
     """
     flat = np.minimum(*(np.hypot(T[0, :2], T[1, :2]) for T in (start, end)))
     k = int(np.argmax(flat))
@@ -279,7 +275,7 @@ def _turn_about_z(start: FloatArray, end: FloatArray) -> float:
 
 
 def _shares(pieces: Sequence[_Piece], intervals: int) -> list[int]:
-    """Intervals of each piece, at least one, by its share of all length and all angle."""
+    """Return the intervals of each piece, at least one, by its share of length and angle."""
     sizes = np.array([[np.linalg.norm(p.shift), np.linalg.norm(p.turn)] for p in pieces])
     sums = sizes.sum(axis=0)
     weights = (sizes / np.where(sums > 0, sums, 1)).sum(axis=1)
@@ -315,7 +311,7 @@ def _flat(poses: FloatArray) -> FloatArray:
 
 
 def rotations(vector: FloatArray, parts: FloatArray) -> FloatArray:
-    """Rotations by parts, shape (n,), of a rotation vector that is not zero; shape (n, 3, 3)."""
+    """Return rotations by parts, shape (n,), of a rotation vector; shape (n, 3, 3)."""
     angle = float(np.linalg.norm(vector))
     x, y, z = vector / angle
     S = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -324,7 +320,7 @@ def rotations(vector: FloatArray, parts: FloatArray) -> FloatArray:
 
 
 def rotation_vector(R: FloatArray) -> FloatArray:
-    """The shortest rotation vector of a rotation, shape (3,)."""
+    """Return the shortest rotation vector of a rotation, rad, shape (3,)."""
     T, G, e = np.zeros(12), np.zeros(12), np.empty(6)
     T[[0, 5, 10]] = 1.0
     G.reshape(3, 4)[:, :3] = R
@@ -333,7 +329,7 @@ def rotation_vector(R: FloatArray) -> FloatArray:
 
 
 def _turn_onto(z: FloatArray, goal: FloatArray, across: FloatArray) -> FloatArray:
-    """The shortest rotation vector that turns z onto a goal; half a turn goes about ``across``."""
+    """Return the shortest rotation vector from z onto a goal; half a turn goes about ``across``."""
     axis = np.cross(z, goal)
     s, c = float(np.linalg.norm(axis)), float(z @ goal)
     if s < 1e-12:

@@ -1,4 +1,4 @@
-"""Time laws: how far along a path, how fast, and with which acceleration."""
+"""Time laws: covered part of a path, its rate and its acceleration."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import numpy as np
 from robots.robot import FloatArray
 
 BLEND = 0.25
-"""Part of the time that the trapezoidal law accelerates, and brakes."""
+"""Part of the time in which the trapezoidal law accelerates, and again decelerates."""
 
 
 class TimeLaw(StrEnum):
     """r(s) from 0 to 1 while s = t / tf goes from 0 to 1.
 
     ``linear``: r = s. ``cubic``: r = 3 s² − 2 s³, at rest at both ends. ``quintic``:
-    r = 10 s³ − 15 s⁴ + 6 s⁵, without acceleration there. ``trapezoidal``: a quarter of the time
-    speeding up, half at constant speed, a quarter braking.
+    r = 10 s³ − 15 s⁴ + 6 s⁵, with zero acceleration there. ``trapezoidal``: acceleration for a
+    quarter of the time, constant speed for half, deceleration for a quarter.
     """
 
     LINEAR = "linear"
@@ -26,7 +26,7 @@ class TimeLaw(StrEnum):
     TRAPEZOIDAL = "trapezoidal"
 
     def at(self, s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """r, dr/ds and d²r/ds² (Siciliano et al., *Robotics*, 4.2); each of the shape of s."""
+        """Return r, dr/ds, d²r/ds², each of the shape of s (Siciliano et al., *Robotics*, 4.2)."""
         s = np.asarray(s, dtype=np.float64)
         if self is TimeLaw.LINEAR:
             return s, np.ones_like(s), np.zeros_like(s)

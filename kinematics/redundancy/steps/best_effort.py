@@ -1,7 +1,7 @@
-"""The best that can be done in a sample whose target is not to be reached.
+"""Best configuration for a sample whose target cannot be reached.
 
 Least squares of the task error (Levenberg-Marquardt) by QPs within limits, speeds and clearances.
-Where even the clearances contradict each other, they give way as little as possible.
+Contradictory clearances are violated as little as possible.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ ITERATIONS = 25
 WEAKEST, STRONGEST = 1e-10, 1e4
 SETTLED = 1.0 - 1e-4
 CLEARANCE_WEIGHT = 1e4
-"""What a missing metre of clearance counts against a metre of error, squared."""
+"""Weight of a missing metre of clearance relative to a metre of error, squared."""
 SOFTNESS = 1e-6
 
 
 def best_effort(
     model: Linearised, previous: FloatArray, target: FloatArray, need: float
 ) -> FloatArray:
-    """The configuration nearest to a target that limits, speeds and clearances allow.
+    """Return the configuration nearest to a target that limits, speeds and clearances allow.
 
     Args:
         model: The linear model, bounded for the sample.
-        previous: Configuration of the sample before, shape (K,).
-        target: Pose, 12 numbers.
+        previous: Configuration of the sample before, shape (K,), rad and m.
+        target: Pose in base axes, shape (12,).
         need: Clearance to keep, m.
     """
     q = np.clip(previous, model.low, model.high)
@@ -62,7 +62,7 @@ def best_effort(
 
 
 def merit(model: Linearised) -> float:
-    """Squared task error, and the missing clearance at a high price."""
+    """Return the squared task error plus the weighted missing clearance."""
     return model.error + CLEARANCE_WEIGHT * model.missing**2
 
 
@@ -74,7 +74,7 @@ def solved(
     lower: FloatArray,
     sense: NDArray[np.int32],
 ) -> FloatArray | None:
-    """The minimum of ½ δᵀHδ + fᵀδ; where nothing is feasible, with soft clearances; else None."""
+    """Return the minimum of ½ δᵀHδ + fᵀδ; soft clearances if infeasible; None if still so."""
     delta, _, flag, _ = daqp.solve(H, f, A, upper, lower, sense)
     if flag > 0:
         return np.asarray(delta)

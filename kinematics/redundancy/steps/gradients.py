@@ -1,6 +1,6 @@
-"""Compiled potentials of the joint space and their gradients, all analytic.
+"""Compiled potentials of the joint space and their analytic gradients.
 
-A method moves down a potential; what is to grow (manipulability) has a minus sign in it.
+A method descends a potential; a quantity to maximise (manipulability) enters with a minus sign.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from kinematics.redundancy.kernel import least_step, orthonormal_rows
 
 @jit
 def limit_potential(q: Array, lower: Array, upper: Array, g: Array) -> float:
-    """Liégeois' ``H = 1/n Σ ((q_j − mid_j) / (upper_j − mid_j))²``; gradient into g.
+    """Return ``H = 1/n Σ ((q_j − mid_j) / (upper_j − mid_j))²``; write its gradient into g.
 
-    Joints without limits count nothing (Liégeois, IEEE Trans. SMC 7(12), 1977).
+    Joints without limits contribute nothing (Liégeois, IEEE Trans. SMC 7(12), 1977).
     """
     n, total = len(q), 0.0
     for j in range(n):
@@ -35,7 +35,7 @@ def limit_potential(q: Array, lower: Array, upper: Array, g: Array) -> float:
 
 @jit
 def posture_potential(q: Array, wanted: Array, g: Array) -> float:
-    """``½ ‖q − wanted‖²``; gradient into g."""
+    """Return ``½ ‖q − wanted‖²``; write its gradient into g."""
     total = 0.0
     for j in range(len(q)):
         g[j] = q[j] - wanted[j]
@@ -55,7 +55,7 @@ def obstacle_potential(
     W: Array,
     g: Array,
 ) -> float:
-    """``Σ ½ ((influence − d) / (influence − safe))²`` of all pairs nearer than ``influence``.
+    """Return ``Σ ½ ((influence − d) / (influence − safe))²`` of pairs within ``influence``.
 
     Args:
         C: Constants of the chain.
@@ -63,8 +63,8 @@ def obstacle_potential(
         q: Shape (K,).
         obstacles: Shape (M, 16).
         S: Links, shape (L, 11).
-        safe: Clearance that is kept, m.
-        influence: Clearance from which on an obstacle repels, m.
+        safe: Clearance to keep, m.
+        influence: Clearance below which an obstacle repels, m.
         W: Workspace.
         g: Filled with the gradient, shape (K,).
     """
@@ -88,7 +88,7 @@ def obstacle_potential(
 def manipulability_potential(
     is_revolute: Array, rows: Array, own: bool, K: int, W: Array, g: Array
 ) -> float:
-    """``−w = −sqrt det(J Jᵀ)`` of the task's rows; gradient into g, 0 where J loses rank.
+    """Return ``−w = −sqrt det(J Jᵀ)``; write its gradient into g, 0 where J loses rank.
 
     ``∂w/∂q_j = w tr(J† ∂J/∂q_j)``, with the derivatives of the geometric Jacobian in closed form:
     a column of linear velocity changes with joint j by ``ω_j × v_i`` for j ≤ i and by
@@ -141,7 +141,7 @@ def manipulability_potential(
                 dv = _cross(O[i, 0], O[i, 1], O[i, 2], V[j, 0], V[j, 1], V[j, 2])
             if j < i and not own:
                 dw = _cross(O[j, 0], O[j, 1], O[j, 2], O[i, 0], O[i, 1], O[i, 2])
-            elif j >= i and own:  # the frame's axes turn as well, with every joint
+            elif j >= i and own:  # the frame's axes rotate as well, with every joint
                 dw = _cross(O[i, 0], O[i, 1], O[i, 2], O[j, 0], O[j, 1], O[j, 2])
             for r in range(m):
                 trace += P[i, r] * _component(dv, dw, rows[r], own, T)

@@ -1,4 +1,4 @@
-"""Compiled: the linear model of task and clearances about a configuration, as a QP wants it."""
+"""Compiled linear model of task and clearances about a configuration, as rows of a QP."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from kinematics.redundancy.clearance.distances import near_pairs
 from kinematics.redundancy.clearance.sweep import RESOLUTION, swept_clearance
 from kinematics.redundancy.kernel import task_at, workspace
 from kinematics.redundancy.measure import clearances_at
-from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.problem import PathOptions, PathProblem
 from robots.robot import FloatArray
 
 MOST_PAIRS = 256
-"""Pairs of link and obstacle in one QP, the nearest ones."""
+"""Largest number of pairs of link and obstacle in one QP; the nearest are taken."""
 TRUST = 0.3
 """Largest motion of a joint in one QP, rad or m."""
 VISITS = 2000
-"""Configurations looked at between two samples, at most."""
+"""Largest number of configurations evaluated between two samples."""
 EQUAL, SOFT = 5, 8
 FREE = 1e30
 
@@ -56,16 +56,16 @@ def assemble(
     lower: Array,
     sense: Array,
 ) -> tuple[int, int, float, float, float]:
-    """Rows ``J δ = e`` and ``∇d δ ≥ need − d`` of pairs nearer than ``near``; bounds of δ first.
+    """Compute rows ``J δ = e`` and ``∇d δ ≥ need − d`` of pairs nearer than ``near``, bounds first.
 
-    Clearances are looked at where the parts s of the way from ``previous`` to q are done, 1 at
-    first; there the gradient with respect to q is s times that of the clearance. An error longer
-    than ``longest`` (m; rad alike) is shortened to it. A task row that the arm cannot move and
-    need not move is left out.
+    Clearances are evaluated at parts s of the way from ``previous`` to q, s = 1 first; there the
+    gradient with respect to q is s times that of the clearance. An error longer than ``longest``
+    (m, and rad) is shortened to it. A task row that the arm cannot move and need not move is
+    left out.
 
     Returns:
-        Task rows, pairs, squared position and rotation error, the most that is missing of a
-        clearance (0 for none).
+        Task rows, pairs, squared position and rotation error, and the largest missing clearance,
+        m (0 for none).
     """
     K, m = len(q), len(rows)
     position, rotation = task_at(C, is_revolute, mask, rows, own, target, q, W, e, J)
@@ -118,7 +118,7 @@ def assemble(
 
 
 class Linearised:
-    """The linear model of one problem, in memory that is used again at every configuration.
+    """The linear model of one problem, in memory reused at every configuration.
 
     Attributes:
         low: Bounds of q in the present sample, shape (K,).
@@ -127,16 +127,16 @@ class Linearised:
         J: Task Jacobian, shape (m, K).
         need: Clearance to keep at a sample, with the margin, m.
         in_between: Clearance to keep between samples, m.
-        least: Clearance to keep, m, where the path leaves no room for the margin.
+        least: Clearance to keep where the path leaves no room for the margin, m.
         parts: Parts of the way from the sample before at which clearances are kept, 1 at first.
         used: Task rows of the QP.
         count: Near pairs.
         position: Squared position error.
         rotation: Squared rotation error.
-        missing: The most that is missing of a clearance at one of the parts, m; 0 for none.
+        missing: Largest missing clearance at one of the parts, m; 0 for none.
     """
 
-    def __init__(self, problem: Problem, options: PathOptions) -> None:
+    def __init__(self, problem: PathProblem, options: PathOptions) -> None:
         arm = problem.arm
         K, m = arm.K, arm.m
         pairs = min(MOST_PAIRS, len(problem.links) * len(problem.obstacles))
@@ -157,7 +157,7 @@ class Linearised:
         self.position = self.rotation = self.missing = 0.0
 
     def _memory(self, parts: int) -> None:
-        """Room for the pairs at so many parts."""
+        """Allocate memory for the pairs at a number of parts."""
         K, pairs = self.problem.arm.K, parts * self._pairs
         rows = self.problem.arm.m + pairs
         self._d, self._g = np.empty(pairs), np.empty((pairs, K))
@@ -167,7 +167,7 @@ class Linearised:
         self._sense = np.zeros(K + rows, dtype=np.int32)
 
     def bound(self, previous: FloatArray) -> None:
-        """Takes limits and speeds for the sample after a configuration."""
+        """Set the bounds by limits and speeds for the sample after a configuration."""
         chain, most = self.problem.arm.chain, self.problem.most_per_step
         np.maximum(chain.lower, previous - most, out=self.low)
         np.minimum(chain.upper, previous + most, out=self.high)
@@ -175,19 +175,19 @@ class Linearised:
         self.look_between(np.empty(0))
 
     def look_between(self, parts: FloatArray) -> None:
-        """Takes parts of the way from the sample before, at which clearances are kept as well."""
+        """Set the parts of the way from the sample before at which clearances are kept as well."""
         if len(parts) + 1 != len(self.parts):
             self._memory(len(parts) + 1)
         self.parts = np.r_[1.0, parts]
 
     def needs(self, need: float) -> FloatArray:
-        """The clearance to keep at each of the parts, m: at most ``need``, at the sample itself."""
+        """Return the clearance to keep at each part, m: at most ``need``, at the sample itself."""
         wanted = np.full(len(self.parts), min(self.in_between, need))
         wanted[0] = need
         return wanted
 
     def at(self, q: FloatArray, target: FloatArray, need: float) -> None:
-        """Linearises at q."""
+        """Linearise at q."""
         checkpoint()
         problem = self.problem
         self.used, self.count, self.position, self.rotation, self.missing = assemble(
@@ -203,7 +203,7 @@ class Linearised:
         return self.position + self.rotation
 
     def rows(self, task: bool) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.int32]]:
-        """A, upper, lower (bounds first), sense of a QP in δ, with the task's rows or without."""
+        """Return A, upper, lower (bounds first), sense of a QP in δ, with or without the task."""
         K, used, count = len(self.low), self.used, self.count
         total = K + used + count
         if task:
@@ -214,7 +214,7 @@ class Linearised:
         return *parts, self._sense[keep]
 
     def swept(self, a: FloatArray, b: FloatArray) -> float:
-        """A lower bound of the clearance between two configurations, as far as it matters."""
+        """Return a lower bound of the clearance between two configurations, m, where it matters."""
         problem = self.problem
         C, is_revolute, *_ = problem.arm.constants
         return float(
@@ -225,6 +225,6 @@ class Linearised:
         )  # fmt: skip
 
     def clearance(self, q: FloatArray) -> float:
-        """The least clearance at q, less what a swept one may be below it, m."""
+        """Return the least clearance at q less the resolution of a swept one, m."""
         found, _ = clearances_at(self.problem, q[None])
         return float(found[0]) - RESOLUTION

@@ -1,4 +1,4 @@
-"""A followed path, timed anew, and judged by what was measured on it: never by what toppra says."""
+"""Time-optimal motion of a followed path, judged by measurements, never by what toppra reports."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from kinematics.redundancy.clearance.sweep import RESOLUTION
 from kinematics.redundancy.follow import PathResult
 from kinematics.redundancy.measure import error_vectors, swept_between
-from kinematics.redundancy.problem import TOUCH, Problem
+from kinematics.redundancy.problem import TOUCH, PathProblem
 from kinematics.redundancy.timing.toppra import (
     MOST_GRID,
     RetimeOptions,
@@ -22,20 +22,20 @@ from kinematics.redundancy.timing.toppra import (
 from robots.robot import FloatArray
 
 LOOKS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
-"""Where between two points of the grid speeds and accelerations are measured."""
+"""Parts between two points of the grid at which speeds and accelerations are measured."""
 STEPS = 4
-"""Of Gauss and Newton towards the nearest pose of the path."""
+"""Gauss-Newton steps towards the nearest pose of the path."""
 NUDGE = 1e-6
 MOST_PARTS = 64
-"""Of an interval of the grid, in which the clearance is swept."""
+"""Largest number of parts of an interval of the grid in which the clearance is swept."""
 SLOWED, FINER = 1.005, 3
-"""A slowing down above which the grid is made so many times finer."""
+"""Factor of slowing down above which the grid is refined, and the refinement."""
 HELD = 1e-6
-"""A part by which limits count as held, of the measured speeds and accelerations."""
+"""Relative excess of measured speeds and accelerations at which limits count as held."""
 
 
 class RetimeStatus(StrEnum):
-    """What came of it.
+    """Outcome of the timing.
 
     ``retimed``: a timing was found. ``no_motion``: the arm did not move. ``no_parametrisation``:
     toppra found no timing.
@@ -48,31 +48,31 @@ class RetimeStatus(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Retimed:
-    """A motion in the shortest time; n samples equally spaced in it, one for an arm that stands.
+    """A time-optimal motion; n samples equally spaced in time, one for an arm that does not move.
 
     Attributes:
-        status: What came of it; without a timing there are no samples.
+        status: Outcome; without a timing there are no samples.
         success: Limits, speeds, accelerations, task path and clearance hold, as measured between
             samples as well, and the end is reached.
-        message: In words.
-        violations: What does not hold: tracking, limits, clearance, velocity, acceleration,
+        message: The outcome in words.
+        violations: Criteria that do not hold: tracking, limits, clearance, velocity, acceleration,
             completeness.
         duration: s; None without a timing.
         t: s, shape (n,).
-        q: Whole configurations, shape (n, dof).
-        velocity: Shape (n, dof), rad/s or m/s.
-        acceleration: Shape (n, dof); jumps where the solution does.
-        velocity_limits: That were kept, inf where none, shape (dof,).
+        q: Configurations of all joints, shape (n, dof), rad and m.
+        velocity: Shape (n, dof), rad/s and m/s.
+        acceleration: Shape (n, dof), rad/s² and m/s²; discontinuous where the solution is.
+        velocity_limits: Limits kept, inf where none, shape (dof,).
         acceleration_limits: Likewise.
-        velocity_ratio: Largest part of a speed limit that is used.
-        acceleration_ratio: Likewise of an acceleration limit.
-        slowed: By how much the motion was slowed down, as a whole, to hold the limits between the
-            points at which toppra looked; 1 for not at all.
+        velocity_ratio: Largest speed relative to its limit.
+        acceleration_ratio: Largest acceleration relative to its limit.
+        slowed: Factor by which the whole motion was slowed down to keep the limits between the
+            grid points of toppra; 1 for none.
         position_deviation: Largest distance from the task path as a curve, m.
-        orientation_deviation: rad.
+        orientation_deviation: Largest angle to it, rad.
         clearance: A lower bound of the least clearance along the motion, m; inf without obstacles.
         limit_margin: Least distance of each of the arm's joints to its limits, shape (K,).
-        warnings: What was assumed.
+        warnings: Assumptions.
     """
 
     status: RetimeStatus
@@ -97,7 +97,7 @@ class Retimed:
 
 
 def retimed(result: PathResult, options: RetimeOptions) -> Retimed:
-    """The path of a result in the shortest time.
+    """Return the time-optimal motion along the path of a result.
 
     Raises:
         MethodUnavailable: toppra is not installed.
@@ -159,16 +159,16 @@ def retimed(result: PathResult, options: RetimeOptions) -> Retimed:
     )
 
 
-def deviations(problem: Problem, Q: FloatArray, r: FloatArray) -> tuple[float, float]:
-    """Largest distances, m and rad, of configurations from the task path as a curve.
+def deviations(problem: PathProblem, Q: FloatArray, r: FloatArray) -> tuple[float, float]:
+    """Return the largest distances of configurations from the task path as a curve, m and rad.
 
-    From the nearest pose of the path, m and rad weighed alike, by Gauss-Newton from a first guess:
-    never less than the truth.
+    Measured to the nearest pose of the path, m and rad weighted equally, by Gauss-Newton from a
+    first guess: never less than the true distance.
 
     Args:
-        problem: What was to be followed.
+        problem: The path problem.
         Q: Shape (n, K).
-        r: Parts of the path where the nearest poses may be, shape (n,).
+        r: First guesses of the nearest parts of the path, shape (n,).
     """
     least = error_vectors(problem.arm, Q, problem.path.at(r))
     best = np.linalg.norm(least, axis=1)
@@ -192,18 +192,18 @@ def deviations(problem: Problem, Q: FloatArray, r: FloatArray) -> tuple[float, f
 
 
 def _used(timing: Timing, velocity: FloatArray, acceleration: FloatArray) -> tuple[float, float]:
-    """Largest parts of the limits that are used, at ``LOOKS`` between all points of the grid."""
+    """Return the largest used parts of the limits, at ``LOOKS`` between all points of the grid."""
     steps = np.diff(timing.times)
     k = np.repeat(np.arange(len(steps)), len(LOOKS))
     _, v, a = timing.within(k, (steps[:, None] * LOOKS).reshape(-1))
     return float((np.abs(v) / velocity).max()), float((np.abs(a) / acceleration).max())
 
 
-def _clearance(problem: Problem, spline: Spline, along: FloatArray) -> float:
-    """A lower bound of the clearance along the spline.
+def _clearance(problem: PathProblem, spline: Spline, along: FloatArray) -> float:
+    """Return a lower bound of the clearance along the spline, m.
 
-    Swept as if joints moved in step, less what the spline may be away from that: a cubic piece of
-    length h is at most ``h² max|q″| / 8`` off its chord. Where that is much, h is made shorter.
+    Swept along chords, less the distance of the spline from them: a cubic piece of length h is at
+    most ``h² max|q″| / 8`` off its chord. Where that is large, h is made shorter.
     """
     if not len(problem.obstacles):
         return np.inf
@@ -220,8 +220,8 @@ def _clearance(problem: Problem, spline: Spline, along: FloatArray) -> float:
     return float((swept - (loss / parts**2)[k]).min())
 
 
-def _levers(problem: Problem, Q: FloatArray) -> FloatArray:
-    """How far a link is from each joint at most, shape (K,); 1 for joints that slide."""
+def _levers(problem: PathProblem, Q: FloatArray) -> FloatArray:
+    """Return the largest distance of a link from each joint, m, shape (K,); 1 if prismatic."""
     chain, rows = problem.arm.chain, problem.links.rows
     lengths = np.linalg.norm(chain.placements[1:, [3, 7, 11]], axis=1)
     lengths = lengths + np.where(chain.is_revolute, 0.0, np.abs(Q).max(axis=0))
@@ -239,9 +239,9 @@ def _arrived(result: PathResult) -> bool:
 
 
 def _whole(
-    problem: Problem, motion: tuple[FloatArray, FloatArray, FloatArray]
+    problem: PathProblem, motion: tuple[FloatArray, FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Of all joints of the robot: those that do not belong to the arm stand still."""
+    """Return the motion of all joints of the robot; joints outside the arm are fixed."""
     q, v, a = motion
     still = np.zeros(problem.arm.robot.dof)
     return (
@@ -252,7 +252,7 @@ def _whole(
 
 
 def _limits(
-    problem: Problem, velocity: FloatArray, acceleration: FloatArray
+    problem: PathProblem, velocity: FloatArray, acceleration: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     none = np.full(problem.arm.robot.dof, np.inf)
     return (
@@ -262,7 +262,7 @@ def _limits(
 
 
 def _standing(result: PathResult, velocity: FloatArray, acceleration: FloatArray) -> Retimed:
-    """The answer for an arm that does not move."""
+    """Return the result for an arm that does not move."""
     problem, measures = result.problem, result.measures
     q, chain = result.q[:1], problem.arm.chain
     here = problem.arm.reduced(q[0])
@@ -299,7 +299,7 @@ def _standing(result: PathResult, velocity: FloatArray, acceleration: FloatArray
 def _untimed(
     result: PathResult, velocity: FloatArray, acceleration: FloatArray, message: str
 ) -> Retimed:
-    """The answer where there is no timing."""
+    """Return the result where there is no timing."""
     none = np.empty((0, result.problem.arm.robot.dof))
     return Retimed(
         RetimeStatus.NO_PARAMETRISATION, False, message, ("completeness",), None, np.empty(0),

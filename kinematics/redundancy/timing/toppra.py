@@ -1,45 +1,51 @@
-"""The fastest timing of a followed path within speeds and accelerations of the joints.
+"""Time-optimal timing of a followed path within speed and acceleration limits of the joints.
 
-The joint path is the cubic spline through the samples, over the length in joint space; its timing
-is found by TOPP-RA (Pham and Pham, IEEE T-RO 34(3), 2018) as the package toppra has it, an optional
-extra. What comes out is measured anew in :mod:`~.timing.result`, and slowed down as a
-whole where it would exceed a limit between the points at which toppra looked.
+The joint path is the cubic spline through the samples, parametrised by length in joint space; its
+timing is computed by TOPP-RA (Pham and Pham, IEEE T-RO 34(3), 2018) of the package toppra, an
+optional extra. The result is measured in :mod:`~.timing.result`, and slowed down as a whole where
+it would exceed a limit between the grid points of toppra.
 """
 
 from __future__ import annotations
 
 import logging
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption, MethodUnavailable
-from kinematics.redundancy.path.geometry import MAX_SAMPLES
+from kinematics.redundancy.path.geometry import Sampling
 from robots.robot import FloatArray
 
 GRID, MOST_GRID = 1000, 20_000
-"""Points at which toppra looks, at least and where the grid is made finer; see :func:`fastest`."""
+"""Smallest and largest number of grid points of toppra; see :func:`fastest`."""
 NEAREST = 1e-5
-"""Samples nearer than this part of the whole length count as one."""
+"""Part of the whole length below which neighbouring samples count as one."""
 STILL = 1e-9
-"""An arm that moves less than this, rad or m, has no motion to time."""
-LEAST, MOST = 1e-9, 1e12
+"""Motion, rad or m, below which there is nothing to time."""
 
 
 @dataclass(frozen=True, eq=False)
 class RetimeOptions:
-    """What the timing has to keep.
+    """Limits that the timing keeps, and samples of the result.
 
     Attributes:
         acceleration: Largest accelerations of the arm's joints, rad/s² or m/s², shape (K,).
-        velocity: Largest speeds, where they are to be lower than the robot's, shape (K,).
-        samples: Of the answer, equally spaced in time.
+        velocity: Largest speeds, rad/s or m/s, lower than the robot's, shape (K,); None: those.
+        samples: Samples of the result, equally spaced in time.
     """
+
+    BOUNDS: ClassVar[Mapping[str, Bounds]] = {
+        "acceleration": Bounds(1e-9, 1e12),
+        "velocity": Bounds(1e-9, 1e12),
+        "samples": Sampling.BOUNDS["samples"],
+    }
 
     acceleration: FloatArray
     velocity: FloatArray | None = None
@@ -47,22 +53,22 @@ class RetimeOptions:
 
     def __post_init__(self) -> None:
         for name, values in (("acceleration", self.acceleration), ("velocity", self.velocity)):
-            if values is not None and not ((values >= LEAST) & (values <= MOST)).all():
+            low, high = self.BOUNDS[name].lower, self.BOUNDS[name].upper
+            if values is not None and not ((values >= low) & (values <= high)).all():
                 raise InvalidOption(
-                    f"retime.{name} is not within {LEAST:g} to {MOST:g} for every joint",
+                    f"retime.{name} is not within {low:g} to {high:g} for every joint",
                     argument="retime",
                     index=(name,),
-                    lower=LEAST,
-                    upper=MOST,
+                    lower=low,
+                    upper=high,
                 )
-        if not 2 <= self.samples <= MAX_SAMPLES:
-            raise InvalidOption(
-                f"retime.samples is {self.samples}; give 2 to {MAX_SAMPLES}",
-                argument="retime",
-                index=("samples",),
-                value=self.samples,
-                lower=2,
-                upper=MAX_SAMPLES,
+        count = self.BOUNDS["samples"]
+        if self.samples not in count:
+            raise count.refusal(
+                f"retime.samples is {self.samples}; give {count.lower} to {count.upper}",
+                self.samples,
+                "retime",
+                ("samples",),
             )
 
 
@@ -71,9 +77,9 @@ class Spline:
     """A joint path.
 
     Attributes:
-        at: Its values (order 0) and derivatives (1, 2) at lengths s of shape (n,), shape (n, K).
-        grid: Lengths, the samples' own among them, shape (g,), from 0 to 1.
-        index: Where between the samples they lie, shape (g,), 0 to n - 1.
+        at: Values (order 0) and derivatives (1, 2) at lengths s of shape (n,), shape (n, K).
+        grid: Lengths, those of the samples included, shape (g,), from 0 to 1.
+        index: Their position between the samples, shape (g,), 0 to n - 1.
     """
 
     at: Callable[[FloatArray, int], FloatArray]
@@ -81,7 +87,7 @@ class Spline:
     index: FloatArray
 
     def finer(self, times: int) -> Spline:
-        """The same with so many times as many points of the grid."""
+        """Return the spline with a grid refined by a factor."""
         places = np.arange(len(self.grid), dtype=np.float64)
         parts = np.arange((len(places) - 1) * times + 1) / times
         return Spline(
@@ -91,7 +97,7 @@ class Spline:
 
 @dataclass(frozen=True, eq=False)
 class Timing:
-    """When a spline is where.
+    """Timing of a spline.
 
     Attributes:
         spline: The spline.
@@ -103,7 +109,7 @@ class Timing:
 
     @property
     def times(self) -> FloatArray:
-        """When the points of the grid are passed, s, shape (g,)."""
+        """Times at the points of the grid, s, shape (g,)."""
         steps = 2 * np.diff(self.spline.grid) / (self.rate[1:] + self.rate[:-1])
         return np.concatenate(([0.0], np.cumsum(steps)))
 
@@ -113,11 +119,11 @@ class Timing:
         return np.asarray(np.diff(self.rate**2) / (2 * np.diff(self.spline.grid)))
 
     def slowed(self, factor: float) -> Timing:
-        """The same at a lower pace."""
+        """Return the timing slowed down by a factor."""
         return Timing(self.spline, self.rate / factor)
 
     def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Joint values, velocities and accelerations at times, shape (n, K) each."""
+        """Return joint values, velocities and accelerations at times, shape (n, K) each."""
         times, u = self.times, self.accelerations
         k = np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(u) - 1)
         return self.within(k, t - times[k])
@@ -125,7 +131,7 @@ class Timing:
     def within(
         self, k: NDArray[np.intp], since: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The same at times since the points k of the grid were passed."""
+        """Return values, velocities and accelerations some time after points k of the grid."""
         u, v = self.accelerations[k], self.rate[k]
         s = np.minimum(self.spline.grid[k] + v * since + u * since**2 / 2, self.spline.grid[k + 1])
         rate, u = (v + u * since)[:, None], u[:, None]
@@ -134,7 +140,7 @@ class Timing:
 
 
 def spline_through(Q: FloatArray) -> Spline | None:
-    """The spline through samples of shape (n, K); None for an arm that stands still.
+    """Return the spline through samples of shape (n, K); None for an arm that does not move.
 
     Raises:
         MethodUnavailable: toppra is not installed.
@@ -158,20 +164,20 @@ def spline_through(Q: FloatArray) -> Spline | None:
 
 
 def fastest(spline: Spline, velocity: FloatArray, acceleration: FloatArray) -> Timing | str:
-    """The fastest timing of a spline from rest to rest; in words, why toppra found none.
+    """Return the fastest timing of a spline from rest to rest, or in words why there is none.
 
     Args:
         spline: The spline.
-        velocity: Largest speeds of its joints, inf where unknown, shape (K,).
-        acceleration: Largest accelerations, shape (K,).
+        velocity: Largest speeds of its joints, rad/s or m/s, inf where unknown, shape (K,).
+        acceleration: Largest accelerations, rad/s² or m/s², shape (K,).
     """
     toppra = _toppra()
     Q = spline.at(spline.grid, 0)
     way = np.abs(np.diff(Q, axis=0)).sum(axis=0)
-    # In this unit of time the whole motion takes about 1: toppra's tolerances are absolute.
+    # toppra's tolerances are absolute: time is scaled so that the motion takes about 1.
     unit = float(np.max(np.maximum(way / velocity, np.sqrt(way / acceleration))))
     most = acceleration * unit**2
-    # What accelerates from rest by no more than that is never so fast: no limit at all.
+    # Under the acceleration limits a speed beyond this is never reached: no limit.
     speeds = np.minimum(velocity * unit, 4 * np.sqrt(most * way) + 1.0)
     box = toppra.constraint
     with np.errstate(all="ignore"):
@@ -185,7 +191,7 @@ def fastest(spline: Spline, velocity: FloatArray, acceleration: FloatArray) -> T
             ]
             work = toppra.algorithm.TOPPRA(limits, spline.at, gridpoints=spline.grid)
             work.compute_parameterization(0, 0)
-        except Exception as error:  # whatever a solver fails with, the path stays as it is
+        except Exception as error:  # without a timing the path stays valid
             return f"toppra failed: {type(error).__name__}"
     found, code = work.problem_data.sd_vec, work.problem_data.return_code
     if code is not toppra.algorithm.ParameterizationReturnCode.Ok or found is None:
@@ -197,7 +203,7 @@ def fastest(spline: Spline, velocity: FloatArray, acceleration: FloatArray) -> T
 
 
 def require_toppra() -> None:
-    """Raises what is to be said where toppra is not installed.
+    """Check that toppra is installed.
 
     Raises:
         MethodUnavailable: It is not.
@@ -207,12 +213,12 @@ def require_toppra() -> None:
 
 @cache
 def _toppra() -> Any:
-    """The package, imported when it is first needed: it brings a plotting library with it.
+    """Return the package, imported when first needed: it imports a plotting library.
 
     Raises:
         MethodUnavailable: It is not installed.
     """
-    # The plotting library, never used, would complain where it finds no place for its cache.
+    # The plotting library, which is not used, warns where it cannot write its cache.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     try:
         with warnings.catch_warnings():
@@ -228,6 +234,6 @@ def _toppra() -> Any:
             extra="retiming",
             argument="retime",
         ) from None
-    # What it has to say comes back as a return code.
+    # Its outcome is read from the return code.
     logging.getLogger("toppra").setLevel(logging.CRITICAL)
     return toppra

@@ -8,7 +8,7 @@ from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.obstacles import encoded
 from kinematics.redundancy.path.geometry import Sampling, polyline
-from kinematics.redundancy.problem import Problem
+from kinematics.redundancy.problem import PathProblem
 from kinematics.task import task_from
 from robots.robot import robot_from_table
 
@@ -45,6 +45,6 @@ def line():
         goal = start.copy()
         goal[:3, 3] += shift
         path = polyline(start, [goal], space, Sampling(samples=samples, tf=tf))
-        return Problem(Arm.of(robot, None, space), q, path, encoded(obstacles), **more)
+        return PathProblem(Arm.of(robot, None, space), q, path, encoded(obstacles), **more)
 
     return build

@@ -26,7 +26,7 @@ from kinematics.redundancy.kernel import workspace
 from kinematics.redundancy.measure import clearances_at, ends_of_links
 from kinematics.redundancy.methods import METHODS
 from kinematics.redundancy.path.geometry import Sampling, polyline
-from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.problem import PathOptions, PathProblem
 from kinematics.task import task_from
 from robots.robot import robot_from_urdf
 from robots.shapes import Shape
@@ -350,7 +350,7 @@ def test_what_no_joint_moves_is_told_and_not_counted():
     assert "-0.04 m from obstacle 0" in told[0]
     goal = np.eye(4)
     path = polyline(goal, [goal], arm.task, Sampling(samples=2))
-    shaped = Problem(arm, start, path, encoded(world[1:]), shaped=geometry)
+    shaped = PathProblem(arm, start, path, encoded(world[1:]), shaped=geometry)
     assert clearances_at(shaped, arm.reduced(start)[None])[0][0] > 1.0
 
 
@@ -405,7 +405,7 @@ def test_methods_keep_the_shapes_clear(method):
     task = task_from("xy")
     arm = Arm.of(robot, "hand", task)
     path = polyline(pose, [goal], task, Sampling(samples=21))
-    free = Problem(arm, start, path, encoded([]), shaped=geometry)
+    free = PathProblem(arm, start, path, encoded([]), shaped=geometry)
     plain = followed(free, METHODS["qp"], PathOptions())
     assert plain.verdict.success
     # a ball beside the finger, which is beyond the frame, where it would be half way
@@ -413,7 +413,7 @@ def test_methods_keep_the_shapes_clear(method):
     finger = ends_of_links(free, arm.reduced(plain.q))[12, k].mean(axis=0)
     beside = np.array([geometry.parts[k].radius + 0.04, 0, 0])
     ball = Sphere(finger + beside, 0.05)
-    problem = Problem(arm, start, path, encoded([ball]), d_safe=0.005, shaped=geometry)
+    problem = PathProblem(arm, start, path, encoded([ball]), d_safe=0.005, shaped=geometry)
     unaware = followed(problem, METHODS["damped"], PathOptions())
     assert unaware.verdict.violations == ("clearance",)
     assert "link finger to obstacle 0" in unaware.verdict.message

@@ -21,7 +21,7 @@ from kinematics.redundancy.judging.verdict import Reason
 from kinematics.redundancy.methods import METHODS, method_from, whole_path
 from kinematics.redundancy.path.geometry import Circle, Sampling, circle
 from kinematics.redundancy.path.time_law import TimeLaw
-from kinematics.redundancy.problem import Gains, PathOptions, Problem, SecondaryTask
+from kinematics.redundancy.problem import Gains, PathOptions, PathProblem, SecondaryTask
 from kinematics.task import task_from
 from robots.shipped import shipped_robot
 
@@ -257,7 +257,7 @@ def test_loops_drift_as_the_equation_says(planar, exercises):
     for turns, loop in ((1, "loop1_ode"), (2, "loop2"), (3, "loop3")):
         law = Sampling(TimeLaw.LINEAR, 2.0, 3000 * turns + 1)
         path = circle(start, Circle(about.center, about.normal, turns), xy, law)
-        result = run(Problem(Arm.of(robot, None, xy), q, path, encoded([])), "pseudo_inverse")
+        result = run(PathProblem(Arm.of(robot, None, xy), q, path, encoded([])), "pseudo_inverse")
         np.testing.assert_allclose(np.rad2deg(result.drift), expected[loop], atol=5e-3)
     cyclic = followed(
         result.problem, METHODS["null_space"], PathOptions(gains=Gains(posture=3000.0))

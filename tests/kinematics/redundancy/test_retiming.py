@@ -15,7 +15,7 @@ from kinematics.redundancy.measure import clearances_at
 from kinematics.redundancy.methods import METHODS
 from kinematics.redundancy.path.geometry import Circle, Sampling, circle, polyline
 from kinematics.redundancy.path.time_law import TimeLaw
-from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.problem import PathOptions, PathProblem
 from kinematics.redundancy.timing import toppra as retiming
 from kinematics.redundancy.timing.result import RetimeStatus, retimed
 from kinematics.redundancy.timing.toppra import RetimeOptions, fastest, spline_through
@@ -47,7 +47,7 @@ def lines(*shifts, samples=101, law=TimeLaw.CUBIC, task="pose", obstacles=(), **
         goals.append(start.copy())
         goals[-1][:3, 3] += shift
     path = polyline(start, goals, space, Sampling(law, 2.0, samples))
-    return Problem(Arm.of(robot, None, space), PANDA, path, encoded(obstacles), **more)
+    return PathProblem(Arm.of(robot, None, space), PANDA, path, encoded(obstacles), **more)
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_one_joint_is_as_fast_as_can_be(planar, acceleration, velocity, expected
     start, goal = fk(robot, np.array([[0.0], [0.5]]))["tool"]
     about = Circle(np.zeros(3), np.array([0.0, 0, 1]), 0.5 / (2 * np.pi))
     path = circle(start, about, arm.task, Sampling(samples=51))
-    problem = Problem(arm, np.zeros(1), path, encoded([]))
+    problem = PathProblem(arm, np.zeros(1), path, encoded([]))
     result = followed(problem, METHODS["qp"], PathOptions())
     assert result.q[-1, 0] == pytest.approx(0.5)
     motion = retimed(result, limits(problem, acceleration, velocity, samples=1001))
@@ -164,7 +164,7 @@ def test_corners_and_loops():
     start = fk(robot, PANDA)[robot.tip_frame]
     about = Circle(start[:3, 3] - [0, 0.1, 0], np.array([0.0, 0, 1]), 2.0)
     path = circle(start, about, space, Sampling(samples=401))
-    problem = Problem(Arm.of(robot, None, space), PANDA, path, encoded([]))
+    problem = PathProblem(Arm.of(robot, None, space), PANDA, path, encoded([]))
     _, motion = timed(problem, 5.0, more={"samples": 2001})
     assert motion.success, motion.message
     p = fk(robot, motion.q)[robot.tip_frame][:, :3, 3] - about.center
@@ -192,7 +192,7 @@ def test_an_arm_that_does_not_move():
     goal = start.copy()
     goal[0, 3] -= 0.3
     path = polyline(start, [goal], arm.task, Sampling())
-    stretched = Problem(arm, np.zeros(3), path, encoded([]))
+    stretched = PathProblem(arm, np.zeros(3), path, encoded([]))
     for method in ("pseudo_inverse", "damped", "qp"):
         _, motion = timed(stretched, 5.0, method=method)
         assert motion.status is RetimeStatus.NO_MOTION

@@ -17,9 +17,9 @@ from robots.shipped import shipped_robot
     [
         ({"quantities": ()}, ("quantities",)),
         ({"parameters": "both"}, ("parameters",)),
-        ({"time_budget": 0.0}, ("time_budget_ms",)),
-        ({"time_budget": math.nan}, ("time_budget_ms",)),
-        ({"time_budget": math.inf}, ("time_budget_ms",)),
+        ({"time_budget": 0.0}, ("time_budget",)),
+        ({"time_budget": math.nan}, ("time_budget",)),
+        ({"time_budget": math.inf}, ("time_budget",)),
         ({"symbols": (("a9", "L"),)}, ("symbols", "a9")),
         ({"symbols": (("a2", "C1"),)}, ("symbols", "a2")),
         ({"symbols": (("a2", "lambda"),)}, ("symbols", "a2")),
