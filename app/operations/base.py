@@ -10,12 +10,13 @@ import msgspec
 import numpy as np
 
 from app.http.negotiation import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT
+from app.http.pointers import escaped
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.strict_json import PIECE, RowLengthError, decode_json, decode_numbers, decode_rows
 from app.http.units import Units
 from app.operations.schema import TASK, one_of
 from app.settings import Settings
-from dh_to_urdf.errors import escaped, quoted
+from dh_to_urdf.errors import quoted
 from kinematics.configuration import configuration, configuration_by_name
 from kinematics.jacobian import ReferenceFrame
 from kinematics.symbolic import SymbolicWorkers

@@ -6,7 +6,6 @@ from typing import Annotated, TypeAlias
 
 import msgspec
 import numpy as np
-from kinematics.redundancy.path.time_law import TimeLaw
 
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.base import (
@@ -29,6 +28,7 @@ from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance import obstacles as solids
 from kinematics.redundancy.path.geometry import Circle, Path, Sampling, circle, polyline
+from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.redundancy.problem import (
     Gains,
     PathOptions,
@@ -380,7 +380,7 @@ def _secondary(
 ) -> SecondaryTask:
     pointer = f"/secondary/{k}"
     task = task_from(field.task, f"{pointer}/task")
-    arm = Arm.of(robot, field.frame, task, f"{pointer}/frame")
+    arm = Arm.of(robot, field.frame, task, "secondary", (k, "frame"))
     if field.target is None:
         pose = fk(robot, problem.start, [arm.frame])[arm.frame]
     else:

@@ -7,7 +7,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dh_to_urdf.errors import escaped, quoted
+from app.http.pointers import escaped
+from dh_to_urdf.errors import quoted
 from kinematics.configuration import joint_names
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm

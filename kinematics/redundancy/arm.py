@@ -33,27 +33,35 @@ class Arm:
     chain: Chain
 
     @classmethod
-    def of(cls, robot: Robot, frame: str | None, task: Task, pointer: str = "/frame") -> Arm:
+    def of(
+        cls,
+        robot: Robot,
+        frame: str | None,
+        task: Task,
+        argument: str = "frame",
+        index: tuple[str | int, ...] = (),
+    ) -> Arm:
         """The arm of a robot.
 
         Args:
             robot: The robot.
             frame: Name of the frame; None for the tip.
             task: The task space.
-            pointer: JSON pointer to the frame's name.
+            argument: Name of the argument that holds the frame's name, for errors.
+            index: Where in the argument it stands, for errors.
 
         Raises:
             UnknownFrame: The robot has no such frame.
             InvalidOption: No joint moves it.
         """
         frame = robot.tip_frame if frame is None else frame
-        robot.frame_id(frame, pointer)
+        robot.frame_id(frame, argument, index)
         chain = chain_of(robot, frame)
         if chain.length == 0:
             raise InvalidOption(
                 f"no joint moves frame {quoted(frame)} against {robot.base_frame}; give a frame"
                 " further out",
-                pointer,
+                "".join(f"/{part}" for part in (argument, *index)),
             )
         return cls(robot, frame, task, chain)
 

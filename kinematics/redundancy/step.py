@@ -91,11 +91,9 @@ def differential_step(
     if z is not None and secondary:
         raise InvalidOption("give z or secondary tasks, not both", "/secondary")
     q = configuration(robot, q)
-    for one, pointer in [
-        (first, "/frame"),
-        *((t, f"/secondary/{k}/frame") for k, t in enumerate(secondary)),
-    ]:
-        _check_moved(robot, one, pointer)
+    _check_moved(robot, first, "frame")
+    for k, one in enumerate(secondary):
+        _check_moved(robot, one, "secondary", (k, "frame"))
     J = task_jacobian(robot, q, first.task, first.frame)
     dx = _checked(first, "/delta_x")
     U, sigma, Vt = np.linalg.svd(J)
@@ -150,14 +148,16 @@ def _checked(one: StepTask, pointer: str) -> FloatArray:
     return dx
 
 
-def _check_moved(robot: Robot, one: StepTask, pointer: str) -> None:
+def _check_moved(
+    robot: Robot, one: StepTask, argument: str, index: tuple[str | int, ...] = ()
+) -> None:
     frame = robot.tip_frame if one.frame is None else one.frame
-    robot.frame_id(frame, pointer)
+    robot.frame_id(frame, argument, index)
     if chain_of(robot, frame).length == 0:
         raise InvalidOption(
             f"no joint moves frame {quoted(frame)} against {robot.base_frame}; give a frame further"
             " out",
-            pointer,
+            "".join(f"/{part}" for part in (argument, *index)),
         )
 
 
