@@ -467,7 +467,7 @@ def test_yaml_bytes_are_utf_8_with_or_without_mark():
     for encoding in ("utf-8", "utf-8-sig"):
         assert read_yaml(text.encode(encoding)).name == "épaule"
     assert faults(read_yaml, text.encode("latin-1")) == [
-        ("", "the text is not YAML: it is not UTF-8")
+        ((), "the text is not YAML: it is not UTF-8")
     ]
 
 
