@@ -13,7 +13,6 @@ from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import check_query
 from dh_to_urdf import (
     DHError,
-    Problem,
     read_csv,
     read_json,
     read_mapping,
@@ -22,7 +21,7 @@ from dh_to_urdf import (
     read_yaml,
     split_values,
 )
-from dh_to_urdf.errors import escaped
+from dh_to_urdf.errors import Fault
 from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 
@@ -127,25 +126,26 @@ def robot_from_inline(document: Mapping[str, Any]) -> Robot:
     """The robot of ``"robot": {…}`` in a body: a table, or ``{"urdf": text, "base", "tip"}``.
 
     Raises:
-        DHError: Not a usable table; pointers start at ``/robot``.
+        DHError: Not a usable table; locations start at ``robot``.
         RobotError: Not a usable URDF.
     """
     if "urdf" in document:
         for key, value in document.items():
             if key not in ("urdf", "base", "tip", "name") or not isinstance(value, str):
-                raise DHError.single(f"/robot/{escaped(key)}", "give urdf, base and tip as texts")
+                raise DHError.single(("robot", key), "give urdf, base and tip as texts")
     try:
         if "urdf" not in document:
             return robot_from_table(read_mapping(document))
         return robot_from_urdf(document["urdf"], base=document.get("base"), tip=document.get("tip"))
     except DHError as error:
-        problems = [Problem(f"/robot{p.pointer}", p.message) for p in error.problems]
-        raise DHError(problems) from None
+        faults = [Fault(("robot", *one.location), one.message) for one in error.faults]
+        raise DHError(faults) from None
     except UnknownFrame as error:
-        raise UnknownFrame(error.name, error.valid, f"/robot{error.pointer}") from None
+        index = (error.argument, *error.index)
+        raise UnknownFrame(error.name, error.valid, "robot", index) from None
     except (InvalidURDF, RobotTooLarge) as error:
-        field = "/urdf" if "urdf" in document else error.pointer
-        raise type(error)(str(error), f"/robot{field}") from None
+        within = ("urdf",) if "urdf" in document else error.location
+        raise type(error)(str(error), ("robot", *within)) from None
 
 
 def id_from_name(name: str) -> str:

@@ -16,7 +16,7 @@ from app import docs, page
 from app.access.wiring import describe, protect
 from app.admission import thread_pool as admission
 from app.dependencies import Services
-from app.http import problems
+from app.http import handlers
 from app.middleware.request_line import RequestLine
 from app.openapi.document import build_openapi
 from app.operations import OPERATIONS, Operation
@@ -91,7 +91,7 @@ def create_app(
     app.state.page = page.load_page()
     page.install(app, app.state.page)
     docs.install(app)
-    problems.install(app)
+    handlers.install(app)
     app.add_middleware(RequestLine)
     admission.install(app)
     protect(app, chosen)

@@ -6,7 +6,7 @@
 from dh_to_urdf.cells.values import split_values
 from dh_to_urdf.documents.mapping import read_mapping
 from dh_to_urdf.documents.readers import read_csv, read_json, read_yaml
-from dh_to_urdf.errors import DHError, Problem
+from dh_to_urdf.errors import DHError, Fault
 from dh_to_urdf.extraction.axes import SerialChain
 from dh_to_urdf.extraction.axes_document import read_axes
 from dh_to_urdf.extraction.comparison import compare
@@ -28,10 +28,10 @@ __all__ = [
     "DHRow",
     "DHTable",
     "Extraction",
+    "Fault",
     "Inertial",
     "JointType",
     "Limits",
-    "Problem",
     "SerialChain",
     "compare",
     "dh_matrices",

@@ -77,8 +77,8 @@ def main(
         parsed = _read(table, content, options)
         text = None if form == "urdf" else TABLE_TEXTS[form].write(parsed)
     except DHError as error:
-        for problem in error.problems:
-            click.echo(f"{problem.pointer or '/'}: {problem.message}", err=True)
+        for fault in error.faults:
+            click.echo(str(fault), err=True)
         raise SystemExit(1) from None
     for warning in parsed.warnings:
         click.echo(f"warning: {warning}", err=True)

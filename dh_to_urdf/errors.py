@@ -4,55 +4,79 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Self, TypeAlias
 
-MAX_PROBLEMS = 10
+MAX_FAULTS = 10
+MAX_KEY = 64
+"""Characters of a key that a location shows."""
+
+Location: TypeAlias = tuple[str | int, ...]
+"""Keys and indices from the root of a document to a value in it; empty for the document."""
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class Fault:
     """One thing wrong with a document.
 
     Attributes:
-        pointer: JSON pointer (RFC 6901) to the offending value, e.g. ``/joints/2/alpha``.
+        location: Where the value at fault stands, such as ``("joints", 2, "alpha")``.
         message: What is wrong and what to write instead.
     """
 
-    pointer: str
+    location: Location
     message: str
+
+    def __str__(self) -> str:
+        place = location_text(self.location)
+        return f"{place}: {self.message}" if place else self.message
 
 
 class DHError(ValueError):
     """A D-H document that is refused.
 
     Attributes:
-        problems: What is wrong, at most ten entries, in the order of the document.
+        faults: What is wrong, at most ten entries, in the order of the document.
     """
 
-    def __init__(self, problems: Sequence[Problem]) -> None:
-        self.problems = tuple(problems[:MAX_PROBLEMS])
-        more = len(problems) - 1
+    def __init__(self, faults: Sequence[Fault]) -> None:
+        self.faults = tuple(faults[:MAX_FAULTS])
+        more = len(faults) - 1
         suffix = f" (and {more} more)" if more > 0 else ""
-        super().__init__(f"{problems[0].message}{suffix}")
+        super().__init__(f"{faults[0].message}{suffix}")
 
     @classmethod
-    def single(cls, pointer: str, message: str) -> Self:
-        """An error with one problem."""
-        return cls([Problem(pointer, message)])
+    def single(cls, location: Location, message: str) -> Self:
+        """Return an error with one fault."""
+        return cls([Fault(location, message)])
 
 
 class DHSyntaxError(DHError):
     """A text that is no JSON, YAML or CSV at all."""
 
 
+def location_text(location: Location) -> str:
+    """Write a location for people: ``joints[2].alpha``, empty for the whole document."""
+    text = ""
+    for part in location:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            text += f".{printable(part)}" if text else printable(part)
+    return text
+
+
+def printable(key: str) -> str:
+    """Return the first 64 characters of a key, with ``?`` for what cannot be seen."""
+    return "".join(c if c.isprintable() else "?" for c in key[:MAX_KEY])
+
+
 def escaped(token: object) -> str:
-    """A key as one token of a JSON pointer (RFC 6901), at most 64 characters that can be seen."""
-    shown = "".join(c if c.isprintable() else "?" for c in str(token)[:64])
-    return shown.replace("~", "~0").replace("/", "~1")
+    """Return a key as one token of RFC 6901, at most 64 characters that can be seen."""
+    return printable(str(token)).replace("~", "~0").replace("/", "~1")
 
 
 def quoted(value: object, limit: int = 40) -> str:
-    """``repr`` of an input value, cut to ``limit`` characters, safe to show in a message."""
+    """Return ``repr`` of an input value, cut to ``limit`` characters, safe in a message."""
     if isinstance(value, int) and abs(value) > 10**limit:
         return "a number of over 40 digits"
     text = repr(value) if isinstance(value, (str, int, float, bool)) or value is None else ""

@@ -59,8 +59,8 @@ def main(
         named = CONVENTION_ALIASES[convention.lower()]
         found = extract(chain, named, snap=snap, positive_a=positive_a)
     except DHError as error:
-        for problem in error.problems:
-            click.echo(f"{problem.pointer or '/'}: {problem.message}", err=True)
+        for fault in error.faults:
+            click.echo(str(fault), err=True)
         raise SystemExit(1) from None
     degrees = angle == "deg"
     if form == "text":

@@ -87,7 +87,7 @@ def _pose(placement: Any) -> Pose:
 
 def _frame_ids(robot: Robot, frames: Sequence[str] | None) -> dict[str, int]:
     names = (robot.tip_frame,) if frames is None else frames
-    return {name: robot.frame_id(name, f"/frames/{k}") for k, name in enumerate(names)}
+    return {name: robot.frame_id(name, "frames", (k,)) for k, name in enumerate(names)}
 
 
 def _placements(robot: Robot, q: FloatArray, ids: dict[str, int]) -> dict[str, Any]:

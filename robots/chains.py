@@ -24,7 +24,7 @@ def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None
     """
     for role, name in (("base", base), ("tip", tip)):
         if name is not None:
-            robot.frame_id(name, f"/{role}")
+            robot.frame_id(name, role)
     return _chain(robot.urdf, base or robot.base_frame, tip or robot.tip_frame)
 
 
@@ -46,7 +46,7 @@ def chain_of_urdf(
     description = read_urdf(text)
     for role, name in (("base", base), ("tip", tip)):
         if name is not None and name not in description.links:
-            raise UnknownFrame(name, description.links, f"/{role}")
+            raise UnknownFrame(name, description.links, role)
     chain = _chain(
         description.canonical, base or description.root, tip or description.default_tip()
     )
@@ -59,5 +59,5 @@ def _chain(text: str, base: str, tip: str) -> SerialChain:
     try:
         return read_chain(text, base, tip)
     except DHError as error:
-        problem = error.problems[0]
-        raise InvalidURDF(problem.message, problem.pointer) from None
+        fault = error.faults[0]
+        raise InvalidURDF(fault.message, fault.location) from None

@@ -4,53 +4,77 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from typing import Final
+from typing import Final, Literal, TypeAlias
 
 MAX_SHOWN = 12
 DAMAGED: Final = "damaged"
 """Stands for the revision of a robot whose file cannot be served."""
+
+Location: TypeAlias = tuple[str | int, ...]
+"""Keys and indices from the root of a document, or of an argument, to a value in it."""
+Quota: TypeAlias = Literal["robots", "bytes"]
 
 
 class RobotError(ValueError):
     """Root of this package's errors.
 
     Attributes:
-        pointer: JSON pointer to the field at fault, empty for the document as a whole.
+        argument: Name of the argument at fault; empty where it is no single one.
+        index: Where in the argument the value at fault stands; empty for the argument itself.
     """
 
-    pointer = ""
+    argument: str = ""
+    index: Location = ()
 
 
 class InvalidURDF(RobotError):
-    """A URDF that is refused; the message names element, value and remedy."""
+    """A URDF that is refused; the message names element, value and remedy.
 
-    def __init__(self, message: str, pointer: str = "") -> None:
+    Attributes:
+        location: Where in the document the value at fault stands; empty for the document.
+    """
+
+    def __init__(self, message: str, location: Location = ()) -> None:
         super().__init__(message)
-        self.pointer = pointer
+        self.location = location
 
 
 class RobotTooLarge(RobotError):
-    """A robot beyond the size that the service computes with."""
+    """A robot beyond the size that is computed with.
 
-    def __init__(self, message: str, pointer: str = "") -> None:
+    Attributes:
+        location: Where in the document the value at fault stands; empty for the document.
+    """
+
+    def __init__(self, message: str, location: Location = ()) -> None:
         super().__init__(message)
-        self.pointer = pointer
+        self.location = location
 
 
 class UnknownFrame(RobotError):
-    """A frame name that the robot does not have."""
+    """A frame name that the robot does not have.
 
-    def __init__(self, name: str, valid: Iterable[str], pointer: str = "/frame") -> None:
+    Attributes:
+        name: The name.
+        valid: The names that the robot has.
+        argument: Name of the argument that holds the name.
+        index: Where in the argument it stands.
+    """
+
+    def __init__(
+        self, name: str, valid: Iterable[str], argument: str = "frame", index: Location = ()
+    ) -> None:
         self.name = name
         self.valid = tuple(valid)
-        self.pointer = pointer
+        self.argument = argument
+        self.index = index
         super().__init__(f"frame {name[:64]!r} is unknown; {hint(name, self.valid)}")
 
 
 class RobotNotFound(RobotError):
     """No robot has this id.
 
-    Args:
+    Attributes:
         robot_id: The id.
         valid: Ids that exist, of many those near it.
         total: How many there are, where ``valid`` does not hold them all.
@@ -58,16 +82,23 @@ class RobotNotFound(RobotError):
 
     def __init__(self, robot_id: str, valid: Iterable[str], total: int | None = None) -> None:
         self.robot_id = robot_id
-        shown = hint(robot_id, tuple(valid), total)
+        self.valid = tuple(valid)
+        self.total = total
+        shown = hint(robot_id, self.valid, total)
         super().__init__(f"there is no robot {robot_id[:64]!r}; {shown}")
 
 
 class InvalidRobotId(RobotError):
-    """An id that cannot name a robot."""
+    """An id that cannot name a robot.
 
-    pointer = "/name"
+    Attributes:
+        robot_id: The id.
+    """
+
+    argument = "name"
 
     def __init__(self, robot_id: str) -> None:
+        self.robot_id = robot_id
         super().__init__(
             f"{robot_id[:64]!r} cannot be a robot's id; use letters, digits and . _ - (at most 64,"
             " starting with a letter or digit)"
@@ -75,43 +106,65 @@ class InvalidRobotId(RobotError):
 
 
 class RobotExists(RobotError):
-    """The id is taken."""
+    """The id is taken.
+
+    Attributes:
+        robot_id: The id.
+    """
 
     def __init__(self, robot_id: str) -> None:
-        super().__init__(
-            f"robot {robot_id!r} exists already; PUT /v1/robots/{robot_id} replaces it, or choose"
-            " another name"
-        )
+        self.robot_id = robot_id
+        super().__init__(f"robot {robot_id!r} exists already")
 
 
 class ReadOnlyRobot(RobotError):
-    """A shipped robot, which cannot be changed."""
+    """A shipped robot, which cannot be changed.
+
+    Attributes:
+        robot_id: Its id.
+    """
 
     def __init__(self, robot_id: str) -> None:
+        self.robot_id = robot_id
         super().__init__(
             f"robot {robot_id!r} is shipped with the service and read-only; choose another id"
         )
 
 
 class RevisionMismatch(RobotError):
-    """The stored revision is not the one that the request was made for."""
+    """The stored revision is not the expected one.
+
+    Attributes:
+        robot_id: The robot.
+        current: The stored revision; ``DAMAGED`` where it cannot be told, None where no robot has
+            the id.
+    """
 
     def __init__(self, robot_id: str, current: str | None) -> None:
+        self.robot_id = robot_id
         self.current = current
         if current == DAMAGED:
-            state = "is damaged; upload it without If-Match"
+            state = "is damaged"
         else:
-            found = f"is at revision {current}" if current else "does not exist"
-            state = f"{found}; read it again and repeat the request"
+            state = f"is at revision {current}" if current else "does not exist"
         super().__init__(f"robot {robot_id!r} {state}")
 
 
 class MeshNotFound(RobotError):
-    """A mesh that a robot does not have; only shipped robots have any."""
+    """A mesh that a robot does not have; only shipped robots have any.
+
+    Attributes:
+        robot_id: The robot.
+        name: Name of the mesh.
+        valid: Names of the meshes that the robot has.
+    """
 
     def __init__(self, robot_id: str, name: str, valid: tuple[str, ...]) -> None:
-        told = hint(name, valid) if valid else "no mesh of it is kept here"
-        super().__init__(f"robot {robot_id[:64]!r} has no mesh {name[:64]!r}; {told}")
+        self.robot_id = robot_id
+        self.name = name
+        self.valid = valid
+        known = hint(name, valid) if valid else "no mesh of it is kept here"
+        super().__init__(f"robot {robot_id[:64]!r} has no mesh {name[:64]!r}; {known}")
 
 
 class DamagedRobot(RobotError):
@@ -119,33 +172,37 @@ class DamagedRobot(RobotError):
 
     Attributes:
         robot_id: The robot.
+        fault: What is wrong with the file, after "the stored file of robot 'x'".
         moved: True where the file lies in quarantine now.
     """
 
     def __init__(self, robot_id: str, fault: str, *, moved: bool) -> None:
         self.robot_id = robot_id
+        self.fault = fault
         self.moved = moved
         where = "; it was moved to quarantine" if moved else ""
-        super().__init__(
-            f"the stored file of robot {robot_id!r} {fault}{where}; upload the robot again (PUT"
-            f" /v1/robots/{robot_id}), or delete it"
-        )
+        super().__init__(f"the stored file of robot {robot_id!r} {fault}{where}")
 
 
 class QuotaReached(RobotError):
-    """One more robot, or its bytes, would exceed what the store takes."""
+    """One more robot, or its bytes, would exceed what the store takes.
 
-    def __init__(self, quota: str) -> None:
+    Attributes:
+        quota: What is counted.
+        limit: How much the store takes at most.
+    """
+
+    def __init__(self, quota: Quota, limit: int) -> None:
+        self.quota = quota
+        self.limit = limit
+        counted = "bytes of uploaded robots" if quota == "bytes" else "uploaded robots"
         super().__init__(
-            f"the store takes {quota}, and this robot would exceed that; delete robots (DELETE"
-            " /v1/robots/{id}), or send the robot in the body of a computation: that stores nothing"
+            f"the store takes {limit} {counted} at most, and this robot would exceed that"
         )
 
 
 class StorageError(RuntimeError):
     """The disk, not the robot, is at fault: nothing was changed, and reading goes on."""
-
-    pointer = ""
 
 
 class StorageFull(StorageError):
@@ -153,8 +210,7 @@ class StorageFull(StorageError):
 
     def __init__(self) -> None:
         super().__init__(
-            "the disk of the service is full and the robot was not stored; what was stored before"
-            " is intact; delete robots, or have the operator make room, then repeat the request"
+            "the disk is full and the robot was not stored; what was stored before is intact"
         )
 
 
@@ -162,20 +218,19 @@ class StorageUnavailable(StorageError):
     """The directory of the uploads cannot be used now.
 
     Attributes:
+        fault: What is wrong.
         retry_after: Seconds after which another try may succeed.
     """
 
     retry_after: Final = 5.0
 
     def __init__(self, fault: str) -> None:
-        super().__init__(
-            f"{fault}; shipped robots and robots in the body of a request work; repeat the request"
-            " later"
-        )
+        self.fault = fault
+        super().__init__(fault)
 
 
 def hint(name: str, valid: tuple[str, ...], total: int | None = None) -> str:
-    """Names the closest valid names, or the first few."""
+    """Name the closest valid names, or the first few."""
     close = difflib.get_close_matches(name[:64], valid, n=3)
     if close:
         return "did you mean " + " or ".join(close) + "?"

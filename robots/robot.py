@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from dh_to_urdf import DHTable, JointType, table_to_urdf
 from dh_to_urdf.writer import BASE_LINK, TOOL_LINK, UNBOUNDED
-from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
+from robots.errors import InvalidURDF, Location, RobotTooLarge, UnknownFrame
 from robots.model import build_model
 from robots.urdf import MAX_DOF, URDFDescription, read_urdf
 
@@ -130,8 +130,13 @@ class Robot:
             self._local.data = self.model.createData()
             return self._local.data
 
-    def frame_id(self, name: str, pointer: str = "/frame") -> int:
-        """Pinocchio's number of a frame.
+    def frame_id(self, name: str, argument: str = "frame", index: Location = ()) -> int:
+        """Return Pinocchio's number of a frame.
+
+        Args:
+            name: Name of the frame.
+            argument: Name of the argument that holds the name, for the error.
+            index: Where in the argument it stands, for the error.
 
         Raises:
             UnknownFrame: The robot has no such frame; the error lists the names that it has.
@@ -139,7 +144,7 @@ class Robot:
         try:
             return self._frame_ids[name]
         except KeyError:
-            raise UnknownFrame(name, self.frames, pointer) from None
+            raise UnknownFrame(name, self.frames, argument, index) from None
 
 
 def robot_from_table(table: DHTable) -> Robot:
@@ -152,7 +157,7 @@ def robot_from_table(table: DHTable) -> Robot:
     if table.dof > MAX_DOF:
         raise RobotTooLarge(f"the table has {table.dof} joints; at most {MAX_DOF} are computed")
     if table.dof == 0:
-        raise InvalidURDF("the table has no joint that moves", "/joints")
+        raise InvalidURDF("the table has no joint that moves", ("joints",))
     urdf = table_to_urdf(table)
     description = read_urdf(urdf)
     joints = tuple(
@@ -209,7 +214,7 @@ def robot_from_urdf(
     )
     for role, name in (("base", base), ("tip", tip)):
         if name is not None and name not in description.links:
-            raise UnknownFrame(name, description.links, f"/{role}")
+            raise UnknownFrame(name, description.links, role)
     return _build(
         description,
         kind="urdf",

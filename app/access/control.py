@@ -8,8 +8,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from app.access.keys import Key, KeyRing
 from app.access.keys import Scope as KeyScope
 from app.access.rates import RateLimits, Standing, network_of
-from app.http.problems import FORBIDDEN, TOO_MANY, UNAUTHORISED, ProblemType, problem_response
-from dh_to_urdf import Problem
+from app.http.problems import (
+    FORBIDDEN,
+    TOO_MANY,
+    UNAUTHORISED,
+    ErrorEntry,
+    ProblemType,
+    problem_response,
+)
 
 OPEN = ("/", "/docs", "/openapi.json", "/favicon.ico")
 OPEN_BELOW = ("/health/", "/docs-assets/", "/assets/", "/problems/")
@@ -121,5 +127,5 @@ async def _refuse(
     challenge: str | None = None,
 ) -> None:
     headers = {} if challenge is None else {"WWW-Authenticate": challenge}
-    response = problem_response(Request(scope), type_, [Problem("", detail)], headers)
+    response = problem_response(Request(scope), type_, [ErrorEntry("", detail)], headers)
     await response(scope, receive, send)

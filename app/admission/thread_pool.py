@@ -19,8 +19,7 @@ from typing import TypeVar
 from fastapi import FastAPI, Request, Response
 from starlette.requests import ClientDisconnect
 
-from app.http.problems import BUSY, ProblemType, RequestProblem, problem_response
-from dh_to_urdf import Problem
+from app.http.problems import BUSY, ErrorEntry, ProblemType, RequestProblem, problem_response
 from kinematics.deadline import Cancelled, Deadline, checkpoint, under
 
 T = TypeVar("T")
@@ -252,7 +251,7 @@ def install(app: FastAPI) -> None:
     """Registers what a request of somebody who went away ends with."""
 
     async def gone(request: Request, error: Exception) -> Response:  # noqa: ARG001
-        return problem_response(request, GONE, [Problem("", "the client went away")])
+        return problem_response(request, GONE, [ErrorEntry("", "the client went away")])
 
     app.add_exception_handler(Cancelled, gone)
     app.add_exception_handler(ClientDisconnect, gone)

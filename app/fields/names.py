@@ -43,7 +43,7 @@ class FrameName(Field):
         """
         if value is None:
             return reading.robot.tip_frame
-        reading.robot.frame_id(value, json_pointer(location))
+        reading.robot.frame_id(value, str(location[0]), location[1:])
         return str(value)
 
 

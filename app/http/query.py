@@ -6,10 +6,10 @@ import math
 
 from fastapi import Request
 
+from app.http.pointers import escaped
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.units import Units
 from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
-from dh_to_urdf.errors import escaped
 from robots.errors import hint
 
 COMMON = ("angle", "format")

@@ -11,8 +11,9 @@ from typing import Any, TypeVar, cast
 import msgspec
 import numpy as np
 
+from app.http.pointers import escaped
 from app.http.problems import INVALID_REQUEST, MALFORMED_BODY, TOO_LARGE, RequestProblem
-from dh_to_urdf.errors import escaped, quoted
+from dh_to_urdf.errors import quoted
 from kinematics.deadline import checkpoint
 from robots.robot import FloatArray
 
@@ -299,7 +300,7 @@ def validation_problem(
     message = _PATH.sub("", text).replace("`", "")
     if skipped:
         path = _INDEX.sub(lambda index: f"[{int(index[1]) + skipped}]", path, count=1)
-    found = pointer + json_pointer(path)
+    found = pointer + pointer_of_path(path)
     unknown = re.search(r"Object contains unknown field (.+)$", message, re.DOTALL)
     if unknown:
         field = unknown[1]
@@ -322,7 +323,7 @@ def validation_problem(
     return RequestProblem(INVALID_REQUEST, f"{where}{message[:1].lower()}{message[1:]}", found)
 
 
-def json_pointer(path: str) -> str:
-    """``$.joints[2].alpha`` -> ``/joints/2/alpha``."""
+def pointer_of_path(path: str) -> str:
+    """Return a path of msgspec as a JSON pointer: ``$.joints[2].alpha`` -> ``/joints/2/alpha``."""
     known = path.removeprefix("$").partition("[...]")[0]
     return _INDEX.sub(r"/\1", known).replace(".", "/")

@@ -11,9 +11,8 @@ from asyncio import CancelledError
 from fastapi import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.http.problems import INTERNAL, STOPPING, problem_response
+from app.http.problems import INTERNAL, STOPPING, ErrorEntry, problem_response
 from app.telemetry.lines import REQUEST_ID
-from dh_to_urdf import Problem
 
 _LOG = logging.getLogger("denavit")
 _ID = re.compile(rb"[A-Za-z0-9._-]{1,64}")
@@ -58,7 +57,7 @@ class RequestId:
             if started:
                 raise
             message = "the service stopped before this was done; ask again"
-            problems, headers = [Problem("", message)], {"Retry-After": "1"}
+            problems, headers = [ErrorEntry("", message)], {"Retry-After": "1"}
             response = problem_response(Request(scope), STOPPING, problems, headers)
             await response(scope, receive, send_with_id)
         except Exception:
@@ -66,5 +65,5 @@ class RequestId:
                 raise
             _LOG.exception("request failed")
             message = "this should not happen; please report it with the request_id"
-            response = problem_response(Request(scope), INTERNAL, [Problem("", message)])
+            response = problem_response(Request(scope), INTERNAL, [ErrorEntry("", message)])
             await response(scope, receive, send_with_id)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from fastapi import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.http.problems import TOO_LONG, problem_response
-from dh_to_urdf import Problem
+from app.http.problems import TOO_LONG, ErrorEntry, problem_response
 
 MAX_QUERY = 32_768
 """Bytes of a query; longer ones belong in a body."""
@@ -30,7 +29,7 @@ class RequestLine:
                 " send a body with POST"
             )
             short = {**scope, "query_string": b"", "path": "/"}
-            response = problem_response(Request(short), TOO_LONG, [Problem("", message)])
+            response = problem_response(Request(short), TOO_LONG, [ErrorEntry("", message)])
             await response(short, receive, send)
         elif scope["method"] == "HEAD":
             await self.app({**scope, "method": "GET"}, receive, _without_body(send))

@@ -115,7 +115,7 @@ def _frames(robot: Robot, asked: list[str] | str | None) -> list[str]:
         asked = []
     names = [asked] if isinstance(asked, str) else list(dict.fromkeys(asked))
     for index, name in enumerate(names):
-        robot.frame_id(name, f"/frames/{index}")
+        robot.frame_id(name, "frames", (index,))
     return names[:MOST_FRAMES]
 
 

@@ -140,7 +140,7 @@ def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
 def _secondary(robot: Robot, one: SecondaryStep, k: int, context: Context) -> StepTask:
     task = task_from(one.task, "secondary", (k, "task"))
     frame = robot.tip_frame if one.frame is None else one.frame
-    robot.frame_id(frame, f"/secondary/{k}/frame")
+    robot.frame_id(frame, "secondary", (k, "frame"))
     return StepTask(_motion(one.delta_x, task, context), task, frame)
 
 

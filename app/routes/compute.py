@@ -16,9 +16,9 @@ from app.admission.thread_pool import ThreadPool, while_connected
 from app.dependencies import Services, services_of
 from app.fields.field import Reading
 from app.http.bodies import read_body
+from app.http.handlers import domain_problem
 from app.http.negotiation import JSON, NDJSON, NPY, PNG, SVG, require_type, wanted_type
 from app.http.npy import decode_npy
-from app.http.problems import domain_problem
 from app.http.query import check_query, units_of
 from app.http.responses import json_lines, respond
 from app.http.strict_json import MAX_FIELD, check_fields, decode_json, refuse_doubled_keys

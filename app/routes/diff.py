@@ -19,7 +19,8 @@ from app.http.units import Units
 from app.openapi.answers import REF
 from app.openapi.problems import PROBLEMS
 from app.operations.shapes import AnswerUnits
-from dh_to_urdf import DHError, Problem
+from dh_to_urdf import DHError, Fault
+from dh_to_urdf.errors import Location
 from dh_to_urdf.extraction.comparison import Comparison, Difference, compare
 from robots.chains import chain_of_robot
 from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
@@ -159,22 +160,22 @@ async def _other(services: ServicesDep, asked: DiffRequest) -> Robot:
     try:
         return await services.inline_robot(asked.other)
     except DHError as error:
-        problems = [
-            Problem(_of_other(problem.pointer), problem.message) for problem in error.problems
-        ]
-        raise type(error)(problems) from None
+        faults = [Fault(_of_other(one.location), one.message) for one in error.faults]
+        raise type(error)(faults) from None
     except UnknownFrame as error:
-        raise UnknownFrame(error.name, error.valid, _of_other(error.pointer)) from None
+        argument, *index = _of_other((error.argument, *error.index))
+        raise UnknownFrame(error.name, error.valid, str(argument), tuple(index)) from None
     except (InvalidURDF, RobotTooLarge) as error:
-        raise type(error)(str(error), _of_other(error.pointer)) from None
+        raise type(error)(str(error), _of_other(error.location)) from None
     except RequestProblem as error:
-        (problem,) = error.problems
-        detail = re.sub("^robot ", "other ", problem.message)
-        raise RequestProblem(error.type, detail, _of_other(problem.pointer)) from None
+        (entry,) = error.entries
+        detail = re.sub("^robot ", "other ", entry.message)
+        pointer = "/other" + entry.pointer.removeprefix("/robot")
+        raise RequestProblem(error.type, detail, pointer) from None
 
 
-def _of_other(pointer: str) -> str:
-    return "/other" + pointer.removeprefix("/robot")
+def _of_other(location: Location) -> Location:
+    return ("other", *(location[1:] if location[:1] == ("robot",) else location))
 
 
 async def _answer(

@@ -8,7 +8,8 @@ from fastapi import APIRouter, Request, Response
 
 from app.dependencies import Services
 from app.http.negotiation import HTML, JSON, TEXT, wanted_type
-from app.http.problems import ALL_TYPES, ProblemType, RequestProblem
+from app.http.problems import ProblemType, RequestProblem
+from app.http.rendering import ALL_TYPES
 from app.http.responses import respond
 from app.page import Page
 from app.readiness import Check, Readiness, WritableDirectory

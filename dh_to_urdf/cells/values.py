@@ -9,7 +9,7 @@ from typing import Any
 from dh_to_urdf.cells.arithmetic import FUNCTIONS, CellError, Sum, parse_sum, variable_of
 from dh_to_urdf.cells.expressions import MAX_CELL_LENGTH, MAX_MAGNITUDE, ascii_numbers
 from dh_to_urdf.documents.checks import Report
-from dh_to_urdf.errors import DHError, escaped, quoted
+from dh_to_urdf.errors import DHError, quoted
 
 MAX_VALUES = 300
 MAX_VALUES_LENGTH = 20_000
@@ -75,17 +75,15 @@ def split_values(text: str) -> dict[str, str]:
         DHError: Not pairs of names and numbers.
     """
     if len(text) > MAX_VALUES_LENGTH:
-        raise DHError.single("/values", f"values is longer than {MAX_VALUES_LENGTH} characters")
+        raise DHError.single(("values",), f"values is longer than {MAX_VALUES_LENGTH} characters")
     pairs: dict[str, str] = {}
     for part in _NEXT.split(text):
         name, colon, value = part.replace("=", ":", 1).partition(":")
         name = name.strip()
         if not colon:
-            raise DHError.single("/values", f"values holds {quoted(part)}; {VALUES_RULE}")
+            raise DHError.single(("values",), f"values holds {quoted(part)}; {VALUES_RULE}")
         if name in pairs:
-            raise DHError.single(
-                f"/values/{escaped(name)}", f"values has {quoted(name)} twice; keep one"
-            )
+            raise DHError.single(("values", name), f"values has {quoted(name)} twice; keep one")
         pairs[name] = value.strip()
     return pairs
 
@@ -98,7 +96,7 @@ def read_values(raw: object, known: Values | None = None) -> Values:
         known: Values to go on from.
 
     Raises:
-        DHError: With a pointer below ``/values``.
+        DHError: With a location below ``values``.
     """
     values = known or Values()
     if isinstance(raw, Values):
@@ -106,27 +104,27 @@ def read_values(raw: object, known: Values | None = None) -> Values:
     if raw is None:
         return values
     if not isinstance(raw, Mapping):
-        raise DHError.single("/values", f'values is {quoted(raw)}; give {{"D3": 0.45}}')
+        raise DHError.single(("values",), f'values is {quoted(raw)}; give {{"D3": 0.45}}')
     if len(raw) > MAX_VALUES:
-        raise DHError.single("/values", f"values has over {MAX_VALUES} names")
+        raise DHError.single(("values",), f"values has over {MAX_VALUES} names")
     keys: set[str] = set()
     for name, item in raw.items():
-        pointer = f"/values/{escaped(name)}"
+        location = ("values", str(name))
         if not isinstance(name, str) or not _NAME.fullmatch(name) or name.lower() in _RESERVED:
             raise DHError.single(
-                pointer,
+                location,
                 f"values names {quoted(name)}; give a letter with letters and digits after it,"
                 " as it stands in the cells",
             )
         key = name.replace("_", "")
         if key in keys:
-            raise DHError.single(pointer, f"values has {quoted(name)} twice; keep one")
+            raise DHError.single(location, f"values has {quoted(name)} twice; keep one")
         try:
             values = values.with_value(key, _value(item, values))
         except (CellError, OverflowError, RecursionError) as error:
             reason = str(error) if isinstance(error, CellError) else "is not a finite number"
             raise DHError.single(
-                pointer, f"values: {name} is {quoted(item)}, which {reason}"
+                location, f"values: {name} is {quoted(item)}, which {reason}"
             ) from None
         keys.add(key)
     return values
@@ -137,7 +135,7 @@ def refuse_unused(values: Values, report: Report) -> None:
     for name in values.unused:
         joint = ", since a joint variable takes none" if variable_of(name) else ""
         report.add(
-            f"/values/{escaped(name)}",
+            ("values", name),
             f"values has {name}, which stands for no constant in the table{joint}; leave it out",
         )
 

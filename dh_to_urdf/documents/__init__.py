@@ -1,1 +1,1 @@
-"""Documents of tables: JSON, YAML and CSV in, with every problem at its cell, and out."""
+"""Documents of tables: JSON, YAML and CSV in, with every fault at its cell, and out."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from dh_to_urdf.cells.expressions import Quantity
-from dh_to_urdf.errors import DHError, Problem, escaped, quoted
+from dh_to_urdf.errors import DHError, Fault, Location, quoted
 
 UNSEEN = (
     "[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164"
@@ -35,32 +35,32 @@ class Units:
 
 @dataclass
 class Report:
-    """Collects problems, so that one answer names several cells."""
+    """Collects faults, so that one answer names several cells."""
 
-    problems: list[Problem] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
-    def add(self, pointer: str, message: str) -> None:
-        """Notes one problem."""
-        self.problems.append(Problem(pointer, message))
+    def add(self, location: Location, message: str) -> None:
+        """Note one fault."""
+        self.faults.append(Fault(location, message))
 
     def raise_if_any(self) -> None:
         """Ends the reading where something was noted.
 
         Raises:
-            DHError: With all problems so far.
+            DHError: With all faults so far.
         """
-        if self.problems:
-            raise DHError(self.problems)
+        if self.faults:
+            raise DHError(self.faults)
 
 
 def refuse_unknown(
-    data: Mapping[Any, Any], known: tuple[str, ...], pointer: str, where: str, report: Report
+    data: Mapping[Any, Any], known: tuple[str, ...], location: Location, where: str, report: Report
 ) -> None:
     """Reports keys that would be ignored."""
     for key in data:
         if key not in known:
             report.add(
-                f"{pointer}/{escaped(key)}",
+                (*location, str(key)),
                 f"{where} has an unknown field {quoted(key)}; known are {', '.join(known)}",
             )

@@ -1,6 +1,6 @@
 """The mapping that JSON, YAML and CSV documents hold -> :class:`DHTable`.
 
-Every refusal carries a JSON pointer to the cell, the joint's name and what to write instead.
+Every refusal carries the location of the cell, the joint's name and what to write instead.
 """
 
 from __future__ import annotations
@@ -57,39 +57,39 @@ def read_mapping(
         The table, in SI units.
 
     Raises:
-        DHError: With a pointer to each of the first ten problems.
+        DHError: With the location of each of the first ten faults.
     """
     if not isinstance(data, Mapping):
-        raise DHError.single("", "the document is not a mapping with convention and joints")
+        raise DHError.single((), "the document is not a mapping with convention and joints")
     report = Report()
-    refuse_unknown(data, (*_TABLE_FIELDS, *_NOTE_FIELDS, *_FINDING_FIELDS), "", "the table", report)
+    refuse_unknown(data, (*_TABLE_FIELDS, *_NOTE_FIELDS, *_FINDING_FIELDS), (), "the table", report)
     name = data.get("name", default_name)
     if name is None:
-        report.add("/name", f"name is missing; {NAME_RULE}")
+        report.add(("name",), f"name is missing; {NAME_RULE}")
         name = DEFAULT_NAME
     elif not isinstance(name, str) or NAME.fullmatch(name) is None:
-        report.add("/name", f"name is {quoted(name)}; {NAME_RULE}")
+        report.add(("name",), f"name is {quoted(name)}; {NAME_RULE}")
         name = DEFAULT_NAME
     convention = _convention(data, report)
     for key in _NOTE_FIELDS:
         if not isinstance(data.get(key, ""), str):
-            report.add(f"/{key}", f"{key} is {quoted(data[key])}; give a text")
+            report.add((key,), f"{key} is {quoted(data[key])}; give a text")
     units = read_units(data.get("units"), report)
     warnings = report.warnings
     base = read_placement(
-        data.get("base"), "/base", units.angle, units.length, report.add, warnings
+        data.get("base"), ("base",), units.angle, units.length, report.add, warnings
     )
     tool = read_placement(
-        data.get("tool"), "/tool", units.angle, units.length, report.add, warnings
+        data.get("tool"), ("tool",), units.angle, units.length, report.add, warnings
     )
     values = read_values(data.get("values"))
     joints = data.get("joints")
     if not isinstance(joints, list) or not joints:
-        report.add("/joints", "joints is missing or empty; give a list with one entry a joint")
+        report.add(("joints",), "joints is missing or empty; give a list with one entry a joint")
         joints = []
     if len(joints) > MAX_ROWS:
         raise DHError.single(
-            "/joints", f"joints has {len(joints)} rows; at most {MAX_ROWS} are read"
+            ("joints",), f"joints has {len(joints)} rows; at most {MAX_ROWS} are read"
         )
     report.raise_if_any()
     assert convention is not None
@@ -129,28 +129,28 @@ def _convention(data: Mapping[Any, Any], report: Report) -> Convention | None:
     raw = data.get("convention")
     choices = "standard (distal, Paul), modified (proximal, Craig) or khalil (Khalil-Kleinfinger)"
     if raw is None:
-        report.add("/convention", f"convention is missing; give {choices}")
+        report.add(("convention",), f"convention is missing; give {choices}")
         return None
     convention = CONVENTION_ALIASES.get(raw.strip().lower()) if isinstance(raw, str) else None
     if convention is None:
-        report.add("/convention", f"convention {quoted(raw)} is unknown; give {choices}")
+        report.add(("convention",), f"convention {quoted(raw)} is unknown; give {choices}")
     return convention
 
 
 def read_units(raw: object, report: Report) -> Units:
-    """Reads ``{"angle": "rad" | "deg", "length": "m" | "mm"}``; problems go to the report."""
+    """Reads ``{"angle": "rad" | "deg", "length": "m" | "mm"}``; faults go to the report."""
     if raw is None:
         return Units()
     if not isinstance(raw, Mapping):
-        report.add("/units", 'units is not a mapping; give {"angle": "deg", "length": "mm"}')
+        report.add(("units",), 'units is not a mapping; give {"angle": "deg", "length": "mm"}')
         return Units()
-    refuse_unknown(raw, ("angle", "length"), "/units", "units", report)
+    refuse_unknown(raw, ("angle", "length"), ("units",), "units", report)
     found = []
     for key, choices in (("angle", _ANGLE_UNITS), ("length", _LENGTH_UNITS)):
         unit = raw.get(key, next(iter(choices)))
         if not isinstance(unit, str) or unit not in choices:
             report.add(
-                f"/units/{key}", f"units.{key} is {quoted(unit)}; give {' or '.join(choices)}"
+                ("units", key), f"units.{key} is {quoted(unit)}; give {' or '.join(choices)}"
             )
             unit = next(iter(choices))
         found.append(choices[unit])

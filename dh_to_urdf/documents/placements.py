@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
-from dh_to_urdf.errors import quoted
+from dh_to_urdf.errors import Location, quoted
 from dh_to_urdf.poses import (
     Matrix,
     from_xyz_quaternion,
@@ -17,54 +17,54 @@ from dh_to_urdf.poses import (
 )
 from dh_to_urdf.table import Inertial
 
-AddProblem = Callable[[str, str], None]
+AddFault = Callable[[Location, str], None]
 
 _INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def read_placement(
     raw: object,
-    pointer: str,
+    location: Location,
     angle: float,
     length: float,
-    add: AddProblem,
+    add: AddFault,
     warnings: list[str],
 ) -> Matrix:
     """Reads ``{"matrix": …}``, ``{"xyz", "rpy"}`` or ``{"xyz", "quaternion_xyzw"}``.
 
     Args:
         raw: The value in the document; None is the identity.
-        pointer: JSON pointer to it.
+        location: Where it stands in the document.
         angle: Factor of the document's angles to rad.
         length: Factor of the document's lengths to m; it applies to a matrix' last column too.
-        add: Receives problems.
+        add: Receives faults.
         warnings: Receives what had to be mended.
 
     Returns:
-        A 4x4 matrix, the identity where there is a problem.
+        A 4x4 matrix, the identity where there is a fault.
     """
-    name = pointer.rsplit("/", 1)[-1]
+    name = str(location[-1])
     if raw is None:
         return np.eye(4)
     forms = 'give {"xyz": [x, y, z], "rpy": [r, p, y]} or {"matrix": 4x4}'
     if isinstance(raw, list):
         raw = {"matrix": raw}
     if not isinstance(raw, Mapping):
-        add(pointer, f"{name} is {quoted(raw)}; {forms}")
+        add(location, f"{name} is {quoted(raw)}; {forms}")
         return np.eye(4)
     unknown = [key for key in raw if key not in ("matrix", "xyz", "rpy", "quaternion_xyzw")]
     if unknown:
-        add(pointer, f"{name} has an unknown field {quoted(unknown[0])}; {forms}")
+        add(location, f"{name} has an unknown field {quoted(unknown[0])}; {forms}")
         return np.eye(4)
     if "matrix" in raw and len(raw) > 1:
-        add(pointer, f"{name} has a matrix and {len(raw) - 1} other field(s); give one form")
+        add(location, f"{name} has a matrix and {len(raw) - 1} other field(s); give one form")
         return np.eye(4)
     if "rpy" in raw and "quaternion_xyzw" in raw:
-        add(pointer, f"{name} has rpy and quaternion_xyzw; give one of them")
+        add(location, f"{name} has rpy and quaternion_xyzw; give one of them")
         return np.eye(4)
     try:
         if "matrix" in raw:
-            return _from_matrix(raw["matrix"], pointer, length, warnings)
+            return _from_matrix(raw["matrix"], location, length, warnings)
         xyz = read_vector(raw.get("xyz", [0, 0, 0]), "xyz", 3, Quantity.LENGTH, length)
         if "quaternion_xyzw" in raw:
             quaternion = read_vector(
@@ -74,11 +74,11 @@ def read_placement(
         rpy = read_vector(raw.get("rpy", [0, 0, 0]), "rpy", 3, Quantity.ANGLE, angle)
         return from_xyz_rpy(xyz, rpy)
     except ValueError as error:
-        add(pointer, f"{name}: {error}")
+        add(location, f"{name}: {error}")
         return np.eye(4)
 
 
-def _from_matrix(raw: object, pointer: str, length: float, warnings: list[str]) -> Matrix:
+def _from_matrix(raw: object, location: Location, length: float, warnings: list[str]) -> Matrix:
     if not (isinstance(raw, list) and len(raw) == 4 and all(isinstance(r, list) for r in raw)):
         raise ValueError("matrix is not four rows of four numbers")
     rows = [read_vector(row, "matrix", 4, Quantity.NUMBER, 1.0) for row in raw]
@@ -90,7 +90,7 @@ def _from_matrix(raw: object, pointer: str, length: float, warnings: list[str]) 
     except ValueError as error:
         raise ValueError(f"matrix {error}") from None
     if is_mended(matrix):
-        name = pointer.rsplit("/", 1)[-1]
+        name = str(location[-1])
         change = float(np.abs(T - matrix).max())
         warnings.append(
             f"{name}: the matrix is rounded; its nearest rotation is used ({change:.1e})"
@@ -126,7 +126,7 @@ def read_vector(raw: object, what: str, size: int, quantity: Quantity, unit: flo
 
 
 def read_inertial(
-    raw: object, pointer: str, label: str, length: float, add: AddProblem
+    raw: object, location: Location, label: str, length: float, add: AddFault
 ) -> Inertial | None:
     """Reads ``{"mass": kg, "com": [x, y, z], "inertia": {"ixx": …} or 3x3}``.
 
@@ -134,25 +134,25 @@ def read_inertial(
     mass; both in the axes of frame k.
 
     Returns:
-        The inertial, or None where there is a problem.
+        The inertial, or None where there is a fault.
     """
     if not isinstance(raw, Mapping) or set(raw) - {"mass", "com", "inertia"} or "mass" not in raw:
-        add(pointer, f"{label}: inertial is not a mapping with mass, com and inertia")
+        add(location, f"{label}: inertial is not a mapping with mass, com and inertia")
         return None
     try:
         mass = read_vector([raw["mass"]], "mass", 1, Quantity.NUMBER, 1.0)[0]
         com = read_vector(raw.get("com", [0, 0, 0]), "com", 3, Quantity.LENGTH, length)
         inertia = _inertia(raw.get("inertia"))
     except ValueError as error:
-        add(pointer, f"{label}: inertial: {error}")
+        add(location, f"{label}: inertial: {error}")
         return None
     if mass < 0:
-        add(f"{pointer}/mass", f"{label}: inertial: mass is negative")
+        add((*location, "mass"), f"{label}: inertial: mass is negative")
         return None
     moments = np.linalg.eigvalsh(inertia)
     if moments[0] < -1e-12 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6) + 1e-12:
         add(
-            f"{pointer}/inertia",
+            (*location, "inertia"),
             f"{label}: inertial: no body has this inertia (its principal moments must be ≥ 0 and"
             " none above the sum of the others)",
         )

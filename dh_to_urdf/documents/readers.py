@@ -52,13 +52,13 @@ def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
             text = text.decode("utf-8-sig")
         except UnicodeDecodeError:
             raise DHSyntaxError.single(
-                "", "the text is not JSON: it is not UTF-8; save it so"
+                (), "the text is not JSON: it is not UTF-8; save it so"
             ) from None
     if not text.strip():
-        raise DHSyntaxError.single("", "the text is not JSON: it is empty; send a table")
+        raise DHSyntaxError.single((), "the text is not JSON: it is empty; send a table")
     if text.startswith("\ufeff"):
         raise DHSyntaxError.single(
-            "", "the text is not JSON: it starts with a byte order mark too many; remove it"
+            (), "the text is not JSON: it starts with a byte order mark too many; remove it"
         )
     try:
         data = json.loads(text, object_pairs_hook=_no_duplicates)
@@ -72,7 +72,7 @@ def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
             if isinstance(error, RecursionError)
             else "it holds a text or number that cannot be read"
         )
-        raise DHSyntaxError.single("", f"the text is not JSON: {reason}") from None
+        raise DHSyntaxError.single((), f"the text is not JSON: {reason}") from None
     return read_mapping(data, default_name)
 
 
@@ -90,7 +90,7 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
         try:
             text = text.decode("utf-8-sig")
         except UnicodeDecodeError:
-            raise DHSyntaxError.single("", "the text is not YAML: it is not UTF-8") from None
+            raise DHSyntaxError.single((), "the text is not YAML: it is not UTF-8") from None
     try:
         _refuse_costly_yaml(text)
         data = YAML(typ="safe", pure=True).load(text)
@@ -100,9 +100,9 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
         mark = error.problem_mark or error.context_mark
         place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         problem = _printable((error.problem or "malformed").splitlines()[0])[:120]
-        raise DHSyntaxError.single("", f"the text is not YAML: {place}{problem}") from None
+        raise DHSyntaxError.single((), f"the text is not YAML: {place}{problem}") from None
     except Exception:  # tags and escapes make the constructor raise whatever int() or chr() do
-        raise DHSyntaxError.single("", "the text is not YAML of plain keys and values") from None
+        raise DHSyntaxError.single((), "the text is not YAML of plain keys and values") from None
     return read_mapping(data, default_name)
 
 
@@ -112,38 +112,38 @@ def _refuse_costly_yaml(text: str) -> None:
     The events are read one by one, so that a deep text is given up where it becomes too deep.
     """
     if len(text) > MAX_YAML_BYTES:
-        raise DHError.single("", f"the YAML text is longer than {MAX_YAML_BYTES} characters")
+        raise DHError.single((), f"the YAML text is longer than {MAX_YAML_BYTES} characters")
     depth = 0
     for number, event in enumerate(YAML(typ="safe", pure=True).parse(text)):
         if number > MAX_YAML_EVENTS:
-            raise DHError.single("", f"the YAML text has over {MAX_YAML_EVENTS} keys and values")
+            raise DHError.single((), f"the YAML text has over {MAX_YAML_EVENTS} keys and values")
         if isinstance(event, AliasEvent):
-            raise DHSyntaxError.single("", "the YAML text has an alias (*name); write it out")
+            raise DHSyntaxError.single((), "the YAML text has an alias (*name); write it out")
         _refuse_other_yaml(event)
         if isinstance(event, CollectionStartEvent):
             depth += 1
         elif isinstance(event, CollectionEndEvent):
             depth -= 1
         if depth > MAX_YAML_DEPTH:
-            raise DHSyntaxError.single("", "the YAML text is nested too deeply")
+            raise DHSyntaxError.single((), "the YAML text is nested too deeply")
 
 
 def _refuse_other_yaml(event: object) -> None:
     """Refuses what another version of YAML reads as another table."""
     if isinstance(event, DocumentStartEvent) and event.version not in (None, (1, 2)):
         raise DHSyntaxError.single(
-            "", "the text says that it is YAML 1.1, but YAML 1.2 is read here; remove %YAML 1.1"
+            (), "the text says that it is YAML 1.1, but YAML 1.2 is read here; remove %YAML 1.1"
         )
     if not isinstance(event, ScalarEvent) or (event.style and event.tag is None):
         return
     line = event.start_mark.line + 1
     if event.value == "<<":
         raise DHSyntaxError.single(
-            "", f"line {line} of the YAML text merges keys (<<); write them out"
+            (), f"line {line} of the YAML text merges keys (<<); write them out"
         )
     if _NO_NUMBER.fullmatch(event.value):
         raise DHSyntaxError.single(
-            "",
+            (),
             f"line {line} of the YAML text has {quoted(event.value)}, which is no number in YAML"
             " 1.2; write it in digits 0 to 9 without _, or a text in quotes",
         )
@@ -177,23 +177,23 @@ def read_csv(
         try:
             text = text.decode("utf-8-sig")
         except UnicodeDecodeError:
-            raise DHError.single("", "the CSV text is not UTF-8") from None
+            raise DHError.single((), "the CSV text is not UTF-8") from None
     numbered = enumerate(text.lstrip("\ufeff").splitlines(), start=1)
     lines = {number: line for number, line in numbered if line.strip()}
     if not lines:
-        raise DHError.single("", "the CSV text is empty; its first line names the columns")
+        raise DHError.single((), "the CSV text is empty; its first line names the columns")
     header, *records = _records(lines)
     columns = [column.strip().lower() for column in header]
     if len(columns) > MAX_COLUMNS:
-        raise DHError.single("", f"the CSV header has {len(columns)} columns; see README for them")
+        raise DHError.single((), f"the CSV header has {len(columns)} columns; see README for them")
     twice, count = Counter(columns).most_common(1)[0]
     if count > 1:
-        raise DHError.single("", f"the CSV header names {quoted(twice)} twice")
+        raise DHError.single((), f"the CSV header names {quoted(twice)} twice")
     rows = []
     for number, (line, record) in enumerate(zip(list(lines)[1:], records, strict=True)):
         if len(record) != len(columns):
             raise DHError.single(
-                f"/joints/{number}",
+                ("joints", number),
                 f"line {line} has {len(record)} cells under {len(columns)} columns; quote a"
                 " cell with a decimal comma, or separate cells by semicolons",
             )
@@ -223,13 +223,13 @@ def _records(lines: Mapping[int, str]) -> list[list[str]]:
         for record in reader:
             if reader.line_num > len(records) + 1:
                 raise DHSyntaxError.single(
-                    "",
+                    (),
                     f"the text is not CSV: line {numbers[len(records)]} has a quoted cell that goes"
                     " on in the next line; write each row on one line",
                 )
             records.append(record)
     except csv.Error as error:
-        raise DHSyntaxError.single("", f"the text is not CSV: {_printable(str(error))}") from None
+        raise DHSyntaxError.single((), f"the text is not CSV: {_printable(str(error))}") from None
     return records
 
 
@@ -245,5 +245,5 @@ def _no_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     mapping = dict(pairs)
     if len(mapping) != len(pairs):
         twice = Counter(key for key, _ in pairs).most_common(1)[0][0]
-        raise DHError.single("", f"the key {quoted(twice)} stands twice in one object; keep one")
+        raise DHError.single((), f"the key {quoted(twice)} stands twice in one object; keep one")
     return mapping

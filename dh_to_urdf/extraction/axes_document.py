@@ -17,7 +17,7 @@ from dh_to_urdf.documents.checks import NAME, NAME_RULE, Report, Units, refuse_u
 from dh_to_urdf.documents.mapping import DEFAULT_NAME, read_units
 from dh_to_urdf.documents.placements import read_placement, read_vector
 from dh_to_urdf.documents.rows import RowReader, check_names
-from dh_to_urdf.errors import DHError, quoted
+from dh_to_urdf.errors import DHError, Location, quoted
 from dh_to_urdf.extraction.axes import AxisLine, SerialChain, chain_from_lines
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow, JointType
@@ -40,30 +40,30 @@ def read_axes(data: object) -> SerialChain:
         The chain from the base to the tip.
 
     Raises:
-        DHError: With a pointer to each of the first ten problems.
+        DHError: With the location of each of the first ten faults.
     """
     if not isinstance(data, Mapping):
-        raise DHError.single("", "the document is not a mapping with joints")
+        raise DHError.single((), "the document is not a mapping with joints")
     report = Report()
-    refuse_unknown(data, _FIELDS, "", "the document", report)
+    refuse_unknown(data, _FIELDS, (), "the document", report)
     name = data.get("name", DEFAULT_NAME)
     if not isinstance(name, str) or NAME.fullmatch(name) is None:
-        report.add("/name", f"name is {quoted(name)}; {NAME_RULE}")
+        report.add(("name",), f"name is {quoted(name)}; {NAME_RULE}")
     units = read_units(data.get("units"), report)
     joints = data.get("joints")
     if not isinstance(joints, list) or not joints:
-        report.add("/joints", "joints is missing or empty; give a list with one entry a joint")
+        report.add(("joints",), "joints is missing or empty; give a list with one entry a joint")
         joints = []
     if len(joints) > MAX_AXES:
         raise DHError.single(
-            "/joints", f"joints has {len(joints)} entries; at most {MAX_AXES} are read"
+            ("joints",), f"joints has {len(joints)} entries; at most {MAX_AXES} are read"
         )
     reader = RowReader(Convention.MODIFIED, units, report, None, Values())
     lines = [_line(k, item, reader, units, report) for k, item in enumerate(joints)]
     tip = None
     if data.get("tip") is not None:
         tip = read_placement(
-            data["tip"], "/tip", units.angle, units.length, report.add, report.warnings
+            data["tip"], ("tip",), units.angle, units.length, report.add, report.warnings
         )
     report.raise_if_any()
     found = [line for line, _ in (pair for pair in lines if pair is not None)]
@@ -80,27 +80,27 @@ def read_axes(data: object) -> SerialChain:
 def _line(
     k: int, item: object, reader: RowReader, units: Units, report: Report
 ) -> tuple[AxisLine, DHRow] | None:
-    known = len(report.problems)
+    known = len(report.faults)
     if not isinstance(item, Mapping):
         report.add(
-            f"/joints/{k}", f"joint {k + 1} is {quoted(item)}; give a mapping with point, direction"
+            ("joints", k), f"joint {k + 1} is {quoted(item)}; give a mapping with point, direction"
         )
         return None
-    pointer, label = f"/joints/{k}", f"joint {k + 1}"
-    refuse_unknown(item, ("name", "type", "point", "direction", "limits"), pointer, label, report)
+    location, label = ("joints", k), f"joint {k + 1}"
+    refuse_unknown(item, ("name", "type", "point", "direction", "limits"), location, label, report)
     geometry = ("alpha", "a", "d", "theta")
     rest = {key: item[key] for key in ("name", "type", "limits") if key in item}
     row = reader.read(k, {**dict.fromkeys(geometry, 0), **rest})
     if row is not None and row.type is JointType.FIXED:
-        report.add(f"{pointer}/type", f"{label}: a fixed joint has no axis; leave it out")
-    point = _vector(item, "point", Quantity.LENGTH, units.length, pointer, label, report)
-    direction = _vector(item, "direction", Quantity.NUMBER, 1.0, pointer, label, report)
+        report.add((*location, "type"), f"{label}: a fixed joint has no axis; leave it out")
+    point = _vector(item, "point", Quantity.LENGTH, units.length, location, label, report)
+    direction = _vector(item, "direction", Quantity.NUMBER, 1.0, location, label, report)
     norm = float(np.linalg.norm(direction))
-    if len(report.problems) == known and norm < SHORTEST:
+    if len(report.faults) == known and norm < SHORTEST:
         report.add(
-            f"{pointer}/direction", f"{label}: direction is zero; give one such as [0, 0, 1]"
+            (*location, "direction"), f"{label}: direction is zero; give one such as [0, 0, 1]"
         )
-    if len(report.problems) > known or row is None:
+    if len(report.faults) > known or row is None:
         return None
     return AxisLine(row.name, row.type, point, direction / norm, row.limits), row
 
@@ -110,17 +110,17 @@ def _vector(
     key: str,
     quantity: Quantity,
     unit: float,
-    pointer: str,
+    location: Location,
     label: str,
     report: Report,
 ) -> Matrix:
     if key not in item:
-        report.add(f"{pointer}/{key}", f"{label}: {key} is missing; give [x, y, z]")
+        report.add((*location, key), f"{label}: {key} is missing; give [x, y, z]")
         return np.zeros(3)
     try:
         return np.array(read_vector(item[key], key, 3, quantity, unit))
     except ValueError as error:
-        report.add(f"{pointer}/{key}", f"{label}: {error}")
+        report.add((*location, key), f"{label}: {error}")
         return np.zeros(3)
 
 

@@ -170,7 +170,7 @@ def compare(
     """
     for name, tolerance in (("length", length), ("angle", angle)):
         if not 0.0 < tolerance <= 1.0:
-            raise DHError.single(f"/tolerance/{name}", f"{name} is {tolerance:g}; give 0 to 1")
+            raise DHError.single(("tolerance", name), f"{name} is {tolerance:g}; give 0 to 1")
     found = _compare_tilted(first, second, length, angle)
     if found.verdict is not Verdict.DIFFERENT or found.residual is None:
         return found

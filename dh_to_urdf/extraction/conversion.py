@@ -42,7 +42,7 @@ def to_convention(table: DHTable, convention: Convention, tip: str | None = None
     if not is_serial(table):
         leaves = ", ".join(_leaves(table)[:8])
         raise DHError.single(
-            "/tip",
+            ("tip",),
             f"the table is a tree, which only khalil can write; name the tip of one chain"
             f" ({leaves})",
         )
@@ -90,7 +90,7 @@ def _row_number(table: DHTable, tip: str) -> int:
     if tip == "tool":
         return table.tip_row
     names = ", ".join(row.name for row in table.rows[:12])
-    raise DHError.single("/tip", f"tip is {quoted(tip)}; name a joint ({names}) or frame_k")
+    raise DHError.single(("tip",), f"tip is {quoted(tip)}; name a joint ({names}) or frame_k")
 
 
 def _leaves(table: DHTable) -> list[str]:

@@ -102,7 +102,7 @@ def extract(
         DHError: ``snap`` is out of range, or lengths would be beyond what a table may hold.
     """
     if not 0.0 <= snap <= MAX_SNAP:
-        raise DHError.single("/snap", f"snap is {snap:g}; give an angle from 0 to {MAX_SNAP} rad")
+        raise DHError.single(("snap",), f"snap is {snap:g}; give an angle from 0 to {MAX_SNAP} rad")
     size = chain.size
     tip = chain.poses(np.zeros(len(chain.joints)))
     arrangement = arrange(chain.lines(), tip, size, snap, bridge=bridge)
@@ -187,7 +187,7 @@ def _check_lengths(table: DHTable) -> None:
     longest = max(map(abs, lengths))
     if longest > MAX_MAGNITUDE:
         raise DHError.single(
-            "", f"the table would have a length of {longest:.3g} m; check the unit, lengths are m"
+            (), f"the table would have a length of {longest:.3g} m; check the unit, lengths are m"
         )
 
 

@@ -53,7 +53,7 @@ def read_chain(text: str | bytes, base: str | None = None, tip: str | None = Non
         if link is not None and link not in links:
             known = ", ".join(links[:12])
             raise DHError.single(
-                f"/{role}", f"{role} is {quoted(link)}, which is no link; known are {known}"
+                (role,), f"{role} is {quoted(link)}, which is no link; known are {known}"
             )
     start = next(link for link in links if link not in above) if base is None else base
     end = _default_tip(links, above) if tip is None else tip
@@ -75,23 +75,23 @@ def read_chain(text: str | bytes, base: str | None = None, tip: str | None = Non
             found.append(_chain_joint(joint, T, 1.0, warnings))
             T = np.eye(4)
     if not found:
-        raise DHError.single("/tip", f"no joint moves between {start!r} and {end!r}")
+        raise DHError.single(("tip",), f"no joint moves between {start!r} and {end!r}")
     name = root.get("name") or "robot"
     return SerialChain(name, start, end, tuple(found), T, tuple(warnings))
 
 
 def _parse(text: str | bytes) -> ET.Element:
     if len(text) > MAX_BYTES:
-        raise DHError.single("", f"the URDF is longer than {MAX_BYTES} bytes")
+        raise DHError.single((), f"the URDF is longer than {MAX_BYTES} bytes")
     if (b"<!ENTITY" if isinstance(text, bytes) else "<!ENTITY") in text:  # type: ignore[operator]
-        raise DHSyntaxError.single("", "the URDF has entities; remove them")
+        raise DHSyntaxError.single((), "the URDF has entities; remove them")
     try:
         root = ET.fromstring(text)
     except (ET.ParseError, ValueError, LookupError) as error:
-        raise DHSyntaxError.single("", f"the text is not well-formed XML: {error}") from None
+        raise DHSyntaxError.single((), f"the text is not well-formed XML: {error}") from None
     if root.tag != "robot":
         raise DHError.single(
-            "", f"the root element is <{root.tag[:40]}>; a URDF starts with <robot>"
+            (), f"the root element is <{root.tag[:40]}>; a URDF starts with <robot>"
         )
     return root
 
@@ -103,7 +103,7 @@ def _joint(element: ET.Element) -> _Joint:
         end = element.find(role)
         link = end.get("link") if end is not None else None
         if link is None:
-            raise DHError.single("", f"joint {name!r}: <{role} link=…> is missing")
+            raise DHError.single((), f"joint {name!r}: <{role} link=…> is missing")
         ends.append(link)
     return _Joint(element, name, element.get("type", ""), *ends)
 
@@ -114,23 +114,23 @@ def _tree(links: list[str], joints: list[_Joint]) -> dict[str, _Joint]:
     for joint in joints:
         for link in (joint.parent, joint.child):
             if link not in links:
-                raise DHError.single("", f"joint {joint.name!r}: link {link[:64]!r} does not exist")
+                raise DHError.single((), f"joint {joint.name!r}: link {link[:64]!r} does not exist")
         if joint.child in above:
             raise DHError.single(
-                "", f"link {joint.child!r} is the child of two joints; a robot is a tree"
+                (), f"link {joint.child!r} is the child of two joints; a robot is a tree"
             )
         above[joint.child] = joint
     roots = [link for link in links if link not in above]
     if len(roots) != 1:
         raise DHError.single(
-            "", f"the URDF has {len(roots)} root links; a robot is a tree with one"
+            (), f"the URDF has {len(roots)} root links; a robot is a tree with one"
         )
     for link in links:
         seen, walked = link, 0
         while seen in above:
             seen, walked = above[seen].parent, walked + 1
             if walked > len(joints):
-                raise DHError.single("", f"link {link!r} is part of a loop; a robot is a tree")
+                raise DHError.single((), f"link {link!r} is part of a loop; a robot is a tree")
     return above
 
 
@@ -156,7 +156,7 @@ def _chain_joint(joint: _Joint, placement: Matrix, sense: float, warnings: list[
     where = f"joint {joint.name!r}"
     if joint.type not in _MOVING:
         raise DHError.single(
-            "",
+            (),
             f"{where}: type {joint.type[:40]!r} has no D-H row; write it as revolute, prismatic,"
             " continuous or fixed joints, or choose base and tip so that it is not between",
         )
@@ -164,7 +164,7 @@ def _chain_joint(joint: _Joint, placement: Matrix, sense: float, warnings: list[
     axis = np.array([1.0, 0.0, 0.0] if element is None else _numbers(element, "xyz", 3, where))
     norm = float(np.linalg.norm(axis))
     if norm < 1e-6:
-        raise DHError.single("", f"{where}: its axis is zero; give a direction such as 0 0 1")
+        raise DHError.single((), f"{where}: its axis is zero; give a direction such as 0 0 1")
     if joint.element.find("mimic") is not None:
         warnings.append(f"{where} mimics another; it is treated as independent")
     axis = sense * axis / norm
@@ -186,7 +186,7 @@ def _limits(joint: _Joint, where: str, warnings: list[str]) -> Limits:
         if joint.type != "continuous" and not {"lower", "upper"} <= set(values):
             warnings.append(f"{where} has no lower and upper limit; none is assumed")
     elif known["lower"] > known["upper"]:
-        raise DHError.single("", f"{where}: its lower limit is above the upper one; swap them")
+        raise DHError.single((), f"{where}: its lower limit is above the upper one; swap them")
     return Limits(**known)
 
 
@@ -210,7 +210,7 @@ def _numbers(
     if len(values) != count or not all(map(math.isfinite, values)):
         what = "one finite number" if count == 1 else f"{count} finite numbers"
         raise DHError.single(
-            "", f"{where}: {key} of <{element.tag}> is {quoted(text)}; give {what}"
+            (), f"{where}: {key} of <{element.tag}> is {quoted(text)}; give {what}"
         )
     return values
 

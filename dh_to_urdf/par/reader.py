@@ -89,20 +89,20 @@ def _frames(par: ParText, cut_loops: bool, warnings: list[str]) -> int:
     for key in ("is_floating", "is_mobile"):
         if _TRUTH.get(par.scalars.get(key, "0").lower(), True):
             raise DHError.single(
-                f"/{key}",
+                (key,),
                 f"{key} is {quoted(par.scalars[key])}: a base that moves is not computed; set"
                 f" {key} = 0 (and list no link 0) for the arm on a base that stands still",
             )
     missing = [key for key in _REQUIRED if key not in par.lists]
     if missing:
-        raise DHError.single(f"/{missing[0]}", f"the list {missing[0]} is missing; give it")
+        raise DHError.single((missing[0],), f"the list {missing[0]} is missing; give it")
     counts = {key: _count(par, key) for key in ("NL", "NJ", "NF", "Type")}
     links = counts["NL"] or counts["NJ"] or counts["NF"] or len(par.lists["sigma"])
     joints = counts["NJ"] or links
     frames = counts["NF"] or 2 * joints - links
     if not 1 <= links <= joints <= frames <= MAX_ROWS or frames != 2 * joints - links:
         raise DHError.single(
-            "/NF",
+            ("NF",),
             f"NL = {links}, NJ = {joints}, NF = {frames} fit no robot; NL ≤ NJ,"
             f" NF = 2 NJ - NL ≤ {MAX_ROWS}",
         )
@@ -110,13 +110,13 @@ def _frames(par: ParText, cut_loops: bool, warnings: list[str]) -> int:
         found = len(par.lists.get(key, ()))
         if key in par.lists and found != frames:
             raise DHError.single(
-                f"/{key}", f"{key} has {found} entries; NF = {frames} frames need {frames}"
+                (key,), f"{key} has {found} entries; NF = {frames} frames need {frames}"
             )
     for key in DYNAMICS:
         found = len(par.lists.get(key, ()))
         if key in par.lists and found != links:
             raise DHError.single(
-                f"/{key}", f"{key} has {found} entries; NL = {links} links need {links}"
+                (key,), f"{key} has {found} entries; NL = {links} links need {links}"
             )
     _check_loops(par, links, joints, frames, cut_loops, warnings)
     return links
@@ -128,7 +128,7 @@ def _check_loops(
     sigma, mu = par.lists["sigma"], par.lists.get("mu", ["1"] * frames)
     for k, text in enumerate(mu, start=1):
         if text not in ("0", "1"):
-            raise DHError.single("/mu", f"entry {k} of mu is {quoted(text)}; give 1 (moved) or 0")
+            raise DHError.single(("mu",), f"entry {k} of mu is {quoted(text)}; give 1 (moved) or 0")
     passive = [k for k in range(1, links + 1) if mu[k - 1] == "0" and sigma[k - 1] in ("0", "1")]
     if joints == links:
         if passive:
@@ -140,7 +140,7 @@ def _check_loops(
     loops = joints - links
     if not cut_loops:
         raise DHError.single(
-            "/NJ",
+            ("NJ",),
             f"the robot has {loops} closed loop{'s' if loops > 1 else ''} (NJ = {joints} joints on"
             f" NL = {links} links), whose joints depend on each other; closed loops are not"
             " computed. Ask for the spanning tree with loops=cut: frames"
@@ -163,7 +163,7 @@ def _count(par: ParText, key: str) -> int | None:
     if text is None:
         return None
     if re.fullmatch(r"[0-9]{1,4}", text) is None:
-        raise DHError.single(f"/{key}", f"{key} is {quoted(text)}; give an integer")
+        raise DHError.single((key,), f"{key} is {quoted(text)}; give an integer")
     return int(text)
 
 
@@ -201,7 +201,7 @@ def _notes(par: ParText) -> tuple[dict[int, dict[str, Any]], list[int]]:
                 break
             if item[1] in (note | note.get("limits", {})):
                 raise DHError.single(
-                    "", f"the comments on joint {match[1]} say {item[1]} twice; keep one"
+                    (), f"the comments on joint {match[1]} say {item[1]} twice; keep one"
                 )
             word = item[2] if item[2] is not None else item[3].strip()
             if item[1] in _LIMITS:
@@ -244,7 +244,7 @@ def _inertial(par: ParText, k: int, values: Values, warnings: list[str]) -> dict
             "com": list(body.com),
             "inertia": [list(line) for line in body.inertia],
         }
-        read_inertial(document, "", "", Units().length, lambda _, text: problems.append(text))
+        read_inertial(document, (), "", Units().length, lambda _, text: problems.append(text))
         if not problems:
             return document
     warnings.append(
@@ -261,15 +261,15 @@ def _base(par: ParText, values: Values) -> list[list[float]] | None:
         return None
     cells = par.lists["Z"]
     if len(cells) != 16:
-        raise DHError.single("/Z", f"Z has {len(cells)} entries; give the 16 of a 4x4 matrix")
+        raise DHError.single(("Z",), f"Z has {len(cells)} entries; give the 16 of a 4x4 matrix")
     numbers = []
     for index, text in enumerate(cells, start=1):
         try:
             cell = parse_cell(text, Quantity.NUMBER, 1.0, values)
         except CellError as error:
-            raise DHError.single("/Z", f"entry {index} of Z {error}") from None
+            raise DHError.single(("Z",), f"entry {index} of Z {error}") from None
         if cell.variable is not None:
-            raise DHError.single("/Z", f"entry {index} of Z is {quoted(text)}; give a number")
+            raise DHError.single(("Z",), f"entry {index} of Z is {quoted(text)}; give a number")
         numbers.append(cell.value)
     return [numbers[i : i + 4] for i in range(0, 16, 4)]
 

@@ -50,7 +50,7 @@ def parse_par(text: str | bytes) -> ParText:
         DHError: Too long, no statements of this format, or a key that is unknown or stands twice.
     """
     if len(text) > MAX_PAR_LENGTH:
-        raise DHError.single("", f"the .par text is longer than {MAX_PAR_LENGTH} characters")
+        raise DHError.single((), f"the .par text is longer than {MAX_PAR_LENGTH} characters")
     code, comments = _without_comments(_decoded(text))
     lists: dict[str, list[str]] = {}
     scalars: dict[str, str] = {}
@@ -67,11 +67,11 @@ def parse_par(text: str | bytes) -> ParText:
             line = code.count("\n", 0, match.start(1)) + 1
             what = "list" if inside is not None else "parameter"
             raise DHError.single(
-                f"/{key}",
+                (key,),
                 f"line {line}: {key} is no {what} of SYMORO; known are {', '.join(known)}",
             )
         if key in lists or key in scalars:
-            raise DHError.single(f"/{key}", f"{key} stands twice; keep one")
+            raise DHError.single((key,), f"{key} stands twice; keep one")
         if inside is not None:
             lists[key] = _entries(inside)
         else:
@@ -79,7 +79,7 @@ def parse_par(text: str | bytes) -> ParText:
         position = match.end()
     if not lists:
         raise DHSyntaxError.single(
-            "", "the text is no .par file: it has no list such as Alpha = {…}"
+            (), "the text is no .par file: it has no list such as Alpha = {…}"
         )
     return ParText(lists, scalars, comments)
 
@@ -113,7 +113,7 @@ def _without_comments(text: str) -> tuple[str, list[str]]:
                 kept = match.end()
     if depth:
         line = text.count("\n", 0, start) + 1
-        raise DHSyntaxError.single("", f"line {line}: the comment is not closed; write *)")
+        raise DHSyntaxError.single((), f"line {line}: the comment is not closed; write *)")
     code.append(text[kept:])
     return "".join(code), comments
 
@@ -124,7 +124,7 @@ def _stray(code: str, position: int) -> DHSyntaxError:
     line = code.count("\n", 0, at) + 1
     shown = rest.partition("\n")[0]
     return DHSyntaxError.single(
-        "", f"line {line}: {quoted(shown)} is neither key = number nor key = {{…}}"
+        (), f"line {line}: {quoted(shown)} is neither key = number nor key = {{…}}"
     )
 
 

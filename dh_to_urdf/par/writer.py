@@ -32,7 +32,7 @@ def table_to_par(table: DHTable) -> str:
     """
     if table.convention is Convention.STANDARD:
         raise DHError.single(
-            "/convention",
+            ("convention",),
             "a .par file holds the khalil convention, and this table is standard; convert it to"
             " khalil or modified first",
         )

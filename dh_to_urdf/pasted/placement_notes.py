@@ -40,12 +40,12 @@ def placement_notes(text: str, *, program: bool = False) -> tuple[str, dict[str,
         if program and _names_a_number(text, match):
             continue
         if key in placements:
-            raise DHError.single(f"/{key}", f"line {line}: {key} stands twice; keep one")
+            raise DHError.single((key,), f"line {line}: {key} stands twice; keep one")
         rows, end = _matrix(text, match.end())
         if [len(row) for row in rows] != [4, 4, 4, 4]:
             shown = text[match.end() : match.end() + 60].partition("\n")[0]
             raise DHError.single(
-                f"/{key}",
+                (key,),
                 f"line {line}: {key} is {quoted(shown)}; write its 4x4 matrix on one line, as"
                 f" {key} = [1 0 0 0; 0 1 0 0; 0 0 1 0.1; 0 0 0 1]",
             )

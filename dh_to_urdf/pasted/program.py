@@ -103,7 +103,7 @@ class _Program:
         while index < len(self.tokens):
             index = self._statement(index)
         if self.robots > 1:
-            raise DHError.single("", f"the text makes {self.robots} robots; paste one")
+            raise DHError.single((), f"the text makes {self.robots} robots; paste one")
         if self.links:
             return self._of_links()
         return self._of_matrix()
@@ -162,7 +162,7 @@ class _Program:
         attribute = left.rpartition(".")[2] if "." in left else ""
         if attribute in (*PARAMETERS, "qlim", "sigma", "flip", "mdh"):
             raise DHError.single(
-                "",
+                (),
                 f"line {self.tokens[equals].line}: {quoted(left)} is set after the link was made;"
                 f" give {attribute} among the arguments of the link",
             )
@@ -202,7 +202,7 @@ class _Program:
                     self.robot_modified = True
                 elif word in ("base", "tool"):
                     raise DHError.single(
-                        f"/{word}",
+                        (word,),
                         f"line {first.line}: {word} among the arguments is not read; write its"
                         f" matrix on a line of its own, as {word} = [1 0 0 0; 0 1 0 0; 0 0 1 0.1;"
                         " 0 0 0 1]",
@@ -241,7 +241,7 @@ class _Program:
         for link in self.links:
             if link.target in by_target:
                 twice = quoted(link.target)
-                raise DHError.single("", f"line {link.line}: {twice} is made twice; keep one")
+                raise DHError.single((), f"line {link.line}: {twice} is made twice; keep one")
             if link.target:
                 by_target[link.target] = link
         order = self._order(by_target)
@@ -249,7 +249,7 @@ class _Program:
             missing = next((word for word in order if word not in by_target), None)
             if missing is None:
                 return [by_target[word] for word in order]
-            raise DHError.single("", f"the robot has a link {quoted(missing)} that is not made")
+            raise DHError.single((), f"the robot has a link {quoted(missing)} that is not made")
         numbers = [_NUMBERED.fullmatch(link.target) for link in self.links]
         if not all(numbers) or len({match[1] for match in numbers if match}) != 1:
             return self.links
@@ -257,10 +257,10 @@ class _Program:
         start = found[0][0]
         for expected, (number, k) in enumerate(found, start=start):
             if start > 1:
-                raise DHError.single("", f"the links start at {start}; link 1 is missing")
+                raise DHError.single((), f"the links start at {start}; link 1 is missing")
             if number != expected:
                 raise DHError.single(
-                    "", f"line {self.links[k].line}: link {number} stands where {expected} is due"
+                    (), f"line {self.links[k].line}: link {number} stands where {expected} is due"
                 )
         return [self.links[k] for _, k in found]
 
@@ -277,21 +277,21 @@ class _Program:
             if words and (of_robot or all(word in by_target for word in words)):
                 lists[words] = key
         if len(lists) > 1:
-            raise DHError.single("", "the text holds two lists of links; paste one robot")
+            raise DHError.single((), "the text holds two lists of links; paste one robot")
         return next(iter(lists), ())
 
     def _check_convention(self, modified: bool, line: int) -> None:
         written = Convention.MODIFIED if modified else Convention.STANDARD
         if self.convention is Convention.KHALIL:
             raise DHError.single(
-                "/convention",
+                ("convention",),
                 f"line {line}: links of the Robotics Toolbox are {written}, not khalil; give"
                 f" convention={written}",
             )
         if written is not self.convention:
             add = "" if modified else ", or add 'modified' to the link"
             raise DHError.single(
-                "/convention",
+                ("convention",),
                 f"line {line}: the link is {written}, but convention says {self.convention}; give"
                 f" convention={written}{add}",
             )
@@ -303,14 +303,14 @@ class _Program:
         headings = self._headings()
         problem, warning = heading_problem(headings, self.convention.value)
         if problem:
-            raise DHError.single("", problem)
+            raise DHError.single((), problem)
         if warning:
             self.table.warnings.append(warning)
         for number, row in enumerate(rows, start=1):
             at = row[0][0].line
             if len(row) != len(headings):
                 raise DHError.single(
-                    f"/joints/{number - 1}",
+                    ("joints", number - 1),
                     f"row {number} of the matrix (line {at}) has {len(row)} elements under"
                     f" {len(headings)} columns ({', '.join(h.text for h in headings)})",
                 )
@@ -329,19 +329,19 @@ class _Program:
         several = {key: m for key, m in wide.items() if len(m[1]) > 1} or wide
         if not several:
             raise DHSyntaxError.single(
-                "", "the text holds no table: no link, and no matrix of three columns or more"
+                (), "the text holds no table: no link, and no matrix of three columns or more"
             )
         if len(several) > 1:
             raise DHError.single(
-                "", f"the text holds {len(several)} matrices; paste the one with the table"
+                (), f"the text holds {len(several)} matrices; paste the one with the table"
             )
         ((key, (line, rows)),) = several.items()
         if max(len(row) for row in rows) > MAX_COLUMNS:
-            raise DHError.single("", f"a row has over {MAX_COLUMNS} elements")
+            raise DHError.single((), f"a row has over {MAX_COLUMNS} elements")
         offsets = next((other for other in self.matrices if "offset" in other.lower()), key)
         if offsets != key:
             raise DHError.single(
-                "",
+                (),
                 f"line {self.matrices[offsets][0]}: {quoted(offsets)} beside the matrix is not"
                 " read; write it as a column offset",
             )
@@ -367,7 +367,7 @@ class _Program:
             if len(words) >= 3 and all(found):
                 return headings_of(words, self.convention, f"line {token.line}")
         raise DHError.single(
-            "",
+            (),
             "the matrix names no columns; write them in a comment above it, such as"
             " % theta d a alpha, or give columns=theta,d,a,alpha",
         )
@@ -377,7 +377,7 @@ class _Program:
         for row in rows:
             if not 4 <= len(row) <= 6:
                 raise DHError.single(
-                    "", f"line {line}: a row of a robot has 4 to 6 numbers: {', '.join(ORDER)}"
+                    (), f"line {line}: a row of a robot has 4 to 6 numbers: {', '.join(ORDER)}"
                 )
             link = Link(row[0][0].line, {}, None, None, "")
             fill_from_vector(link, row)

@@ -43,7 +43,7 @@ def refuse_loops(tokens: list[Token], end: int) -> None:
             return
         if token.kind == "word" and token.text in _LOOPS:
             raise DHError.single(
-                "", f"line {token.line}: a loop is not run; write each link on a line of its own"
+                (), f"line {token.line}: a loop is not run; write each link on a line of its own"
             )
 
 
@@ -56,7 +56,7 @@ def refuse_reworked_list(tokens: list[Token], end: int) -> None:
     after = tokens[end + 1] if end + 1 < len(tokens) else None
     if after is not None and after.kind == "symbol" and after.text in "*[+":
         raise DHError.single(
-            "", f"line {after.line}: {quoted(after.text)} after the list of links is not run;"
+            (), f"line {after.line}: {quoted(after.text)} after the list of links is not run;"
             " write each link on a line of its own"
         )  # fmt: skip
 
@@ -77,7 +77,7 @@ def refuse_reworked_matrix(tokens: list[Token], start: int, name: str) -> None:
         before -= 1
     if before >= 0 and not _ends(tokens[before]) and tokens[before].text != "=":
         raise DHError.single(
-            "", f"line {line}: {quoted(tokens[before].text)} before the matrix is not run; {_ALONE}"
+            (), f"line {line}: {quoted(tokens[before].text)} before the matrix is not run; {_ALONE}"
         )
     after = closing(tokens, start) + 1
     while after < len(tokens) and tokens[after].text == ")":
@@ -88,7 +88,7 @@ def refuse_reworked_matrix(tokens: list[Token], start: int, name: str) -> None:
         after += 1
     if after < len(tokens) and not _ends(tokens[after]):
         raise DHError.single(
-            "", f"line {tokens[after].line}: {quoted(tokens[after].text)} after the matrix is not"
+            (), f"line {tokens[after].line}: {quoted(tokens[after].text)} after the matrix is not"
             f" run; {_ALONE}"
         )  # fmt: skip
     for index, token in enumerate(tokens):
@@ -99,7 +99,7 @@ def refuse_reworked_matrix(tokens: list[Token], start: int, name: str) -> None:
         equals = _equals(tokens, index + 1)
         if equals is not None and equals != before:
             raise DHError.single(
-                "", f"line {token.line}: {quoted(name)} is set more than once; {_ALONE}"
+                (), f"line {token.line}: {quoted(name)} is set more than once; {_ALONE}"
             )
 
 

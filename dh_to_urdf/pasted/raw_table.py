@@ -76,7 +76,7 @@ def table_from_grid(text: str, convention: Convention, columns: Sequence[str] | 
     """
     lines = _without_blank_columns(grid_lines(text))
     if not lines:
-        raise DHError.single("", "the text holds no table; paste its heading and its rows")
+        raise DHError.single((), "the text holds no table; paste its heading and its rows")
     if columns is not None:
         headings = headings_of(columns, convention, "columns")
         if len(lines) > 1 and _known(lines[0], convention) >= len(lines[0].cells):
@@ -85,7 +85,7 @@ def table_from_grid(text: str, convention: Convention, columns: Sequence[str] | 
         lines, headings = _headed(lines, convention)
     problem, warning = heading_problem(headings, convention.value)
     if problem:
-        raise DHError.single("", problem)
+        raise DHError.single((), problem)
     table = RawTable(
         [_row(line, headings) for line in lines], warnings=[warning] if warning else []
     )
@@ -104,10 +104,10 @@ def headings_of(texts: Sequence[str], convention: Convention, where: str) -> lis
         heading = read_heading(text, khalil=convention is Convention.KHALIL)
         if heading is None:
             raise DHError.single(
-                "", f"{where}: the column {quoted(text)} is unknown; known are {KNOWN}"
+                (), f"{where}: the column {quoted(text)} is unknown; known are {KNOWN}"
             )
         if heading.key in [other.key for other in headings]:
-            raise DHError.single("", f"{where}: the column {quoted(text)} stands twice; keep one")
+            raise DHError.single((), f"{where}: the column {quoted(text)} stands twice; keep one")
         headings.append(heading)
     return headings
 
@@ -129,7 +129,7 @@ def _headed(lines: list[Line], convention: Convention) -> tuple[list[Line], list
         return lines[position + 1 :], headings
     shown = " ".join(" | ".join(lines[0].cells).split())
     raise DHError.single(
-        "",
+        (),
         f"line {lines[0].number}: {quoted(shown)} names no columns; write a heading such as"
         " theta d a alpha above the rows, or give columns=theta,d,a,alpha",
     )
@@ -146,7 +146,7 @@ def _without_blank_columns(lines: list[Line]) -> list[Line]:
 def _row(line: Line, headings: list[Heading]) -> RawRow:
     if len(line.cells) != len(headings):
         raise DHError.single(
-            "",
+            (),
             f"line {line.number} has {len(line.cells)} cells under {len(headings)} columns"
             f" ({', '.join(heading.text for heading in headings)}); give each column a cell",
         )
@@ -169,7 +169,7 @@ def _check_index(table: RawTable) -> None:
         expected = int(numbers[0]) + position
         if int(number) != expected or int(numbers[0]) > 1:
             raise DHError.single(
-                f"/joints/{position}",
+                ("joints", position),
                 f"line {cell.line}, column {cell.column or '1'}: the joint is number {number} where"
                 f" {expected if int(numbers[0]) <= 1 else 1} is due; list every joint in order",
             )

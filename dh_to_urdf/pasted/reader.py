@@ -78,7 +78,7 @@ def read_pasted(
         default_name: Name for a text that gives none; None requires one.
 
     Raises:
-        DHError: With the line and column of each of the first ten problems.
+        DHError: With the line and column of each of the first ten faults.
     """
     text = _decoded(text)
     meaning = CONVENTION_ALIASES.get(convention.strip().lower()) if convention else None
@@ -88,7 +88,7 @@ def read_pasted(
         if convention is not None:
             empty["convention"] = convention
         read_mapping(empty)
-        raise DHError.single("", "the table cannot be read")
+        raise DHError.single((), "the table cannot be read")
     text, placements = placement_notes(text, program=is_program(text))
     listed = [part for part in re.split(r"[,\s]+", columns) if part] if columns else None
     raw = (
@@ -97,7 +97,7 @@ def read_pasted(
         else table_from_grid(text, meaning, listed)
     )
     if len(raw.rows) > MAX_ROWS:
-        raise DHError.single("", f"the text has {len(raw.rows)} rows; at most {MAX_ROWS} are read")
+        raise DHError.single((), f"the text has {len(raw.rows)} rows; at most {MAX_ROWS} are read")
     given = read_values(values)
     reader = _Reader(raw, meaning, angle, length, _with_assigned(given, raw.assigned))
     rows = reader.rows()
@@ -117,13 +117,13 @@ def read_pasted(
 
 def _decoded(text: str | bytes) -> str:
     if len(text) > MAX_PASTED_LENGTH:
-        raise DHError.single("", f"the text is longer than {MAX_PASTED_LENGTH} characters")
+        raise DHError.single((), f"the text is longer than {MAX_PASTED_LENGTH} characters")
     if isinstance(text, str):
         return text.lstrip("\ufeff")
     try:
         return text.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise DHError.single("", "the text is not UTF-8") from None
+        raise DHError.single((), "the text is not UTF-8") from None
 
 
 def _with_assigned(given: Values, assigned: Sequence[tuple[str, str]]) -> Values:
@@ -172,7 +172,7 @@ class _Reader:
         """The rows of the document.
 
         Raises:
-            DHError: With all problems of cells.
+            DHError: With all faults of cells.
         """
         self.named = {
             column
@@ -206,7 +206,7 @@ class _Reader:
     def _add(self, k: int, cell: RawCell | None, message: str) -> None:
         line = cell.line if cell else self.raw.rows[k].line
         column = f", column {cell.column or '1'}" if cell else ""
-        self.report.add(f"/joints/{k}", f"joint {k + 1} (line {line}{column}): {message}")
+        self.report.add(("joints", k), f"joint {k + 1} (line {line}{column}): {message}")
 
     def _cell(
         self, k: int, cell: RawCell, quantity: Quantity, values: Values, bare: float | None = None

@@ -57,7 +57,7 @@ def tokens_of(text: str) -> list[Token]:
             tokens.append(Token(kind, found, line, spaced))
             spaced = False
             if len(tokens) > MAX_TOKENS:
-                raise DHError.single("", "the text is too long for a table")
+                raise DHError.single((), "the text is too long for a table")
         line += match[0].count("\n")
     return tokens
 
@@ -76,14 +76,14 @@ def closing(tokens: list[Token], start: int) -> int:
         if token.text in _PAIRS:
             stack.append(_PAIRS[token.text])
             if len(stack) > MAX_DEPTH:
-                raise DHSyntaxError.single("", f"line {token.line}: brackets are nested too deeply")
+                raise DHSyntaxError.single((), f"line {token.line}: brackets are nested too deeply")
         elif stack and token.text in ")]}":
             if token.text != stack.pop():
-                raise DHSyntaxError.single("", f"line {token.line}: {token.text!r} closes nothing")
+                raise DHSyntaxError.single((), f"line {token.line}: {token.text!r} closes nothing")
             if not stack:
                 return index
     opened = tokens[start]
-    raise DHSyntaxError.single("", f"line {opened.line}: {opened.text!r} is never closed")
+    raise DHSyntaxError.single((), f"line {opened.line}: {opened.text!r} is never closed")
 
 
 def text_of(tokens: list[Token]) -> str:

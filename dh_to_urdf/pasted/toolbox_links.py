@@ -79,7 +79,7 @@ def read_link(name: str, line: int, inside: list[Token], target: str, warnings: 
                 position += 1
                 continue
         raise DHError.single(
-            "",
+            (),
             f"line {first.line}: {name} has an argument {quoted(text_of(argument))} that is not"
             " read; write 'd', 0.3, 'a', 0, 'alpha', pi/2 or d=0.3, a=0, alpha=pi/2",
         )
@@ -90,7 +90,7 @@ def _vector(link: Link, argument: list[Token]) -> None:
     rows = matrix_rows(argument[1 : closing(argument, 0)])
     if len(rows) != 1 or not 4 <= len(rows[0]) <= 6:
         raise DHError.single(
-            "", f"line {link.line}: a vector of a link has 4 to 6 numbers: {', '.join(ORDER)}"
+            (), f"line {link.line}: a vector of a link has 4 to 6 numbers: {', '.join(ORDER)}"
         )
     fill_from_vector(link, rows[0])
 
@@ -121,7 +121,7 @@ def _parameter(link: Link, key: str, value: list[Token], warnings: list[str]) ->
     lowered = key.lower() if key not in _DYNAMIC else key
     if lowered in PARAMETERS:
         if lowered in link.cells:
-            raise DHError.single("", f"line {link.line}: {key} of the link stands twice; keep one")
+            raise DHError.single((), f"line {link.line}: {key} of the link stands twice; keep one")
         link.cells[lowered] = RawCell(text, key, value[0].line if value else link.line)
     elif lowered == "sigma":
         link.type = {"0": "R", "1": "P"}.get(text, text)
@@ -145,7 +145,7 @@ def _parameter(link: Link, key: str, value: list[Token], warnings: list[str]) ->
             warnings.append(warning)
     else:
         raise DHError.single(
-            "",
+            (),
             f"line {link.line}: the link has an unknown parameter {quoted(key)}; known are"
             " theta, d, a, alpha, offset, qlim, sigma, flip, modified",
         )
@@ -168,7 +168,7 @@ def _limits(link: Link, value: list[Token]) -> None:
                 link.cells[key] = RawCell(whole, "qlim", value[0].line)
             return
     if text not in ("None", "[]"):
-        raise DHError.single("", f"line {link.line}: qlim is {quoted(text)}; write [lower upper]")
+        raise DHError.single((), f"line {link.line}: qlim is {quoted(text)}; write [lower upper]")
 
 
 def _settled(link: Link, name: str) -> Link:
@@ -176,13 +176,13 @@ def _settled(link: Link, name: str) -> Link:
     cells = link.cells
     if link.type is None and "theta" in cells and "d" in cells and name == "Link":
         raise DHError.single(
-            "",
+            (),
             f"line {link.line}: the link has theta and d; give the one that is constant, or"
             " 'revolute' or 'prismatic'",
         )
     link.type = link.type or ("P" if "theta" in cells and "d" not in cells else "R")
     if link.type not in ("R", "P"):
         raise DHError.single(
-            "", f"line {link.line}: sigma is {quoted(link.type)}; give 0 (R) or 1 (P)"
+            (), f"line {link.line}: sigma is {quoted(link.type)}; give 0 (R) or 1 (P)"
         )
     return link

@@ -88,13 +88,13 @@ def table_to_matlab(table: DHTable) -> str:
     for k, row in enumerate(table.rows, start=1):
         if row.type is JointType.FIXED:
             raise DHError.single(
-                f"/joints/{k - 1}",
+                ("joints", k - 1),
                 f"joint {k} ({row.name}) is fixed, and the Robotics Toolbox has no fixed links;"
                 " fold it into a neighbour or into the tool",
             )
         if row.parent != k - 1 or row.gamma or row.b:
             raise DHError.single(
-                f"/joints/{k - 1}",
+                ("joints", k - 1),
                 f"joint {k} ({row.name}) branches (ant, gamma, b), and a robot of the Robotics"
                 " Toolbox is a serial chain",
             )

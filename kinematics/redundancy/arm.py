@@ -55,7 +55,7 @@ class Arm:
             InvalidOption: No joint moves it.
         """
         frame = robot.tip_frame if frame is None else frame
-        robot.frame_id(frame, "/".join(("", argument, *map(str, index))))
+        robot.frame_id(frame, argument, index)
         chain = chain_of(robot, frame)
         if chain.length == 0:
             raise InvalidOption(

@@ -166,7 +166,7 @@ def _checked(one: StepTask, argument: str, index: Location = ()) -> FloatArray:
 
 def _check_moved(robot: Robot, one: StepTask, argument: str, index: Location = ()) -> None:
     frame = robot.tip_frame if one.frame is None else one.frame
-    robot.frame_id(frame, "/".join(("", argument, *map(str, index))))
+    robot.frame_id(frame, argument, index)
     if chain_of(robot, frame).length == 0:
         raise InvalidOption(
             f"no joint moves frame {quoted(frame)} against {robot.base_frame}; give a frame further"

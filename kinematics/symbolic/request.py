@@ -118,13 +118,13 @@ def checked(table: DHTable, request: SymbolicRequest) -> SymbolicRequest:
             lower=0.0,
         )
     if request.base not in (BASE, "frame_0"):
-        raise UnknownFrame(request.base, (BASE, "frame_0"), "/base")
+        raise UnknownFrame(request.base, (BASE, "frame_0"), "base")
     frames = (TOOL, *(f"frame_{k}" for k in range(1, len(table.rows) + 1)))
     if request.frame not in frames:
-        raise UnknownFrame(request.frame, frames, "/frame")
+        raise UnknownFrame(request.frame, frames, "frame")
     between = frames_between(table, request.base, request.frame)
     if request.expressed_in is not None and request.expressed_in not in between:
-        raise UnknownFrame(request.expressed_in, between, "/expressed_in")
+        raise UnknownFrame(request.expressed_in, between, "expressed_in")
     check_symbols(table, request)
     found = tuple(quantity for quantity in Quantity if quantity in request.quantities)
     return replace(request, quantities=found)

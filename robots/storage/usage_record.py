@@ -33,11 +33,9 @@ class Quotas:
             QuotaReached: Names the quota.
         """
         if after.robots > max(self.robots, before.robots):
-            raise QuotaReached(f"{self.robots} uploaded robots at most (DENAVIT_MAX_ROBOTS)")
+            raise QuotaReached("robots", self.robots)
         if after.bytes > max(self.bytes, before.bytes):
-            raise QuotaReached(
-                f"{self.bytes} bytes of uploaded robots at most (DENAVIT_MAX_STORED_BYTES)"
-            )
+            raise QuotaReached("bytes", self.bytes)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 from fastapi import Request
 
-from app.http.problems import BY_EXCEPTION, domain_problem
+from app.http.handlers import domain_problem
+from app.http.rendering import RENDERINGS
 from kinematics.symbolic import SymbolicUnavailable, WorkersBusy
 
 PA10 = "/v1/robots/pa10/symbolic"
@@ -129,7 +130,7 @@ def test_refused_queries(client, query):
 
 
 def test_problems_of_the_work_itself():
-    assert BY_EXCEPTION[SymbolicUnavailable].status == 501
+    assert RENDERINGS[SymbolicUnavailable].type.status == 501
     request = Request({"type": "http", "method": "GET", "path": "/", "headers": []})
     answer = domain_problem(request, WorkersBusy("busy", 2.5))
     assert answer.status_code == 503

@@ -68,7 +68,7 @@ def test_csv_needs_a_convention(document):
     path = document("arm.csv", CSV)
     refused = run(path)
     assert (refused.returncode, refused.stdout) == (1, "")
-    assert refused.stderr.startswith("/convention: convention is missing; give standard")
+    assert refused.stderr.startswith("convention: convention is missing; give standard")
     options = ("--name", "arm", "--angle", "deg", "--length", "mm")
     result = run(path, "--convention", "standard", *options)
     assert result.stdout == table_to_urdf(read_csv(CSV, "standard", "arm", "deg", "mm")) + "\n"
@@ -90,8 +90,8 @@ def test_a_bad_table_exits_with_1_and_says_where(document, tmp_path):
     result = run(document("bad.yaml", bad), "-o", output)
     assert (result.returncode, result.stdout) == (1, "")
     first, second = result.stderr.splitlines()
-    assert first.startswith("/joints/1/a: joint 2 (q2): a is 'foo'")
-    assert second.startswith("/joints/1/limits/lower: joint 2 (q2): limits.lower 3 is above")
+    assert first.startswith("joints[1].a: joint 2 (q2): a is 'foo'")
+    assert second.startswith("joints[1].limits.lower: joint 2 (q2): limits.lower 3 is above")
     assert not output.exists()
 
 

@@ -54,6 +54,6 @@ def test_standard_input_base_and_tip(urdf):
 def test_errors_say_where_and_exit_with_1(urdf):
     result = run(urdf, "--convention", "dh", "--tip", "nowhere")
     assert result.exit_code == 1
-    assert "/tip: tip is 'nowhere'" in result.output
+    assert "tip: tip is 'nowhere'" in result.output
     assert run(urdf).exit_code == 2
     assert run(urdf, "--convention", "dh", "--snap", "1").exit_code == 2

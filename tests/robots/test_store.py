@@ -9,6 +9,7 @@ from contextlib import contextmanager
 import pytest
 
 from robots.errors import (
+    DAMAGED,
     DamagedRobot,
     InvalidRobotId,
     ReadOnlyRobot,
@@ -194,8 +195,9 @@ BAD_IDS = (*ESCAPES, "x" * 65, ".a", "-a", "a b", "é", "a\n")
 
 @pytest.mark.parametrize("robot_id", BAD_IDS)
 def test_ids_that_are_no_file_names_are_refused(tmp_path, store, make_robot, robot_id):
-    with pytest.raises(InvalidRobotId, match="letters, digits"):
+    with pytest.raises(InvalidRobotId, match="letters, digits") as caught:
         store.put(robot_id, make_robot())
+    assert (caught.value.robot_id, caught.value.argument) == (robot_id, "name")
     for call in (store.get, store.delete, store.summary):
         with pytest.raises(RobotNotFound):
             call(robot_id)
@@ -213,14 +215,18 @@ def test_other_ids_are_accepted(tmp_path, store, make_robot, robot_id):
 
 
 def test_an_unknown_robot_is_refused_with_the_nearest_names(store):
-    with pytest.raises(RobotNotFound, match="did you mean puma560"):
+    with pytest.raises(RobotNotFound, match="did you mean puma560") as caught:
         store.get("puma56")
+    assert caught.value.robot_id == "puma56"
+    assert "puma560" in caught.value.valid
+    assert caught.value.total == len(store.ids())
 
 
 def test_a_robot_is_created_only_once(store, make_robot):
     store.put("probe", make_robot(), create_only=True)
-    with pytest.raises(RobotExists, match="'probe' exists already; PUT"):
+    with pytest.raises(RobotExists, match="'probe' exists already") as caught:
         store.put("probe", make_robot(2), create_only=True)
+    assert caught.value.robot_id == "probe"
     assert store.get("probe").robot.revision == make_robot().revision
 
 
@@ -231,7 +237,7 @@ def test_a_robot_is_replaced_only_at_the_revision_that_was_read(store, make_robo
     with pytest.raises(RevisionMismatch, match="does not exist"):
         store.put("probe", first, if_match=(ANY,))
     store.put("probe", first)
-    with pytest.raises(RevisionMismatch, match="read it again") as caught:
+    with pytest.raises(RevisionMismatch, match="'probe' is at revision") as caught:
         store.put("probe", second, if_match=(second.revision,))
     assert caught.value.current == first.revision
     store.put("probe", second, if_match=(first.revision,))
@@ -261,7 +267,7 @@ def test_a_file_with_any_byte_changed_is_never_served_and_put_heals_it(tmp_path,
         damaged[rng.randrange(len(sound))] ^= 1 << rng.randrange(8)
         path.write_bytes(damaged)
         for _ in range(2):
-            with pytest.raises(DamagedRobot, match="moved to quarantine; upload the robot again"):
+            with pytest.raises(DamagedRobot, match="; it was moved to quarantine"):
                 RobotStore(tmp_path).get("probe")
     with pytest.raises(DamagedRobot):
         store.get("probe")
@@ -301,7 +307,7 @@ DOCUMENTS = [
 def test_a_sound_file_that_holds_no_robot_is_damaged_too(tmp_path, store, make_robot, body):
     checksum = hashlib.sha256(body).hexdigest().encode()
     file_of(tmp_path, "probe").write_bytes(checksum + b"\n" + body)
-    with pytest.raises(DamagedRobot, match="this version of the service refuses; upload"):
+    with pytest.raises(DamagedRobot, match=r"this version of the service refuses$"):
         store.get("probe")
     assert file_of(tmp_path, "probe").exists()
     assert store.damaged() == ("probe",)
@@ -323,8 +329,9 @@ def test_a_damaged_robot_has_no_revision_to_match(tmp_path, store, make_robot):
     for _ in ("in its place", "in quarantine"):
         with pytest.raises(RobotExists):
             store.put("probe", make_robot(), create_only=True)
-        with pytest.raises(RevisionMismatch, match="is damaged; upload it without If-Match"):
+        with pytest.raises(RevisionMismatch, match="'probe' is damaged") as caught:
             store.put("probe", make_robot(), if_match=(make_robot().revision,))
+        assert caught.value.current == DAMAGED
         with pytest.raises(RevisionMismatch):
             store.delete("probe", if_match=(make_robot().revision,))
         with pytest.raises(DamagedRobot):

@@ -368,4 +368,4 @@ def test_a_urdf_with_a_hole_is_refused_or_read(arm_urdf, scrap, start, length):
 def test_the_error_of_a_urdf_points_at_no_field(arm_urdf):
     with pytest.raises(InvalidURDF) as caught:
         read_urdf(arm_urdf.replace('"turn"', '"reach"'))
-    assert caught.value.pointer == ""
+    assert caught.value.location == ()

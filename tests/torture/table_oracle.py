@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from ruamel.yaml import YAML
 
+from app.http.rendering import rendered
 from dh_to_urdf import (
     Convention,
     DHError,
@@ -64,10 +65,8 @@ def judge(text: Text, rng: random.Random) -> str:
     try:
         table = read(text)
         robot = robot_from_table(table)
-    except DHError as error:
-        refused = [(problem.pointer, problem.message) for problem in error.problems]
-    except RobotError as error:
-        refused = [(error.pointer, str(error))]
+    except (DHError, RobotError) as error:
+        refused = shown(error)
     else:
         refused = []
     seconds = time.thread_time() - started
@@ -101,6 +100,12 @@ def read(text: Text) -> DHTable:
     if text.format == "par":
         return read_par(text.content)
     return read_pasted(text.content, text.convention)
+
+
+def shown(error: DHError | RobotError) -> list[tuple[str, str]]:
+    """Pointers and messages as an answer of the API shows them."""
+    _, entries, _ = rendered(error)
+    return [(entry.pointer, entry.message) for entry in entries]
 
 
 def check_refusal(problems: list[tuple[str, str]]) -> None:

@@ -12,7 +12,7 @@ from dh_to_urdf import DHError
 from tests.torture.large_tables import LARGE
 from tests.torture.table_grammar import FORMATS, Text, random_text
 from tests.torture.table_mutations import mutate
-from tests.torture.table_oracle import NotPlain, check_refusal, judge, read, second_reading
+from tests.torture.table_oracle import NotPlain, check_refusal, judge, read, second_reading, shown
 from tests.torture.tables import text
 
 
@@ -83,4 +83,4 @@ def test_large_documents_are_refused_in_a_second(name):
     with pytest.raises(DHError) as caught:
         read(document)
     assert time.thread_time() - started < 1.5
-    check_refusal([(problem.pointer, problem.message) for problem in caught.value.problems])
+    check_refusal(shown(caught.value))

@@ -40,26 +40,26 @@ def test_without_tip_the_last_axis_carries_it_and_that_is_said():
 
 
 @pytest.mark.parametrize(
-    ("change", "pointer", "message"),
+    ("change", "location", "message"),
     [
-        ({"direction": [0, 0, 0]}, "/joints/1/direction", "direction is zero"),
-        ({"direction": [0, float("nan"), 0]}, "/joints/1/direction", "direction"),
-        ({"direction": [0, 1]}, "/joints/1/direction", "list of 3"),
-        ({"point": None}, "/joints/1/point", "list of 3"),
-        ({"point": [0, "foo", 1]}, "/joints/1/point", "foo"),
-        ({"type": "fixed", "limits": None}, "/joints/1/type", "leave it out"),
-        ({"type": "helical"}, "/joints/1/type", "type is 'helical'"),
-        ({"alpha": 3}, "/joints/1/alpha", "unknown field"),
-        ({"name": "a"}, "/joints/1/name", "taken by joint 1"),
-        ({"limits": {"lower": 3, "upper": 1}}, "/joints/1/limits/lower", "above upper"),
+        ({"direction": [0, 0, 0]}, ("joints", 1, "direction"), "direction is zero"),
+        ({"direction": [0, float("nan"), 0]}, ("joints", 1, "direction"), "direction"),
+        ({"direction": [0, 1]}, ("joints", 1, "direction"), "list of 3"),
+        ({"point": None}, ("joints", 1, "point"), "list of 3"),
+        ({"point": [0, "foo", 1]}, ("joints", 1, "point"), "foo"),
+        ({"type": "fixed", "limits": None}, ("joints", 1, "type"), "leave it out"),
+        ({"type": "helical"}, ("joints", 1, "type"), "type is 'helical'"),
+        ({"alpha": 3}, ("joints", 1, "alpha"), "unknown field"),
+        ({"name": "a"}, ("joints", 1, "name"), "taken by joint 1"),
+        ({"limits": {"lower": 3, "upper": 1}}, ("joints", 1, "limits", "lower"), "above upper"),
     ],
 )
-def test_what_is_wrong_is_named(change, pointer, message):
+def test_what_is_wrong_is_named(change, location, message):
     joints = [TWO_R["joints"][0], TWO_R["joints"][1] | change]
     with pytest.raises(DHError) as refused:
         read_axes(TWO_R | {"joints": joints})
-    assert refused.value.problems[0].pointer == pointer
-    assert message in refused.value.problems[0].message
+    assert refused.value.faults[0].location == location
+    assert message in refused.value.faults[0].message
 
 
 @pytest.mark.parametrize("document", [None, [], {}, {"joints": []}, {"joints": [3]},

@@ -78,7 +78,7 @@ def test_a_tree_is_cut_down_to_the_chain_to_a_tip(elementary):
     tree = read_mapping(TREE)
     with pytest.raises(DHError, match="tree") as refused:
         to_convention(tree, Convention.STANDARD)
-    assert refused.value.problems[0].pointer == "/tip"
+    assert refused.value.faults[0].location == ("tip",)
     assert "left_hand" in str(refused.value)
     assert "right" in str(refused.value)
     q = [0.3, -0.5, 0.2, 0.9]

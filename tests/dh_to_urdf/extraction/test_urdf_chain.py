@@ -54,9 +54,11 @@ def test_a_bad_urdf_is_refused_with_the_reason(old, new, message):
         read_chain(URDF.replace(old, new), tip="b")
 
 
-@pytest.mark.parametrize(("base", "tip", "pointer"), [("x", None, "/base"), (None, "y", "/tip"),
-                                                      ("a", "b", "/tip")])  # fmt: skip
-def test_a_chain_that_is_none_is_refused(base, tip, pointer):
+@pytest.mark.parametrize(
+    ("base", "tip", "location"),
+    [("x", None, ("base",)), (None, "y", ("tip",)), ("a", "b", ("tip",))],
+)
+def test_a_chain_that_is_none_is_refused(base, tip, location):
     with pytest.raises(DHError) as refused:
         read_chain(URDF, base, tip)
-    assert refused.value.problems[0].pointer == pointer
+    assert refused.value.faults[0].location == location

@@ -189,7 +189,7 @@ def test_base_and_tool_stand_beside_the_table():
     ):
         with pytest.raises(DHError, match="tool") as caught:
             read_pasted(f"{TEXTS['markdown']}\n{text}", "mdh")
-        assert caught.value.problems[0].pointer == "/tool"
+        assert caught.value.faults[0].location == ("tool",)
 
 
 def test_names_have_values_from_the_caller_or_from_the_text():
@@ -198,7 +198,7 @@ def test_names_have_values_from_the_caller_or_from_the_text():
     values = {"l1": 0.5, "l_2": "100mm", "d1": 0.2}
     with pytest.raises(DHError) as caught:
         read_pasted(text, "dh", values=values)
-    assert [p.message for p in caught.value.problems] == [
+    assert [p.message for p in caught.value.faults] == [
         "joint 2 (line 2, column \\alpha_i): '\\\\alpha' is 'alpha', which has an unknown name"
         " 'alpha'; if it is a number, give values alpha:0.5"
     ]
@@ -231,7 +231,7 @@ def test_the_variable_tells_the_type():
     ):
         with pytest.raises(DHError) as caught:
             first(d, theta)
-        assert [w for w in words if w not in caught.value.problems[0].message] == []
+        assert [w for w in words if w not in caught.value.faults[0].message] == []
 
 
 def test_a_table_of_numbers_alone_is_revolute_with_a_warning():
@@ -309,7 +309,7 @@ GOOD = HEAD + "|1|0|0|0.4|q1|\n|2|0.3|0|0|q2|\n"
 def test_a_refusal_names_line_column_and_remedy(text, convention, words):
     with pytest.raises(DHError) as caught:
         read_pasted(text, convention)
-    message = caught.value.problems[0].message
+    message = caught.value.faults[0].message
     assert [word for word in words if word not in message] == [], message
 
 

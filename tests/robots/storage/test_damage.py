@@ -105,8 +105,11 @@ def test_a_damaged_file_is_moved_aside_and_its_robot_refused(
         store.summary("probe")
     damage(file_of(tmp_path, "probe"))
     for read in (store.get, store.summary, RobotStore(tmp_path).get):
-        with pytest.raises(DamagedRobot, match=r"robot 'probe' was found .* \(PUT /v1/robots/pr"):
+        with pytest.raises(
+            DamagedRobot, match=r"robot 'probe' was found .*; it was moved"
+        ) as caught:
             read("probe")
+        assert (caught.value.robot_id, caught.value.moved) == ("probe", True)
     (name,) = quarantined(tmp_path)
     assert re.fullmatch(rf"probe\.\d{{8}}T\d{{6}}\.\d{{9}}Z\.{DAMAGES[damage]}", name)
     assert name[6:14] == time.strftime("%Y%m%d", time.gmtime())
@@ -198,8 +201,9 @@ def test_a_file_of_another_version_is_refused_and_left_to_that_version(
 ):
     file_of(tmp_path, "probe").write_bytes(signed(body))
     for _ in range(2):
-        with pytest.raises(DamagedRobot, match="by another version of the service; upload"):
+        with pytest.raises(DamagedRobot, match=r"by another version of the service$") as caught:
             store.get("probe")
+        assert (caught.value.robot_id, caught.value.moved) == ("probe", False)
     assert file_of(tmp_path, "probe").read_bytes() == signed(body)
     assert store.damaged() == ("probe",)
     store.put("probe", make_robot())

@@ -108,8 +108,9 @@ def test_a_lock_that_is_no_file_stops_writers_only(tmp_path, store, make_robot, 
     assert fresh.get("probe").robot.revision == make_robot().revision
     assert uploads(fresh) == ["probe"]
     for write in (lambda: fresh.put("probe", make_robot(2)), lambda: fresh.delete("probe")):
-        with pytest.raises(StorageUnavailable, match="repeat the request later"):
+        with pytest.raises(StorageUnavailable, match="the data directory of the service") as caught:
             write()
+        assert caught.value.retry_after == 5.0
     assert RobotStore(tmp_path).get("probe").robot.revision == make_robot().revision
 
 

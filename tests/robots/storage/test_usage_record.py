@@ -91,8 +91,9 @@ def test_no_more_robots_than_the_quota(tmp_path, make_robot):
     store = RobotStore(tmp_path, Quotas(robots=2))
     store.put("a", make_robot())
     store.put("b", make_robot())
-    with pytest.raises(QuotaReached, match=r"2 uploaded robots at most \(DENAVIT_MAX_ROBOTS\)"):
+    with pytest.raises(QuotaReached, match="2 uploaded robots at most") as caught:
         store.put("c", make_robot())
+    assert (caught.value.quota, caught.value.limit) == ("robots", 2)
     store.put("b", make_robot(2))
     store.delete("a")
     store.put("c", make_robot())
@@ -106,8 +107,9 @@ def test_no_more_bytes_than_the_quota_and_a_replacement_counts_its_difference(tm
     store.put("b", large)
     quota = store.usage().bytes
     store = RobotStore(tmp_path, Quotas(bytes=quota))
-    with pytest.raises(QuotaReached, match=rf"{quota} bytes .* \(DENAVIT_MAX_STORED_BYTES\)"):
+    with pytest.raises(QuotaReached, match=rf"{quota} bytes of uploaded robots") as caught:
         store.put("a", large)
+    assert (caught.value.quota, caught.value.limit) == ("bytes", quota)
     assert store.get("a").robot.revision == small.revision
     store.put("b", small)
     store.put("a", large)

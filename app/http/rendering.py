@@ -1,0 +1,174 @@
+"""Exceptions of the packages below -> problems: type, places, and the remedy in words of the API.
+
+The exceptions carry data and say what is wrong; routes, headers and settings are named here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from app.http.pointers import json_pointer
+from app.http.problems import BUSY, GENERIC_TYPES, MALFORMED_BODY, ErrorEntry, ProblemType
+from dh_to_urdf import DHError
+from dh_to_urdf.errors import DHSyntaxError
+from kinematics import errors as kinematics
+from kinematics.symbolic import SymbolicUnavailable, WorkersBusy
+from robots import errors as robots
+
+
+@dataclass(frozen=True, slots=True)
+class Rendering:
+    """How an exception leaves the service.
+
+    Attributes:
+        type: The kind of problem.
+        message: Writes what is wrong and what to send instead; for a ``DHError``, whose faults
+            are written one by one, not called.
+    """
+
+    type: ProblemType
+    message: Callable[[Any], str] = str
+
+
+def _robot_exists(error: robots.RobotExists) -> str:
+    return f"{error}; PUT /v1/robots/{error.robot_id} replaces it, or choose another name"
+
+
+def _revision_mismatch(error: robots.RevisionMismatch) -> str:
+    if error.current == robots.DAMAGED:
+        return f"{error}; upload it without If-Match"
+    return f"{error}; read it again and repeat the request"
+
+
+def _damaged_robot(error: robots.DamagedRobot) -> str:
+    return f"{error}; upload the robot again (PUT /v1/robots/{error.robot_id}), or delete it"
+
+
+def _quota_reached(error: robots.QuotaReached) -> str:
+    counted, setting = {
+        "robots": ("uploaded robots", "DENAVIT_MAX_ROBOTS"),
+        "bytes": ("bytes of uploaded robots", "DENAVIT_MAX_STORED_BYTES"),
+    }[error.quota]
+    return (
+        f"the store takes {error.limit} {counted} at most ({setting}), and this robot would exceed"
+        " that; delete robots (DELETE /v1/robots/{id}), or send the robot in the body of a"
+        " computation: that stores nothing"
+    )
+
+
+def _storage_full(_: robots.StorageFull) -> str:
+    return (
+        "the disk of the service is full and the robot was not stored; what was stored before is"
+        " intact; delete robots, or have the operator make room, then repeat the request"
+    )
+
+
+def _storage_unavailable(error: robots.StorageUnavailable) -> str:
+    return (
+        f"{error.fault}; shipped robots and robots in the body of a request work; repeat the"
+        " request later"
+    )
+
+
+RENDERINGS: dict[type[Exception], Rendering] = {
+    DHSyntaxError: Rendering(MALFORMED_BODY),
+    DHError: Rendering(ProblemType("invalid-table", 422, "The D-H table cannot be used")),
+    robots.InvalidURDF: Rendering(ProblemType("invalid-urdf", 422, "The URDF cannot be used")),
+    robots.RobotTooLarge: Rendering(ProblemType("robot-too-large", 422, "The robot is too large")),
+    robots.UnknownFrame: Rendering(
+        ProblemType("unknown-frame", 422, "The robot has no such frame")
+    ),
+    robots.RobotNotFound: Rendering(ProblemType("robot-not-found", 404, "There is no such robot")),
+    robots.InvalidRobotId: Rendering(
+        ProblemType("invalid-robot-id", 422, "This id cannot name a robot")
+    ),
+    robots.MeshNotFound: Rendering(
+        ProblemType("mesh-not-found", 404, "The robot has no such mesh")
+    ),
+    robots.RobotExists: Rendering(
+        ProblemType("robot-exists", 409, "The id is taken"), _robot_exists
+    ),
+    robots.ReadOnlyRobot: Rendering(
+        ProblemType("read-only-robot", 409, "Shipped robots are read-only")
+    ),
+    robots.RevisionMismatch: Rendering(
+        ProblemType("revision-mismatch", 412, "The robot has changed"), _revision_mismatch
+    ),
+    robots.DamagedRobot: Rendering(
+        ProblemType("damaged-robot", 409, "The stored robot is damaged"), _damaged_robot
+    ),
+    robots.QuotaReached: Rendering(
+        ProblemType("quota-reached", 409, "No more robots are taken"), _quota_reached
+    ),
+    robots.StorageFull: Rendering(
+        ProblemType("storage-full", 507, "The disk is full"), _storage_full
+    ),
+    robots.StorageUnavailable: Rendering(
+        ProblemType("storage-unavailable", 503, "Uploaded robots cannot be reached now"),
+        _storage_unavailable,
+    ),
+    kinematics.WrongConfiguration: Rendering(
+        ProblemType("invalid-q", 422, "q does not fit the robot")
+    ),
+    kinematics.WrongVector: Rendering(
+        ProblemType("invalid-vector", 422, "A twist or wrench does not fit")
+    ),
+    kinematics.UnknownTask: Rendering(
+        ProblemType("unknown-task", 422, "There is no such task space")
+    ),
+    kinematics.UnknownSequence: Rendering(
+        ProblemType("unknown-euler-sequence", 422, "There is no such Euler sequence")
+    ),
+    kinematics.RepresentationSingularity: Rendering(
+        ProblemType("representation-singularity", 422, "These Euler angles have no rates here")
+    ),
+    kinematics.InvalidTarget: Rendering(
+        ProblemType("invalid-target", 422, "The target is no pose")
+    ),
+    kinematics.InvalidOption: Rendering(
+        ProblemType("invalid-option", 422, "An option is out of range")
+    ),
+    SymbolicUnavailable: Rendering(
+        ProblemType("symbolic-unavailable", 501, "SymPy is not installed")
+    ),
+    WorkersBusy: Rendering(BUSY),
+    kinematics.OutOfTime: Rendering(
+        ProblemType("out-of-time", 422, "The computation takes too long")
+    ),
+    kinematics.RankDeficient: Rendering(
+        ProblemType("rank-deficient", 422, "The Jacobian has lost rank")
+    ),
+    kinematics.MethodUnavailable: Rendering(
+        ProblemType("method-unavailable", 501, "The method needs a package that is not installed")
+    ),
+}
+
+ALL_TYPES = {
+    type_.slug: type_ for type_ in (*(one.type for one in RENDERINGS.values()), *GENERIC_TYPES)
+}
+
+
+def rendered(error: Exception) -> tuple[ProblemType, Sequence[ErrorEntry], dict[str, str]]:
+    """Return type, entries and headers of the problem that an exception of the table stands for."""
+    kind = next(kind for kind in type(error).__mro__ if kind in RENDERINGS)
+    rendering = RENDERINGS[kind]
+    if isinstance(error, DHError):
+        faults = [ErrorEntry(json_pointer(one.location), one.message) for one in error.faults]
+        return rendering.type, faults, {}
+    retry = getattr(error, "retry_after", None)
+    headers = {} if retry is None else {"Retry-After": str(math.ceil(retry))}
+    return rendering.type, [ErrorEntry(_pointer(error), rendering.message(error))], headers
+
+
+def _pointer(error: Exception) -> str:
+    """Return where the value at fault stands: within the document, or within the argument."""
+    pointer = getattr(error, "pointer", None)
+    if isinstance(pointer, str):
+        return pointer
+    if isinstance(error, (robots.InvalidURDF, robots.RobotTooLarge)):
+        return json_pointer(error.location)
+    argument, index = getattr(error, "argument", ""), getattr(error, "index", ())
+    return json_pointer((argument, *index) if argument else index)
