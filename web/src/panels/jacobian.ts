@@ -50,7 +50,14 @@ function headings(names: readonly string[]): readonly string[] {
   return names.every((one) => one.length <= 4) ? names : names.map((_, k) => `q${k + 1}`);
 }
 
-const NAMES: Record<string, string> = { vx: 'vx', vy: 'vy', vz: 'vz', wx: 'ωx', wy: 'ωy', wz: 'ωz' };
+const NAMES: Record<string, string> = {
+  vx: 'vx',
+  vy: 'vy',
+  vz: 'vz',
+  wx: 'ωx',
+  wy: 'ωy',
+  wz: 'ωz',
+};
 
 export function rowName(name: string): string {
   return NAMES[name] ?? name;

@@ -35,7 +35,8 @@ export function standpoint(
     const low = Math.min(...seen.map((one) => one[axis] - k * one.z));
     return { centre: (high + low) / 2, distance: (high - low) / (2 * k) };
   };
-  const part = (length: number, margin: number): number => Math.max(LEAST, 1 - (2 * margin) / length);
+  const part = (length: number, margin: number): number =>
+    Math.max(LEAST, 1 - (2 * margin) / length);
   const x = across('x', tangent * (width / height) * part(width, MARGIN.x));
   const y = across('y', tangent * part(height, MARGIN.y));
   const near = Math.max(...seen.map((one) => one.z));

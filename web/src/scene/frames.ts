@@ -11,7 +11,12 @@ export class Frames {
   private readonly made: Object3D[] = [];
 
   /** Draws anew. */
-  show(model: RobotModel, shown: FramesShown | readonly string[], scale: Scale, dark: boolean): void {
+  show(
+    model: RobotModel,
+    shown: FramesShown | readonly string[],
+    scale: Scale,
+    dark: boolean,
+  ): void {
     for (const one of this.made) {
       one.removeFromParent();
       clear(one);
