@@ -1,7 +1,7 @@
 /** Which robot, undo, link, units, language, colours. */
 import * as api from './api';
 import { button, h, replace, select } from './dom';
-import { opened, t, type Language } from './i18n';
+import { type Language, opened, t } from './i18n';
 import { isIncomplete } from './link';
 import type { Page } from './page';
 import { START, type State } from './state';

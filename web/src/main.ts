@@ -2,14 +2,14 @@
 import * as api from './api';
 import { h } from './dom';
 import { headerView, remember, remembered, withRobot } from './header';
-import { opened, preferred, speak, t, type Language } from './i18n';
+import { type Language, opened, preferred, speak, t } from './i18n';
 import { jointsView } from './joints';
 import { isAbort, Latest } from './latest';
 import { fromHash, isIncomplete, toHash } from './link';
 import { atRest, resolve, taskOf } from './model';
 import type { Page } from './page';
 import { sectionsView } from './sections';
-import { START, Store, type State } from './state';
+import { START, type State, Store } from './state';
 import { tableView } from './table/view';
 
 /** The state of the address; a robot too long for it is in the entry of the browser's history. */

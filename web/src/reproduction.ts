@@ -1,5 +1,5 @@
 /** A call as a command for a terminal, and as a program. What runs is what the page has sent. */
-import { urlOf, type Call } from './api';
+import { type Call, urlOf } from './api';
 
 /** JSON in ASCII, so that no terminal's encoding can spoil it. */
 export function ascii(value: unknown): string {

@@ -4,7 +4,7 @@ import { button, h, replace, select } from './dom';
 import { isDark } from './header';
 import { t } from './i18n';
 import { Latest } from './latest';
-import { resolve, sceneRobot, sceneRows, shown, toScene, type Model } from './model';
+import { type Model, resolve, sceneRobot, sceneRows, shown, toScene } from './model';
 import type { Page } from './page';
 import { NoWebGL, type Scene, type SceneEllipsoid } from './scene/types';
 import type { State, View } from './state';

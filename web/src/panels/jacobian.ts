@@ -3,7 +3,7 @@ import * as api from '../api';
 import { h, replace, select } from '../dom';
 import { t } from '../i18n';
 import type { Page } from '../page';
-import { matrixView, type MatrixView } from './matrix';
+import { type MatrixView, matrixView } from './matrix';
 import type { Panel } from './panel';
 
 export function jacobianPanel(page: Page): Panel {

@@ -5,8 +5,8 @@ import { brief, readNumber, typed } from '../format';
 import { t } from '../i18n';
 import { Latest } from '../latest';
 import type { Page } from '../page';
-import { NO_PATH, type PathForm } from '../state';
 import { playback } from '../stage';
+import { NO_PATH, type PathForm } from '../state';
 import { obstacleEditor } from './obstacles';
 import { taskOptions } from './singularity';
 
@@ -280,7 +280,7 @@ export function pathPanel(page: Page): HTMLElement {
     if (!answer) return;
     toggle.textContent = t.pause;
     const { t: times, q } = answer;
-    let begun =
+    const begun =
       performance.now() -
       1000 * (seek.valueAsNumber < q.length - 1 ? (times[seek.valueAsNumber] ?? 0) : 0);
     const tick = (): void => {

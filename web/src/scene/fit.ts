@@ -1,5 +1,5 @@
 /** Where the camera stands so that given points fill the view. */
-import { Matrix4, Vector3, type PerspectiveCamera } from 'three';
+import { Matrix4, type PerspectiveCamera, Vector3 } from 'three';
 
 /** Room for labels at the edges, CSS pixels. */
 const MARGIN = { x: 34, y: 26 };

@@ -1,5 +1,5 @@
 /** The frames of a robot: axes that move with its links, with their names. */
-import { Group, Object3D, Vector3 } from 'three';
+import { Group, type Object3D, Vector3 } from 'three';
 import { AXES, axes, label, numberOf, type Scale } from './parts';
 import type { RobotModel } from './robot';
 import { clear } from './space';

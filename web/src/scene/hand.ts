@@ -1,5 +1,5 @@
 /** The pointer in the scene: drags the target and joints, picks frames and ghosts. */
-import { Matrix4, Object3D, Plane, Quaternion, Vector3, type PerspectiveCamera } from 'three';
+import { Matrix4, type Object3D, type PerspectiveCamera, Plane, Quaternion, Vector3 } from 'three';
 import type { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { RobotModel } from './robot';
 import { onScreen, pointerOf, rayAt, rowsOf } from './space';

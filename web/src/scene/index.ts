@@ -6,16 +6,16 @@ import {
   GridHelper,
   Group,
   HemisphereLight,
-  Matrix4,
+  type Matrix4,
   Mesh,
   MeshBasicMaterial,
   Object3D,
   PerspectiveCamera,
   Points,
   Quaternion,
-  Scene as ThreeScene,
-  Spherical,
   SphereGeometry,
+  Spherical,
+  Scene as ThreeScene,
   Vector3,
   WebGLRenderer,
 } from 'three';
@@ -31,8 +31,8 @@ import { RobotModel } from './robot';
 import { drawDimensions, drawMotion } from './rows';
 import { clear, cornersOf, matrix4, pose } from './space';
 import {
-  NoWebGL,
   type FramesShown,
+  NoWebGL,
   type Scene,
   type SceneCallbacks,
   type SceneGhost,

@@ -1,5 +1,5 @@
 /** Where labels stand on the screen: of one size, inside the view, and none upon another. */
-import { Object3D, Sprite, Vector3, type PerspectiveCamera } from 'three';
+import { type Object3D, type PerspectiveCamera, Sprite, Vector3 } from 'three';
 
 /** Height of a label's picture, CSS pixels, in a view that is high enough. */
 export const LABEL_HEIGHT = 22;

@@ -7,7 +7,7 @@ import {
   DoubleSide,
   Euler,
   Float32BufferAttribute,
-  Group,
+  type Group,
   Matrix4,
   Mesh,
   MeshLambertMaterial,

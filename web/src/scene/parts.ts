@@ -14,11 +14,11 @@ import {
   Mesh,
   MeshBasicMaterial,
   MeshLambertMaterial,
-  Object3D,
+  type Object3D,
   SphereGeometry,
-  SRGBColorSpace,
   Sprite,
   SpriteMaterial,
+  SRGBColorSpace,
   TorusGeometry,
   Vector3,
 } from 'three';

@@ -1,5 +1,5 @@
 /** What the scene says of itself, on its host element: for tests and the curious. */
-import { Matrix4, Object3D, Quaternion, Vector3, type PerspectiveCamera } from 'three';
+import { Matrix4, type Object3D, type PerspectiveCamera, Quaternion, Vector3 } from 'three';
 import type { Placed } from './labels';
 import type { RobotModel } from './robot';
 import { onScreen, rowsOf } from './space';

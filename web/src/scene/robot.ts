@@ -7,7 +7,7 @@ import {
   Matrix4,
   Mesh,
   MeshLambertMaterial,
-  Object3D,
+  type Object3D,
   Vector3,
 } from 'three';
 import URDFLoader, { type URDFJoint, type URDFRobot } from 'urdf-loader';

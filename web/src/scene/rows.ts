@@ -1,5 +1,5 @@
 /** What a row of a D-H table means: dimension lines for a and d, and its elementary motions. */
-import { Group, Matrix4, Vector3 } from 'three';
+import { type Group, Matrix4, Vector3 } from 'three';
 import type { Convention } from '../api';
 import {
   axes,
@@ -8,9 +8,9 @@ import {
   onGround,
   polyline,
   rod,
+  type Scale,
   sector,
   subscript,
-  type Scale,
 } from './parts';
 import { clear, pose } from './space';
 import type { SceneRow } from './types';

@@ -1,12 +1,12 @@
 /** Between the API's matrices and three's objects; points of the screen. */
 import {
   Box3,
-  Camera,
+  type Camera,
   Matrix4,
-  Object3D,
+  type Mesh,
+  type Object3D,
   Raycaster,
   Sprite,
-  type Mesh,
   Vector2,
   Vector3,
 } from 'three';

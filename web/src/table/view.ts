@@ -4,10 +4,9 @@ import { button, h, replace, select } from '../dom';
 import { opened, t } from '../i18n';
 import type { Page } from '../page';
 import {
-  COLUMNS,
-  SYMBOLS,
-  type Column,
   addRow,
+  COLUMNS,
+  type Column,
   carried,
   editable,
   moveRow,
@@ -16,6 +15,7 @@ import {
   ownColumn,
   readAs,
   removeRow,
+  SYMBOLS,
   sendable,
   setCell,
   setLimit,
