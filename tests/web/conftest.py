@@ -1,21 +1,42 @@
 """A real browser on a real server: Debian's chromium, WebGL by software."""
 
+import importlib.util
 import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 from urllib.parse import urlsplit
 
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
-STATIC = Path(__file__).parents[2] / "app" / "static"
+ROOT = Path(__file__).parents[2]
+STATIC = ROOT / "app" / "static"
 FLAGS = (
     "--headless=new --no-sandbox --disable-quic --no-first-run --disable-background-networking"
     " --disable-component-update --disable-sync"
 )
 WEBGL = "--use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader"
 NO_WEBGL = "--disable-gpu --disable-3d-apis"
+
+
+@pytest.fixture(scope="session")
+def hook() -> ModuleType:
+    """The build of the page, ``hatch_build.py``."""
+    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="session")
+def axe(hook: ModuleType) -> str:
+    """The source of axe-core, which finds what assistive technology cannot use."""
+    hook.install_packages(ROOT / "web", development=True)
+    return (ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js").read_text()
 
 
 def chromium() -> str:

@@ -1,6 +1,5 @@
 """The build of the page: only when it must, and with a Node that is new enough."""
 
-import importlib.util
 import shutil
 import subprocess
 import sys
@@ -10,16 +9,6 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 SOURCES = ("index.html", "package.json", "package-lock.json", ".npmrc", "tsconfig.json")
-
-
-def load_hook():
-    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-hook = load_hook()
 
 
 @pytest.fixture
@@ -32,7 +21,7 @@ def checkout(tmp_path):
     return tmp_path
 
 
-def test_what_is_fresh_is_not_built_and_needs_no_node(checkout, monkeypatch):
+def test_what_is_fresh_is_not_built_and_needs_no_node(hook, checkout, monkeypatch):
     monkeypatch.setenv("PATH", str(checkout))
     assert hook.is_fresh(checkout)
     assert hook.build_page(checkout) is False
@@ -49,7 +38,7 @@ def test_what_is_fresh_is_not_built_and_needs_no_node(checkout, monkeypatch):
     ],
     ids=["text", "name", "new file", "lock", "no stamp"],
 )
-def test_any_change_of_the_sources_makes_it_stale(change, checkout):
+def test_any_change_of_the_sources_makes_it_stale(hook, change, checkout):
     change(checkout / "web")
     assert not hook.is_fresh(checkout)
 
@@ -61,7 +50,7 @@ def test_any_change_of_the_sources_makes_it_stale(change, checkout):
         ("v22.11.0", False), ("v22.12.0", True), ("v24.19.0", True), ("no", False),
     ],
 )  # fmt: skip
-def test_only_a_node_that_is_new_enough_is_taken(version, taken, tmp_path, monkeypatch):
+def test_only_a_node_that_is_new_enough_is_taken(hook, version, taken, tmp_path, monkeypatch):
     for name in ("node", "npm"):
         program = tmp_path / name
         program.write_text(f"#!/bin/sh\necho {version}\n")
@@ -70,7 +59,7 @@ def test_only_a_node_that_is_new_enough_is_taken(version, taken, tmp_path, monke
     assert hook.npm_on_path() == (str(tmp_path / "npm") if taken else None)
 
 
-def test_a_build_that_fails_says_so_and_keeps_the_page(checkout, tmp_path, monkeypatch):
+def test_a_build_that_fails_says_so_and_keeps_the_page(hook, checkout, tmp_path, monkeypatch):
     folder = tmp_path / "bin"
     folder.mkdir()
     for name, text in (("node", "echo v22.12.0"), ("npm", "echo broken >&2; exit 1")):
@@ -84,8 +73,24 @@ def test_a_build_that_fails_says_so_and_keeps_the_page(checkout, tmp_path, monke
     assert [path.name for path in (checkout / "app").iterdir()] == ["static"]
 
 
-def test_types_hold_and_pure_functions_pass_their_own_tests():
-    hook.install_packages(ROOT / "web")
+def test_the_build_does_without_what_only_checks_need(hook, checkout, tmp_path, monkeypatch):
+    folder, log = tmp_path / "bin", tmp_path / "log"
+    folder.mkdir()
+    npm = f'echo "$@" >> {log}; mkdir -p node_modules'
+    for name, text in (("node", "echo v22.12.0"), ("npm", npm)):
+        (folder / name).write_text(f"#!/bin/sh\n{text}\n")
+        (folder / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{folder}:/usr/bin:/bin")
+    web = checkout / "web"
+    for development in (False, False, True, True, False):
+        hook.install_packages(web, development=development)
+    first, second = log.read_text().splitlines()
+    assert "--omit=dev" in first
+    assert "--omit" not in second
+
+
+def test_types_hold_and_pure_functions_pass_their_own_tests(hook):
+    hook.install_packages(ROOT / "web", development=True)
     hook.run_npm(ROOT / "web", "run", "--silent", "check", NO_COLOR="1")
 
 

@@ -11,7 +11,6 @@ from app.page import TYPES
 
 ROOT = Path(__file__).parents[2]
 STATIC = ROOT / "app" / "static"
-AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
 FIRST_SCREEN = 20_000
 ALL_OPEN = "open=pose,links,jacobian,singularity,ik,path,reproduce"
 
@@ -44,9 +43,9 @@ LOOKS = {
 }
 
 
-def violations(page) -> list[str]:
+def violations(page, axe: str) -> list[str]:
     # By the debugger's protocol, to which the page's policy does not apply.
-    page.evaluate(AXE.read_text())
+    page.evaluate(axe)
     found = page.evaluate("() => axe.run(document, {resultTypes: ['violations']})")
     return [
         f"{one['id']}: {one['help']}: {[node['html'][:120] for node in one['nodes'][:4]]}"
@@ -55,7 +54,7 @@ def violations(page) -> list[str]:
 
 
 @pytest.mark.parametrize("look", LOOKS)
-def test_axe_finds_nothing(look, open_page):
+def test_axe_finds_nothing(look, open_page, axe):
     visit = open_page(f"robot=puma560&q=10,20,-100,30,0,40&row=2,2&{ALL_OPEN}", **LOOKS[look])
     page = visit.page
     page.wait_for_selector(".code:has-text('curl')")
@@ -68,17 +67,17 @@ def test_axe_finds_nothing(look, open_page):
     page.locator("#section-path").get_by_role("button", name=re.compile("^(Add|Ajouter)$")).click()
     page.get_by_role("button", name=re.compile("^(Compare the|Comparer les)")).click()
     page.wait_for_selector("#section-path .compared")
-    assert violations(page) == []
+    assert violations(page, axe) == []
     page.get_by_role("button", name=re.compile("Coller|Paste")).click()
     page.get_by_role("dialog").wait_for()
-    assert violations(page) == []
+    assert violations(page, axe) == []
 
 
-def test_axe_finds_nothing_where_the_table_is_wrong(open_page):
+def test_axe_finds_nothing_where_the_table_is_wrong(open_page, axe):
     visit = open_page("robot=puma560&q=0,0,0,0,0,0", refusals=True)
     visit.page.get_by_label("Row 2, a", exact=True).fill("apples")
     visit.page.wait_for_selector("[aria-invalid=true]")
-    assert violations(visit.page) == []
+    assert violations(visit.page, axe) == []
 
 
 def test_the_browser_chooses_french_and_the_reader_may_switch(open_page):

@@ -212,7 +212,11 @@ export interface IKSolutionsAnswer {
 }
 
 export type Obstacle =
-  | { readonly type: 'sphere' | 'circle'; readonly center: readonly number[]; readonly radius: number }
+  | {
+      readonly type: 'sphere' | 'circle';
+      readonly center: readonly number[];
+      readonly radius: number;
+    }
   | {
       readonly type: 'capsule';
       readonly start: readonly number[];
@@ -231,7 +235,11 @@ export interface PathFields {
   readonly q: readonly number[];
   readonly task: string;
   readonly target?: Target;
-  readonly circle?: { readonly center: readonly number[]; readonly plane: string; readonly turns: number };
+  readonly circle?: {
+    readonly center: readonly number[];
+    readonly plane: string;
+    readonly turns: number;
+  };
   readonly time_law: string;
   readonly tf: number;
   readonly samples: number;
@@ -276,7 +284,10 @@ export class Unreachable extends Error {}
 
 /** Whether asking again later may help: no answer, or a service that is busy or starting. */
 export function willPass(error: unknown): boolean {
-  return error instanceof Unreachable || (error instanceof Refusal && [429, 502, 503, 504].includes(error.status));
+  return (
+    error instanceof Unreachable ||
+    (error instanceof Refusal && [429, 502, 503, 504].includes(error.status))
+  );
 }
 
 /** One HTTP request in plain words. */
@@ -332,7 +343,11 @@ export async function send(call: Call, signal?: AbortSignal): Promise<Response> 
 async function refusal(response: Response): Promise<Refusal> {
   try {
     const problem = (await response.json()) as { detail?: string; errors?: FieldError[] };
-    return new Refusal(response.status, problem.detail ?? response.statusText, problem.errors ?? []);
+    return new Refusal(
+      response.status,
+      problem.detail ?? response.statusText,
+      problem.errors ?? [],
+    );
   } catch {
     return new Refusal(response.status, response.statusText, []);
   }
@@ -347,7 +362,14 @@ export async function text(call: Call, signal?: AbortSignal): Promise<string> {
 }
 
 /** Computations whose fields a student types into a URL. */
-const BY_GET = new Set(['fk', 'dh-matrices', 'jacobian', 'singularity', 'picture.svg', 'workspace']);
+const BY_GET = new Set([
+  'fk',
+  'dh-matrices',
+  'jacobian',
+  'singularity',
+  'picture.svg',
+  'workspace',
+]);
 
 type Fields = Readonly<Record<string, unknown>>;
 
@@ -368,7 +390,12 @@ export function computation(
   if ('id' in robot && BY_GET.has(name) && given.every(([, value]) => isFlat(value))) {
     for (const [key, value] of given) query[key] = String(value);
     if (angle === 'deg') query.angle = angle;
-    return { method: 'GET', path: `v1/robots/${encodeURIComponent(robot.id)}/${name}`, query, ...more };
+    return {
+      method: 'GET',
+      path: `v1/robots/${encodeURIComponent(robot.id)}/${name}`,
+      query,
+      ...more,
+    };
   }
   if (angle === 'deg') query.angle = angle;
   const body = Object.fromEntries(given);
@@ -381,7 +408,8 @@ export function computation(
 }
 
 function isFlat(value: unknown): boolean {
-  if (Array.isArray(value)) return value.every((one) => typeof one === 'number' || typeof one === 'string');
+  if (Array.isArray(value))
+    return value.every((one) => typeof one === 'number' || typeof one === 'string');
   return typeof value !== 'object';
 }
 
@@ -430,8 +458,13 @@ export const workspace = (robot: RobotRef, samples: number): Call =>
   computation('workspace', robot, { samples }, 'rad', 'application/x-npy');
 
 /** The arm as a picture, for browsers without WebGL. */
-export const picture = (robot: RobotRef, q: Q, angle: AngleUnit, width: number, height: number): Call =>
-  computation('picture.svg', robot, { q, width, height }, angle, 'image/svg+xml');
+export const picture = (
+  robot: RobotRef,
+  q: Q,
+  angle: AngleUnit,
+  width: number,
+  height: number,
+): Call => computation('picture.svg', robot, { q, width, height }, angle, 'image/svg+xml');
 
 export const listRobots = (): Call => ({
   method: 'GET',

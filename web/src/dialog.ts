@@ -12,9 +12,17 @@ export function dialog(title: string, ...content: Node[]): Dialog {
     element.close();
     element.remove();
   };
-  const element = h('dialog', { 'aria-labelledby': 'dialog-title', onclose: () => element.remove() },
-    h('div', { class: 'line spread' }, h('h2', { id: 'dialog-title' }, title), button('×', close, { 'aria-label': t.close })),
-    ...content);
+  const element = h(
+    'dialog',
+    { 'aria-labelledby': 'dialog-title', onclose: () => element.remove() },
+    h(
+      'div',
+      { class: 'line spread' },
+      h('h2', { id: 'dialog-title' }, title),
+      button('×', close, { 'aria-label': t.close }),
+    ),
+    ...content,
+  );
   document.body.append(element);
   element.showModal();
   return { element, close };

@@ -18,7 +18,8 @@ export function h<K extends keyof HTMLElementTagNameMap>(
 function set(element: HTMLElement, name: string, value: Attributes[string]): void {
   if (value === null || value === undefined || value === false) return;
   if (typeof value === 'function') element.addEventListener(name.slice(2), value);
-  else if (name === 'value' && !(element instanceof HTMLOptionElement)) (element as HTMLInputElement).value = String(value);
+  else if (name === 'value' && !(element instanceof HTMLOptionElement))
+    (element as HTMLInputElement).value = String(value);
   else element.setAttribute(name, value === true ? '' : String(value));
 }
 
@@ -50,6 +51,10 @@ export function select(
   return element;
 }
 
-export function button(text: string, pressed: () => void, attributes: Attributes = {}): HTMLButtonElement {
+export function button(
+  text: string,
+  pressed: () => void,
+  attributes: Attributes = {},
+): HTMLButtonElement {
   return h('button', { type: 'button', onclick: () => pressed(), ...attributes }, text);
 }

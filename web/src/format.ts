@@ -10,7 +10,10 @@ export function fixed(value: number, digits: number): string {
 export function brief(value: number | null, digits = 4): string {
   if (value === null) return '∞';
   if (value !== 0 && (Math.abs(value) < 1e-4 || Math.abs(value) >= 1e6)) {
-    return value.toExponential(digits - 1).replace('-', '−').replace('e−', 'e-');
+    return value
+      .toExponential(digits - 1)
+      .replace('-', '−')
+      .replace('e−', 'e-');
   }
   return String(Number(value.toPrecision(digits))).replace('-', '−');
 }

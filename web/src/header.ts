@@ -1,7 +1,7 @@
 /** Which robot, undo, link, units, language, colours. */
 import * as api from './api';
 import { button, h, replace, select } from './dom';
-import { opened, t, type Language } from './i18n';
+import { type Language, opened, t } from './i18n';
 import { isIncomplete } from './link';
 import type { Page } from './page';
 import { START, type State } from './state';
@@ -46,25 +46,64 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
   const robots = select(t.allRobots, [['', t.allRobots]], '', (id) => {
     if (id) store.set(withRobot(store.state, id), 'robot');
   });
-  const file = h('input', { type: 'file', hidden: true, accept: '.urdf,.xml,.yaml,.yml,.json,.csv,.par,.txt,.md,.tex,.m,.py,.tsv', onchange: () => {
-    const chosen = file.files?.[0];
-    if (chosen) void opened(import('./files')).then(({ openFile }) => openFile(page, chosen));
-    file.value = '';
-  } });
-  const undo = button('↶', () => store.undo(), { 'aria-label': t.undo, title: `${t.undo} (Ctrl+Z)` });
-  const redo = button('↷', () => store.redo(), { 'aria-label': t.redo, title: `${t.redo} (Ctrl+Y)` });
-  const angle = select(t.angleUnit, [['deg', '°'], ['rad', 'rad']], store.state.angle, (value) =>
-    store.set(withAngle(page, value as api.AngleUnit), 'angle'));
-  const digits = select(t.digits, [3, 4, 6, 9, 12].map((n) => [String(n), t.digitsShown(n)]), String(store.state.digits), (value) =>
-    store.set({ digits: Number(value) }, 'digits'));
-  const language = select(t.language, [['en', 'English'], ['fr', 'Français']], choices.language, (value) =>
-    choices.speak(value as Language));
+  const file = h('input', {
+    type: 'file',
+    hidden: true,
+    accept: '.urdf,.xml,.yaml,.yml,.json,.csv,.par,.txt,.md,.tex,.m,.py,.tsv',
+    onchange: () => {
+      const chosen = file.files?.[0];
+      if (chosen) void opened(import('./files')).then(({ openFile }) => openFile(page, chosen));
+      file.value = '';
+    },
+  });
+  const undo = button('↶', () => store.undo(), {
+    'aria-label': t.undo,
+    title: `${t.undo} (Ctrl+Z)`,
+  });
+  const redo = button('↷', () => store.redo(), {
+    'aria-label': t.redo,
+    title: `${t.redo} (Ctrl+Y)`,
+  });
+  const angle = select(
+    t.angleUnit,
+    [
+      ['deg', '°'],
+      ['rad', 'rad'],
+    ],
+    store.state.angle,
+    (value) => store.set(withAngle(page, value as api.AngleUnit), 'angle'),
+  );
+  const digits = select(
+    t.digits,
+    [3, 4, 6, 9, 12].map((n) => [String(n), t.digitsShown(n)]),
+    String(store.state.digits),
+    (value) => store.set({ digits: Number(value) }, 'digits'),
+  );
+  const language = select(
+    t.language,
+    [
+      ['en', 'English'],
+      ['fr', 'Français'],
+    ],
+    choices.language,
+    (value) => choices.speak(value as Language),
+  );
   const theme = button('◐', () => switchTheme(page), { 'aria-label': t.theme, title: t.theme });
-  const download = button(t.download, () => void opened(import('./files')).then(({ downloadDialog }) => downloadDialog(page)));
-  const save = button(t.save, () => void opened(import('./files')).then(({ saveDialog }) => saveDialog(page)));
+  const download = button(
+    t.download,
+    () => void opened(import('./files')).then(({ downloadDialog }) => downloadDialog(page)),
+  );
+  const save = button(
+    t.save,
+    () => void opened(import('./files')).then(({ saveDialog }) => saveDialog(page)),
+  );
   const share = button(t.copyLink, () => {
     if (isIncomplete(location.hash)) page.tell(t.tooLong, true);
-    else void navigator.clipboard.writeText(location.href).then(() => page.tell(t.linkCopied), () => page.tell(location.href));
+    else
+      void navigator.clipboard.writeText(location.href).then(
+        () => page.tell(t.linkCopied),
+        () => page.tell(location.href),
+      );
   });
 
   function render(state: State): void {
@@ -82,11 +121,28 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
     try {
       const answer = await api.json<{ robots: api.RobotLine[] }>(api.listRobots());
       const group = (label: string, lines: api.RobotLine[]): HTMLElement | false =>
-        lines.length > 0 && h('optgroup', { label }, ...lines.map((one) => h('option', { value: one.id }, `${one.title} · ${one.dof}`)));
-      replace(robots, h('option', { value: '' }, t.allRobots),
-        group(t.uploaded, answer.robots.filter((one) => !one.shipped)),
-        group(t.dhTables, answer.robots.filter((one) => one.shipped && one.kind === 'dh')),
-        group('URDF', answer.robots.filter((one) => one.shipped && one.kind === 'urdf')));
+        lines.length > 0 &&
+        h(
+          'optgroup',
+          { label },
+          ...lines.map((one) => h('option', { value: one.id }, `${one.title} · ${one.dof}`)),
+        );
+      replace(
+        robots,
+        h('option', { value: '' }, t.allRobots),
+        group(
+          t.uploaded,
+          answer.robots.filter((one) => !one.shipped),
+        ),
+        group(
+          t.dhTables,
+          answer.robots.filter((one) => one.shipped && one.kind === 'dh'),
+        ),
+        group(
+          'URDF',
+          answer.robots.filter((one) => one.shipped && one.kind === 'urdf'),
+        ),
+      );
       render(store.state);
     } catch {
       page.tell(t.unreachable, true);
@@ -113,12 +169,33 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
   store.listen(render);
   render(store.state);
   void list();
-  return h('header', {},
+  return h(
+    'header',
+    {},
     h('h1', {}, 'Denavit'),
-    h('nav', { class: 'line', 'aria-label': t.robot }, ...examples.map((one) => one.chip), robots,
-      button(t.upload, () => file.click()), file, save, download),
-    h('div', { class: 'line end', role: 'group', 'aria-label': t.settings }, undo, redo, share, angle, digits, language, theme,
-      h('a', { href: 'docs' }, 'API')));
+    h(
+      'nav',
+      { class: 'line', 'aria-label': t.robot },
+      ...examples.map((one) => one.chip),
+      robots,
+      button(t.upload, () => file.click()),
+      file,
+      save,
+      download,
+    ),
+    h(
+      'div',
+      { class: 'line end', role: 'group', 'aria-label': t.settings },
+      undo,
+      redo,
+      share,
+      angle,
+      digits,
+      language,
+      theme,
+      h('a', { href: 'docs' }, 'API'),
+    ),
+  );
 }
 
 /** The same posture in the other unit. */
@@ -127,7 +204,9 @@ function withAngle(page: Page, angle: api.AngleUnit): Partial<State> {
   if (angle === state.angle) return {};
   const factor = angle === 'deg' ? 180 / Math.PI : Math.PI / 180;
   const turned = (q: readonly number[]): number[] =>
-    q.map((x, k) => page.model?.joints[k]?.type === 'prismatic' ? x : Number((x * factor).toPrecision(12)));
+    q.map((x, k) =>
+      page.model?.joints[k]?.type === 'prismatic' ? x : Number((x * factor).toPrecision(12)),
+    );
   return { angle, q: turned(state.q), kept: state.kept.map(turned), target: null };
 }
 

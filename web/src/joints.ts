@@ -36,11 +36,19 @@ export function jointsView(page: Page): HTMLElement {
     const range = limited && upper > lower ? upper - lower : 1;
     const digits = Math.max(turns && angle === 'deg' ? 1 : 3, 2 - Math.floor(Math.log10(range)));
     const slider = h('input', {
-      type: 'range', min: lower, max: upper, step: 'any', 'aria-label': `${joint.name} (${unit})`,
+      type: 'range',
+      min: lower,
+      max: upper,
+      step: 'any',
+      'aria-label': `${joint.name} (${unit})`,
       oninput: () => put(k, Number(slider.valueAsNumber.toFixed(digits))),
     });
     const field = h('input', {
-      type: 'text', inputmode: 'decimal', autocomplete: 'off', class: 'value', 'aria-label': `${joint.name}, ${t.valueIn(unit)}`,
+      type: 'text',
+      inputmode: 'decimal',
+      autocomplete: 'off',
+      class: 'value',
+      'aria-label': `${joint.name}, ${t.valueIn(unit)}`,
       oninput: () => {
         const value = readNumber(field.value);
         field.setAttribute('aria-invalid', String(value === null));
@@ -55,11 +63,23 @@ export function jointsView(page: Page): HTMLElement {
         field.value = typed(store.state.q[k] ?? 0);
       },
     });
-    const bounds = limited ? `${typed(Number(lower.toFixed(digits)))} … ${typed(Number(upper.toFixed(digits)))}` : t.unlimited;
-    const element = h('div', { class: 'joint' },
-      h('span', { class: 'name', title: joint.name }, h('b', {}, 'q', h('sub', {}, k + 1)), ` ${joint.name}`),
-      slider, field, h('span', { class: 'unit' }, unit),
-      h('span', { class: 'limits' }, bounds));
+    const bounds = limited
+      ? `${typed(Number(lower.toFixed(digits)))} … ${typed(Number(upper.toFixed(digits)))}`
+      : t.unlimited;
+    const element = h(
+      'div',
+      { class: 'joint' },
+      h(
+        'span',
+        { class: 'name', title: joint.name },
+        h('b', {}, 'q', h('sub', {}, k + 1)),
+        ` ${joint.name}`,
+      ),
+      slider,
+      field,
+      h('span', { class: 'unit' }, unit),
+      h('span', { class: 'limits' }, bounds),
+    );
     return { slider, field, element, lower, upper };
   }
 

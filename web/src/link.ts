@@ -1,6 +1,6 @@
 /** The state in the URL's hash, and back: readable where it is short, compressed where it is not. */
 import type { AngleUnit, Convention, ReferenceFrame, TableDocument } from './api';
-import { START, type Section, type State, type View } from './state';
+import { type Section, START, type State, type View } from './state';
 
 /** Longest compressed document that a link carries; longer ones are to be saved first. */
 const MAX_DOCUMENT = 12_000;

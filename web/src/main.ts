@@ -2,14 +2,14 @@
 import * as api from './api';
 import { h } from './dom';
 import { headerView, remember, remembered, withRobot } from './header';
-import { opened, preferred, speak, t, type Language } from './i18n';
+import { type Language, opened, preferred, speak, t } from './i18n';
 import { jointsView } from './joints';
 import { isAbort, Latest } from './latest';
 import { fromHash, isIncomplete, toHash } from './link';
 import { atRest, resolve, taskOf } from './model';
 import type { Page } from './page';
 import { sectionsView } from './sections';
-import { START, Store, type State } from './state';
+import { START, type State, Store } from './state';
 import { tableView } from './table/view';
 
 /** The state of the address; a robot too long for it is in the entry of the browser's history. */
@@ -28,7 +28,11 @@ function languageOf(text: string | null): Language {
 
 const language = languageOf(remembered('language'));
 const [first] = await Promise.all([present(), speak(language)]);
-const store = new Store(first.q.length || first.source !== START.source ? first : { ...first, ...withRobot(first, 'puma560') });
+const store = new Store(
+  first.q.length || first.source !== START.source
+    ? first
+    : { ...first, ...withRobot(first, 'puma560') },
+);
 
 const status = h('p', { class: 'hidden', role: 'status', 'aria-live': 'polite' });
 const toast = h('p', { class: 'toast', role: 'alert', hidden: true });
@@ -76,7 +80,10 @@ function load(): void {
       document.title = model.title ? `${model.title} · Denavit` : 'Denavit';
       const { q, angle, task } = store.state;
       if (q.length !== model.joints.length) {
-        store.set({ q: atRest(model.joints, angle), ...(task === START.task ? { task: taskOf(model) } : {}) });
+        store.set({
+          q: atRest(model.joints, angle),
+          ...(task === START.task ? { task: taskOf(model) } : {}),
+        });
       }
       for (const tell of page.onModel) tell();
     } catch (error) {
@@ -85,9 +92,14 @@ function load(): void {
       if (api.willPass(error)) {
         page.tell(error instanceof api.Refusal ? error.detail : t.unreachable, true);
         // Where the user has gone on meanwhile, that is on its way itself.
-        setTimeout(() => { if (store.state.source === state.source && document.body.classList.contains('stale')) load(); }, AGAIN);
+        setTimeout(() => {
+          if (store.state.source === state.source && document.body.classList.contains('stale'))
+            load();
+        }, AGAIN);
       } else if (error instanceof api.Refusal) {
-        table.showErrors(error.errors.length ? error.errors : [{ pointer: '', message: error.detail }]);
+        table.showErrors(
+          error.errors.length ? error.errors : [{ pointer: '', message: error.detail }],
+        );
         if (state.source.kind !== 'table') page.tell(error.detail, true);
       } else throw error;
     }
@@ -142,7 +154,18 @@ addEventListener('hashchange', () => {
 });
 
 document.body.prepend(
-  h('a', { class: 'skip', href: '#numbers', onclick: (event) => { event.preventDefault(); document.getElementById('numbers')?.focus(); } }, t.skip),
+  h(
+    'a',
+    {
+      class: 'skip',
+      href: '#numbers',
+      onclick: (event) => {
+        event.preventDefault();
+        document.getElementById('numbers')?.focus();
+      },
+    },
+    t.skip,
+  ),
   headerView(page, {
     language,
     speak(chosen) {
@@ -150,12 +173,26 @@ document.body.prepend(
       void link(store.state).then(() => location.reload());
     },
   }),
-  h('main', {},
-    h('div', { class: 'column model' }, table.element,
-      h('section', { class: 'card', 'aria-labelledby': 'joints-title' }, h('h2', { id: 'joints-title' }, t.joints), jointsView(page))),
+  h(
+    'main',
+    {},
+    h(
+      'div',
+      { class: 'column model' },
+      table.element,
+      h(
+        'section',
+        { class: 'card', 'aria-labelledby': 'joints-title' },
+        h('h2', { id: 'joints-title' }, t.joints),
+        jointsView(page),
+      ),
+    ),
     stage,
-    h('div', { class: 'column numbers', id: 'numbers', tabindex: -1 }, sectionsView(page))),
-  status, toast);
+    h('div', { class: 'column numbers', id: 'numbers', tabindex: -1 }, sectionsView(page)),
+  ),
+  status,
+  toast,
+);
 load();
 if (isIncomplete(location.hash) && !history.state) page.tell(t.tooLong, true);
 // The view comes after the first numbers, which need less than it does.

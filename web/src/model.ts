@@ -155,7 +155,12 @@ function jointsOfURDF(urdf: string): SceneJoint[] {
     const bound = (name: string): number | null =>
       type === 'continuous' || !limit ? null : Number(limit.getAttribute(name) ?? 0);
     return [
-      { name: joint.getAttribute('name') ?? '', type, lower: bound('lower'), upper: bound('upper') },
+      {
+        name: joint.getAttribute('name') ?? '',
+        type,
+        lower: bound('lower'),
+        upper: bound('upper'),
+      },
     ];
   });
 }
@@ -180,7 +185,9 @@ function inRadians(table: api.TableDocument): api.TableDocument {
 /** What an arm can be asked for: with fewer than six joints it cannot have every pose. */
 export function taskOf({ joints, rows }: Model): string {
   if (joints.length >= 6) return 'pose';
-  const flat = rows?.joints.every((row) => Number(row.alpha ?? 0) === 0 && typeOf(row) !== 'prismatic');
+  const flat = rows?.joints.every(
+    (row) => Number(row.alpha ?? 0) === 0 && typeOf(row) !== 'prismatic',
+  );
   return flat && joints.length > 1 ? 'xy' : 'position';
 }
 

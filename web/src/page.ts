@@ -1,5 +1,5 @@
 /** What all parts of the page share. */
-import type { Call, SingularityAnswer, FKAnswer } from './api';
+import type { Call, FKAnswer, SingularityAnswer } from './api';
 import type { Model } from './model';
 import type { Section, Store } from './state';
 

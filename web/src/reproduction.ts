@@ -1,10 +1,12 @@
 /** A call as a command for a terminal, and as a program. What runs is what the page has sent. */
-import { urlOf, type Call } from './api';
+import { type Call, urlOf } from './api';
 
 /** JSON in ASCII, so that no terminal's encoding can spoil it. */
 export function ascii(value: unknown): string {
-  return JSON.stringify(value).replace(/[\u007f-\uffff]/g, (one) =>
-    `\\u${one.charCodeAt(0).toString(16).padStart(4, '0')}`);
+  return JSON.stringify(value).replace(
+    /[\u007f-\uffff]/g,
+    (one) => `\\u${one.charCodeAt(0).toString(16).padStart(4, '0')}`,
+  );
 }
 
 export function asCurl(call: Call): string {
@@ -27,9 +29,13 @@ export function asHttpx(call: Call): string {
   if (call.body !== undefined) named.push(`    json=${python(call.body)},`);
   if (call.accept) named.push(`    headers={"Accept": ${python(call.accept)}},`);
   return [
-    'import httpx', '',
-    `answer = httpx.${call.method.toLowerCase()}(`, ...named, ')',
-    'answer.raise_for_status()', 'print(answer.json())',
+    'import httpx',
+    '',
+    `answer = httpx.${call.method.toLowerCase()}(`,
+    ...named,
+    ')',
+    'answer.raise_for_status()',
+    'print(answer.json())',
   ].join('\n');
 }
 

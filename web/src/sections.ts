@@ -23,7 +23,15 @@ const AGAIN = 2000;
 
 /** What asks for other numbers than those on the page. */
 const INPUTS: readonly (keyof State)[] = [
-  'q', 'angle', 'euler', 'reference', 'task', 'open', 'view', 'digits', 'row',
+  'q',
+  'angle',
+  'euler',
+  'reference',
+  'task',
+  'open',
+  'view',
+  'digits',
+  'row',
 ];
 
 export function sectionsView(page: Page): HTMLElement {
@@ -35,25 +43,37 @@ export function sectionsView(page: Page): HTMLElement {
   let failing = false;
 
   function section(id: Section, title: string, body: HTMLElement, copies: boolean): HTMLElement {
-    const copy = copies && button('‹›', () => {
-      store.set({ open: [...new Set<Section>([...store.state.open, 'reproduce'])] });
-      page.calls.delete('reproduce');
-      const call = page.calls.get(id);
-      if (call) page.calls.set('reproduce', call);
-      reproduced = id;
-      for (const tell of page.onNumbers) tell();
-      lines.get('reproduce')?.scrollIntoView({ block: 'nearest' });
-    }, { class: 'copy', title: t.showRequest, 'aria-label': `${t.showRequest}: ${title}` });
-    const details = h('details', {
-      class: 'fold', id: `section-${id}`,
-      ontoggle: () => {
-        const open = new Set(store.state.open);
-        if (details.open === open.has(id)) return;
-        if (details.open) open.add(id);
-        else open.delete(id);
-        store.set({ open: [...open] });
+    const copy =
+      copies &&
+      button(
+        '‹›',
+        () => {
+          store.set({ open: [...new Set<Section>([...store.state.open, 'reproduce'])] });
+          page.calls.delete('reproduce');
+          const call = page.calls.get(id);
+          if (call) page.calls.set('reproduce', call);
+          reproduced = id;
+          for (const tell of page.onNumbers) tell();
+          lines.get('reproduce')?.scrollIntoView({ block: 'nearest' });
+        },
+        { class: 'copy', title: t.showRequest, 'aria-label': `${t.showRequest}: ${title}` },
+      );
+    const details = h(
+      'details',
+      {
+        class: 'fold',
+        id: `section-${id}`,
+        ontoggle: () => {
+          const open = new Set(store.state.open);
+          if (details.open === open.has(id)) return;
+          if (details.open) open.add(id);
+          else open.delete(id);
+          store.set({ open: [...open] });
+        },
       },
-    }, h('summary', {}, h('h2', {}, title)), body);
+      h('summary', {}, h('h2', {}, title)),
+      body,
+    );
     lines.set(id, details);
     return h('section', { class: 'card', 'aria-label': title }, details, copy);
   }
@@ -121,11 +141,14 @@ export function sectionsView(page: Page): HTMLElement {
     if (INPUTS.some((name) => state[name] !== before[name])) refresh();
   });
   page.onModel.push(refresh);
-  const element = h('div', { class: 'sections' },
+  const element = h(
+    'div',
+    { class: 'sections' },
     ...panels.map((one) => section(one.id, one.title, one.body, true)),
     section('ik', t.ik, places.ik, true),
     section('path', t.path, places.path, true),
-    section('reproduce', t.reproduce, places.reproduce, false));
+    section('reproduce', t.reproduce, places.reproduce, false),
+  );
   fold(store.state);
   return element;
 }
@@ -139,5 +162,7 @@ export function reproduce(id: Section): void {
 
 /** A robot that was just chosen is on its way: its posture is not for the one before. */
 function isOfAnother({ ref }: Model, { source }: State): boolean {
-  return source.kind === 'stored' ? !('id' in ref) || ref.id !== source.id : 'id' in ref && source.kind === 'urdf';
+  return source.kind === 'stored'
+    ? !('id' in ref) || ref.id !== source.id
+    : 'id' in ref && source.kind === 'urdf';
 }

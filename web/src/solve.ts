@@ -8,7 +8,10 @@ import { solutions } from './stage';
 const DRAG_MS = 30;
 const latest = new Latest();
 /** Those who show what became of it. */
-export const onSolved: ((answer: api.IKAnswer | api.IKSolutionsAnswer | null, error: string) => void)[] = [];
+export const onSolved: ((
+  answer: api.IKAnswer | api.IKSolutionsAnswer | null,
+  error: string,
+) => void)[] = [];
 
 /** From the present posture to the target; a short time while it is being dragged. */
 export function follow(page: Page, done: boolean): void {
@@ -41,10 +44,14 @@ export function findAll(page: Page): void {
     );
     page.calls.set('ik', call);
     const answer = await api.json<api.IKSolutionsAnswer>(call, signal);
-    solutions.splice(0, solutions.length, ...answer.solutions.map((one, k) => ({
-      q: one.q,
-      label: String(k + 1),
-    })));
+    solutions.splice(
+      0,
+      solutions.length,
+      ...answer.solutions.map((one, k) => ({
+        q: one.q,
+        label: String(k + 1),
+      })),
+    );
     return answer;
   });
 }

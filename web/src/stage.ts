@@ -4,7 +4,7 @@ import { button, h, replace, select } from './dom';
 import { isDark } from './header';
 import { t } from './i18n';
 import { Latest } from './latest';
-import { resolve, sceneRobot, sceneRows, shown, toScene, type Model } from './model';
+import { type Model, resolve, sceneRobot, sceneRows, shown, toScene } from './model';
 import type { Page } from './page';
 import { NoWebGL, type Scene, type SceneEllipsoid } from './scene/types';
 import type { State, View } from './state';
@@ -15,7 +15,11 @@ const CLOUD = 20_000;
 export async function stageView(page: Page, place: HTMLElement): Promise<void> {
   const { store } = page;
   const host = h('div', { class: 'host', role: 'img', 'aria-label': t.sceneHelp });
-  replace(place, host, toolbar(page, () => scene?.fit()));
+  replace(
+    place,
+    host,
+    toolbar(page, () => scene?.fit()),
+  );
   let scene: Scene | null = null;
   if (!hasWebGL()) {
     pictureView(page, host);
@@ -26,7 +30,11 @@ export async function stageView(page: Page, place: HTMLElement): Promise<void> {
     scene = createScene(host, {
       onJointChange(index, value) {
         const joint = page.model?.joints[index];
-        if (joint) store.set({ q: store.state.q.with(index, shown(joint, value, store.state.angle)) }, `q${index}`);
+        if (joint)
+          store.set(
+            { q: store.state.q.with(index, shown(joint, value, store.state.angle)) },
+            `q${index}`,
+          );
       },
       onTargetDrag(pose, done) {
         store.set({ target: { matrix: pose } }, 'target');
@@ -93,11 +101,13 @@ function drawIn(page: Page, scene: Scene): void {
     scene.setObstacles(state.path.obstacles);
     scene.setPath(playback.path && { wanted: playback.wanted, reached: playback.path });
     const { joints } = model;
-    scene.setGhosts(ghosts(page).map((one) => ({
-      q: toScene(joints, one.q, state.angle),
-      label: one.label,
-      chosen: one.q.every((x, k) => Math.abs(x - (state.q[k] ?? 0)) < 1e-9),
-    })));
+    scene.setGhosts(
+      ghosts(page).map((one) => ({
+        q: toScene(joints, one.q, state.angle),
+        label: one.label,
+        chosen: one.q.every((x, k) => Math.abs(x - (state.q[k] ?? 0)) < 1e-9),
+      })),
+    );
     cloud(state, model);
     compare(state);
   }
@@ -107,23 +117,39 @@ function drawIn(page: Page, scene: Scene): void {
     if (key === clouded) return;
     clouded = key;
     if (!key) scene.setCloud(null);
-    else clouds.run((signal) => told(async () => scene.setCloud(await cloudOf(now, signal)), () => (clouded = '')));
+    else
+      clouds.run((signal) =>
+        told(
+          async () => scene.setCloud(await cloudOf(now, signal)),
+          () => (clouded = ''),
+        ),
+      );
   }
 
   function compare(state: State): void {
     const id = state.view.other;
-    if (second && other === id) scene.setOther(sceneRobot(second), toScene(second.joints, state.q, state.angle));
+    if (second && other === id)
+      scene.setOther(sceneRobot(second), toScene(second.joints, state.q, state.angle));
     if (id === other) return;
     other = id;
     second = null;
     scene.setOther(null, []);
     if (!id) return;
-    others.run((signal) => told(async () => {
-      const found = await resolve({ kind: 'stored', id, convention: null }, state.angle, signal);
-      if (other !== id) return;
-      second = found;
-      compare(store.state);
-    }, () => (other = '')));
+    others.run((signal) =>
+      told(
+        async () => {
+          const found = await resolve(
+            { kind: 'stored', id, convention: null },
+            state.angle,
+            signal,
+          );
+          if (other !== id) return;
+          second = found;
+          compare(store.state);
+        },
+        () => (other = ''),
+      ),
+    );
   }
 
   /** @param undone What is to be asked for again. */
@@ -146,16 +172,33 @@ function drawIn(page: Page, scene: Scene): void {
     if (!singularity || !pose) return;
     // Of a task that only turns, that of the turning.
     const shape = singularity.ellipsoids.translation ?? singularity.ellipsoids.rotation;
-    const kinds = (['velocity', 'force'] as const).filter((one) => shape && (view.ellipsoid === one || view.ellipsoid === 'both'));
-    scene.setEllipsoids(kinds.map((kind): SceneEllipsoid => ({
-      kind, center: pose.position, axes: shape?.axes ?? [], semiAxes: shape?.[`${kind}_semi_axes`] ?? [],
-    })));
+    const kinds = (['velocity', 'force'] as const).filter(
+      (one) => shape && (view.ellipsoid === one || view.ellipsoid === 'both'),
+    );
+    scene.setEllipsoids(
+      kinds.map(
+        (kind): SceneEllipsoid => ({
+          kind,
+          center: pose.position,
+          axes: shape?.axes ?? [],
+          semiAxes: shape?.[`${kind}_semi_axes`] ?? [],
+        }),
+      ),
+    );
     // With fewer joints than rows some directions are never there; an arrow marks what this posture loses.
-    scene.setLostDirections(!view.lost || !singularity.singular ? [] : singularity.lost_directions.map((one) => {
-      const part = (names: readonly string[]): number[] =>
-        names.map((name) => one[singularity.rows.indexOf(name)] ?? 0);
-      return { at: pose.position, linear: part(['vx', 'vy', 'vz']), angular: part(['wx', 'wy', 'wz']) };
-    }));
+    scene.setLostDirections(
+      !view.lost || !singularity.singular
+        ? []
+        : singularity.lost_directions.map((one) => {
+            const part = (names: readonly string[]): number[] =>
+              names.map((name) => one[singularity.rows.indexOf(name)] ?? 0);
+            return {
+              at: pose.position,
+              linear: part(['vx', 'vy', 'vz']),
+              angular: part(['wx', 'wy', 'wz']),
+            };
+          }),
+    );
   }
 
   store.listen(draw);
@@ -200,7 +243,10 @@ function pictureView(page: Page, host: HTMLElement): void {
       const { q, angle } = store.state;
       if (!model || q.length !== model.joints.length) return;
       try {
-        const response = await api.send(api.picture(model.ref, q, angle, pixels(host.clientWidth), pixels(host.clientHeight)), signal);
+        const response = await api.send(
+          api.picture(model.ref, q, angle, pixels(host.clientWidth), pixels(host.clientHeight)),
+          signal,
+        );
         const url = URL.createObjectURL(await response.blob());
         const before = image.src;
         image.src = url;
@@ -219,17 +265,36 @@ function pictureView(page: Page, host: HTMLElement): void {
 
 function toolbar(page: Page, fit: () => void): HTMLElement {
   const { store } = page;
-  const put = (change: Partial<View>): void => store.set({ view: { ...store.state.view, ...change } }, 'view');
-  const frames = select(t.frames, [['all', t.framesAll], ['ends', t.framesEnds], ['none', t.framesNone]], store.state.view.frames,
-    (value) => put({ frames: value as View['frames'] }));
-  const ellipsoid = select(t.ellipsoid, [['none', t.ellipsoidNone], ['velocity', t.ellipsoidVelocity], ['force', t.ellipsoidForce], ['both', t.ellipsoidBoth]], store.state.view.ellipsoid,
-    (value) => put({ ellipsoid: value as View['ellipsoid'] }));
+  const put = (change: Partial<View>): void =>
+    store.set({ view: { ...store.state.view, ...change } }, 'view');
+  const frames = select(
+    t.frames,
+    [
+      ['all', t.framesAll],
+      ['ends', t.framesEnds],
+      ['none', t.framesNone],
+    ],
+    store.state.view.frames,
+    (value) => put({ frames: value as View['frames'] }),
+  );
+  const ellipsoid = select(
+    t.ellipsoid,
+    [
+      ['none', t.ellipsoidNone],
+      ['velocity', t.ellipsoidVelocity],
+      ['force', t.ellipsoidForce],
+      ['both', t.ellipsoidBoth],
+    ],
+    store.state.view.ellipsoid,
+    (value) => put({ ellipsoid: value as View['ellipsoid'] }),
+  );
   let filled: number | undefined;
   const other = select(t.compareWith, [['', t.compareWith]], '', (value) => put({ other: value }));
-  const fill = (): void => void fillOthers().catch((error: unknown) => {
-    if (!(error instanceof api.Refusal || error instanceof api.Unreachable)) throw error;
-    page.tell(error instanceof api.Refusal ? error.detail : t.unreachable, true);
-  });
+  const fill = (): void =>
+    void fillOthers().catch((error: unknown) => {
+      if (!(error instanceof api.Refusal || error instanceof api.Unreachable)) throw error;
+      page.tell(error instanceof api.Refusal ? error.detail : t.unreachable, true);
+    });
   other.addEventListener('focus', fill);
   async function fillOthers(): Promise<void> {
     const dof = page.model?.joints.length;
@@ -237,7 +302,9 @@ function toolbar(page: Page, fit: () => void): HTMLElement {
     const { robots } = await api.json<{ robots: api.RobotLine[] }>(api.listRobots());
     filled = dof;
     const chosen = other.value;
-    const fitting = robots.filter((one) => one.dof === dof).map((one) => h('option', { value: one.id }, one.title));
+    const fitting = robots
+      .filter((one) => one.dof === dof)
+      .map((one) => h('option', { value: one.id }, one.title));
     replace(other, h('option', { value: '' }, t.compareWith), ...fitting);
     other.value = chosen;
   }
@@ -247,11 +314,23 @@ function toolbar(page: Page, fit: () => void): HTMLElement {
     return made;
   };
   const toggles: [HTMLButtonElement, 'dimensions' | 'lost' | 'cloud'][] = [];
-  const keep = button(t.keepPosture, () => store.set({ kept: [...store.state.kept, store.state.q] }, 'keep'));
+  const keep = button(t.keepPosture, () =>
+    store.set({ kept: [...store.state.kept, store.state.q] }, 'keep'),
+  );
   const drop = button(t.dropPostures, () => store.set({ kept: [] }, 'keep'));
-  const element = h('div', { class: 'toolbar', role: 'toolbar', 'aria-label': t.view },
-    button(t.fit, fit), frames, ellipsoid, toggle('dimensions', t.dimensions), toggle('lost', t.lostArrow), toggle('cloud', t.cloud),
-    keep, drop, other);
+  const element = h(
+    'div',
+    { class: 'toolbar', role: 'toolbar', 'aria-label': t.view },
+    button(t.fit, fit),
+    frames,
+    ellipsoid,
+    toggle('dimensions', t.dimensions),
+    toggle('lost', t.lostArrow),
+    toggle('cloud', t.cloud),
+    keep,
+    drop,
+    other,
+  );
   const render = ({ view, kept }: State): void => {
     frames.value = view.frames;
     ellipsoid.value = view.ellipsoid;

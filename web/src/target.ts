@@ -8,7 +8,14 @@ export function matrixOf(target: Target, angle: 'rad' | 'deg' = 'rad'): Matrix |
   if (!position) return null;
   const factor = angle === 'deg' ? Math.PI / 180 : 1;
   const [r = 0, p = 0, y = 0] = rpy.map((one) => one * factor);
-  const [sr, cr, sp, cp, sy, cy] = [Math.sin(r), Math.cos(r), Math.sin(p), Math.cos(p), Math.sin(y), Math.cos(y)];
+  const [sr, cr, sp, cp, sy, cy] = [
+    Math.sin(r),
+    Math.cos(r),
+    Math.sin(p),
+    Math.cos(p),
+    Math.sin(y),
+    Math.cos(y),
+  ];
   const [px = 0, py = 0, pz = 0] = position;
   return [
     [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr, px],

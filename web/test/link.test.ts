@@ -6,7 +6,11 @@ const FULL: State = {
   ...START,
   source: {
     kind: 'table',
-    table: { convention: 'khalil', units: { angle: 'deg' }, joints: [{ alpha: 'pi/2', d: '0,4', theta: 'q1', r: 0 }] },
+    table: {
+      convention: 'khalil',
+      units: { angle: 'deg' },
+      joints: [{ alpha: 'pi/2', d: '0,4', theta: 'q1', r: 0 }],
+    },
   },
   angle: 'rad',
   q: [0.1, -2, 1e-7],
@@ -15,11 +19,21 @@ const FULL: State = {
   task: 'xy_phi',
   digits: 9,
   open: ['pose', 'path'],
-  view: { frames: 'ends', dimensions: true, ellipsoid: 'both', lost: false, cloud: true, other: 'ur5' },
+  view: {
+    frames: 'ends',
+    dimensions: true,
+    ellipsoid: 'both',
+    lost: false,
+    cloud: true,
+    other: 'ur5',
+  },
   row: 2,
   step: 3,
   target: { position: [0.1, 0.2, 0.3], rpy: [0, 1, 2] },
-  kept: [[1, 2], [3, 4]],
+  kept: [
+    [1, 2],
+    [3, 4],
+  ],
   path: { ...START.path, obstacles: [{ type: 'sphere', center: [1, 2, 3], radius: 0.5 }] },
 };
 
@@ -34,19 +48,33 @@ describe('a link', () => {
   });
 
   it('holds a URDF', async () => {
-    const urdf: State = { ...START, source: { kind: 'urdf', name: 'é', urdf: '<robot name="é"/>' } };
+    const urdf: State = {
+      ...START,
+      source: { kind: 'urdf', name: 'é', urdf: '<robot name="é"/>' },
+    };
     expect((await fromHash(await toHash(urdf))).source).toEqual(urdf.source);
   });
 
   it('says so where a robot is too long for it', async () => {
-    const noise = Array.from({ length: 40_000 }, (_, k) => String.fromCharCode(33 + ((k * k * 7919) >> 5) % 90)).join('');
+    const noise = Array.from({ length: 40_000 }, (_, k) =>
+      String.fromCharCode(33 + (((k * k * 7919) >> 5) % 90)),
+    ).join('');
     const hash = await toHash({ ...START, source: { kind: 'urdf', name: 'long', urdf: noise } });
     expect(hash.length).toBeLessThan(1000);
     expect([isIncomplete(`#${hash}`), isIncomplete('#robot=puma560')]).toEqual([true, false]);
   });
 
   it.each([
-    'q=1,x', 'table=%%%', 'table=AAAA', 'angle=gon', 'digits=99', 'euler=<b>', 'row=0', 'view=,,:', 'open=', '&&&=',
+    'q=1,x',
+    'table=%%%',
+    'table=AAAA',
+    'angle=gon',
+    'digits=99',
+    'euler=<b>',
+    'row=0',
+    'view=,,:',
+    'open=',
+    '&&&=',
   ])('of nonsense gives the start: %s', async (hash) => {
     const state = await fromHash(`#${hash}`);
     expect({ ...state, open: START.open, view: START.view }).toEqual(START);

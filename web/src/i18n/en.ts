@@ -38,12 +38,18 @@ export const en = {
   paste: 'Paste …',
   problems: 'What is wrong with the table',
   goToCell: 'Go to the cell',
-  noTable: 'This robot is a tree or has loops: no single table describes it. Its joints and numbers are all there.',
+  noTable:
+    'This robot is a tree or has loops: no single table describes it. Its joints and numbers are all there.',
   row: 'Row',
   tableRows: 'Rows of the table',
   rowOfTable: 'Row of the table',
   jointType: 'type of joint',
-  types: { revolute: 'revolute', prismatic: 'prismatic', continuous: 'continuous: turns without limits', fixed: 'fixed' },
+  types: {
+    revolute: 'revolute',
+    prismatic: 'prismatic',
+    continuous: 'continuous: turns without limits',
+    fixed: 'fixed',
+  },
   lower: 'min',
   upper: 'max',
   moveUp: (k: number) => `Move row ${k} up`,
@@ -52,7 +58,8 @@ export const en = {
   remove: (k: number) => `Remove row ${k}`,
   columns: {
     standard: {
-      theta: 'θₖ: turn about zₖ₋₁ that brings xₖ₋₁ parallel to xₖ. The variable of a revolute joint.',
+      theta:
+        'θₖ: turn about zₖ₋₁ that brings xₖ₋₁ parallel to xₖ. The variable of a revolute joint.',
       d: 'dₖ: slide along zₖ₋₁ up to the common normal (xₖ). The variable of a prismatic joint.',
       a: 'aₖ: length of the common normal, along xₖ, from zₖ₋₁ to zₖ.',
       alpha: 'αₖ: twist about xₖ that brings zₖ₋₁ onto zₖ.',
@@ -62,7 +69,8 @@ export const en = {
       alpha: 'αₖ₋₁: twist about xₖ₋₁ that brings zₖ₋₁ parallel to zₖ.',
       a: 'aₖ₋₁: length of the common normal, along xₖ₋₁, from zₖ₋₁ to zₖ.',
       d: 'dₖ: slide along zₖ, the joint’s own axis, from xₖ₋₁ to xₖ. The variable of a prismatic joint.',
-      theta: 'θₖ: turn about zₖ, the joint’s own axis, from xₖ₋₁ to xₖ. The variable of a revolute joint.',
+      theta:
+        'θₖ: turn about zₖ, the joint’s own axis, from xₖ₋₁ to xₖ. The variable of a revolute joint.',
       r: '',
     },
     khalil: {
@@ -80,7 +88,8 @@ export const en = {
     Tx: 'slide along x',
     Rx: 'turn about x',
   },
-  formulaHint: 'A row takes frame k−1 to frame k by four motions. Press one, or a row’s number, to see it in the view.',
+  formulaHint:
+    'A row takes frame k−1 to frame k by four motions. Press one, or a row’s number, to see it in the view.',
   stepDone: (step: number, words: string) => `Motion ${step} of 4. ${words}`,
   stepNone: 'Before the first motion: both frames are one.',
   stepStart: 'Back to the start of the row',
@@ -125,11 +134,15 @@ export const en = {
     position_direction: 'position and direction of the tool',
   },
   rank: 'rank',
-  rankFull: (rank: number, rows: number) => rank === rows
-    ? `Rank ${rank}: every motion of the task is possible.`
-    : `Rank ${rank} of ${rows} rows: as many as there are joints.`,
+  rankFull: (rank: number, rows: number) =>
+    rank === rows
+      ? `Rank ${rank}: every motion of the task is possible.`
+      : `Rank ${rank} of ${rows} rows: as many as there are joints.`,
   rankLost: (rank: number, full: number) => `Singular: rank ${rank} instead of ${full}.`,
-  nullMotions: (n: number) => n === 1 ? 'One joint motion leaves the task alone.' : `${n} joint motions leave the task alone.`,
+  nullMotions: (n: number) =>
+    n === 1
+      ? 'One joint motion leaves the task alone.'
+      : `${n} joint motions leave the task alone.`,
   singularValues: 'Singular values',
   manipulability: 'manipulability',
   conditionNumber: 'condition',

@@ -37,12 +37,18 @@ export const fr: First = {
   paste: 'Coller …',
   problems: 'Ce qui ne va pas dans le tableau',
   goToCell: 'Aller à la cellule',
-  noTable: 'Ce robot est un arbre ou a des boucles : un seul tableau ne le décrit pas. Ses articulations et ses nombres sont tous là.',
+  noTable:
+    'Ce robot est un arbre ou a des boucles : un seul tableau ne le décrit pas. Ses articulations et ses nombres sont tous là.',
   row: 'Ligne',
   tableRows: 'Lignes du tableau',
   rowOfTable: 'Ligne du tableau',
   jointType: 'type d’articulation',
-  types: { revolute: 'rotoïde', prismatic: 'prismatique', continuous: 'continue : tourne sans butées', fixed: 'fixe' },
+  types: {
+    revolute: 'rotoïde',
+    prismatic: 'prismatique',
+    continuous: 'continue : tourne sans butées',
+    fixed: 'fixe',
+  },
   lower: 'min',
   upper: 'max',
   moveUp: (k) => `Monter la ligne ${k}`,
@@ -51,7 +57,8 @@ export const fr: First = {
   remove: (k) => `Supprimer la ligne ${k}`,
   columns: {
     standard: {
-      theta: 'θₖ : rotation autour de zₖ₋₁ qui rend xₖ₋₁ parallèle à xₖ. Variable d’une articulation rotoïde.',
+      theta:
+        'θₖ : rotation autour de zₖ₋₁ qui rend xₖ₋₁ parallèle à xₖ. Variable d’une articulation rotoïde.',
       d: 'dₖ : translation le long de zₖ₋₁ jusqu’à la perpendiculaire commune (xₖ). Variable d’une articulation prismatique.',
       a: 'aₖ : longueur de la perpendiculaire commune, le long de xₖ, de zₖ₋₁ à zₖ.',
       alpha: 'αₖ : rotation autour de xₖ qui amène zₖ₋₁ sur zₖ.',
@@ -61,7 +68,8 @@ export const fr: First = {
       alpha: 'αₖ₋₁ : rotation autour de xₖ₋₁ qui rend zₖ₋₁ parallèle à zₖ.',
       a: 'aₖ₋₁ : longueur de la perpendiculaire commune, le long de xₖ₋₁, de zₖ₋₁ à zₖ.',
       d: 'dₖ : translation le long de zₖ, l’axe même de l’articulation, de xₖ₋₁ à xₖ. Variable d’une articulation prismatique.',
-      theta: 'θₖ : rotation autour de zₖ, l’axe même de l’articulation, de xₖ₋₁ à xₖ. Variable d’une articulation rotoïde.',
+      theta:
+        'θₖ : rotation autour de zₖ, l’axe même de l’articulation, de xₖ₋₁ à xₖ. Variable d’une articulation rotoïde.',
       r: '',
     },
     khalil: {
@@ -79,7 +87,8 @@ export const fr: First = {
     Tx: 'translation le long de x',
     Rx: 'rotation autour de x',
   },
-  formulaHint: 'Une ligne mène du repère k−1 au repère k par quatre mouvements. Choisissez-en un, ou le numéro d’une ligne, pour le voir.',
+  formulaHint:
+    'Une ligne mène du repère k−1 au repère k par quatre mouvements. Choisissez-en un, ou le numéro d’une ligne, pour le voir.',
   stepDone: (step, words) => `Mouvement ${step} sur 4. ${words}`,
   stepNone: 'Avant le premier mouvement : les deux repères sont confondus.',
   stepStart: 'Revenir au début de la ligne',
@@ -98,7 +107,8 @@ export const fr: First = {
   rpy: 'Roulis, tangage, lacet',
   quaternion: 'Quaternion xyzw',
   eulerSequence: 'Angles d’Euler',
-  eulerDegenerate: 'L’angle du milieu confond les deux autres en une rotation : le premier est choisi.',
+  eulerDegenerate:
+    'L’angle du milieu confond les deux autres en une rotation : le premier est choisi.',
   links: 'Matrices de passage',
   linkLead: 'de repère à repère',
   productLead: 'le produit jusqu’à cette ligne',
@@ -122,11 +132,15 @@ export const fr: First = {
     position_direction: 'position et direction de l’outil',
   },
   rank: 'rang',
-  rankFull: (rank, rows) => rank === rows
-    ? `Rang ${rank} : tous les mouvements de la tâche sont possibles.`
-    : `Rang ${rank} sur ${rows} lignes : autant que d’articulations.`,
+  rankFull: (rank, rows) =>
+    rank === rows
+      ? `Rang ${rank} : tous les mouvements de la tâche sont possibles.`
+      : `Rang ${rank} sur ${rows} lignes : autant que d’articulations.`,
   rankLost: (rank, full) => `Singulier : rang ${rank} au lieu de ${full}.`,
-  nullMotions: (n) => n === 1 ? 'Un mouvement des articulations laisse la tâche intacte.' : `${n} mouvements des articulations laissent la tâche intacte.`,
+  nullMotions: (n) =>
+    n === 1
+      ? 'Un mouvement des articulations laisse la tâche intacte.'
+      : `${n} mouvements des articulations laissent la tâche intacte.`,
   singularValues: 'Valeurs singulières',
   manipulability: 'manipulabilité',
   conditionNumber: 'conditionnement',

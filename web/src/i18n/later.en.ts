@@ -5,7 +5,8 @@ export const later = {
   name: 'Name',
   close: 'Close',
   pasteTitle: 'Paste a table',
-  pasteHelp: 'Columns from a spreadsheet, Markdown, LaTeX, MATLAB or Python, with a heading such as: theta d a alpha.',
+  pasteHelp:
+    'Columns from a spreadsheet, Markdown, LaTeX, MATLAB or Python, with a heading such as: theta d a alpha.',
   pastedText: 'Text of the table',
   angles: 'Angles',
   asWritten: 'as written',
@@ -15,7 +16,8 @@ export const later = {
   namedValues: 'Numbers for names',
   readTable: 'Read the table',
   // view
-  sceneHelp: '3D view of the robot: arrow keys turn it, + and − zoom. What it shows is in the numbers beside it.',
+  sceneHelp:
+    '3D view of the robot: arrow keys turn it, + and − zoom. What it shows is in the numbers beside it.',
   view: 'What is shown',
   fit: 'Fit',
   frames: 'Frames',
@@ -48,13 +50,24 @@ export const later = {
     timeout: 'Not reached in the time given.',
     unreachable: 'Out of reach: this is proved.',
   },
-  ikErrors: (position: string, orientation: string) => `Off by ${position} m and ${orientation} rad.`,
+  ikErrors: (position: string, orientation: string) =>
+    `Off by ${position} m and ${orientation} rad.`,
   solutionsFound: (n: number, closed: boolean, complete: boolean) =>
     `${n} ${n === 1 ? 'solution' : 'solutions'}, ${closed ? 'in closed form' : 'by search'}${complete ? ', complete' : ''}.`,
-  postures: { left: 'left', right: 'right', up: 'up', down: 'down', flip: 'flip', noflip: 'no flip', in: 'in', out: 'out' },
+  postures: {
+    left: 'left',
+    right: 'right',
+    up: 'up',
+    down: 'down',
+    flip: 'flip',
+    noflip: 'no flip',
+    in: 'in',
+    out: 'out',
+  },
   beyondLimits: 'beyond limits',
   // path
-  pathHelp: 'From the present posture along a line or a circle, among obstacles, by several methods; what they did is measured.',
+  pathHelp:
+    'From the present posture along a line or a circle, among obstacles, by several methods; what they did is measured.',
   sameTask: 'as above',
   pathKind: 'Path',
   line: 'line',
@@ -92,8 +105,22 @@ export const later = {
   followed: 'the path is followed.',
   obstacle: 'Obstacle',
   obstacles: 'Obstacles',
-  obstacleKinds: { sphere: 'sphere', circle: 'disc (plane)', box: 'box', capsule: 'capsule', half_space: 'half-space' },
-  obstacleFields: { center: 'centre', radius: 'radius', size: 'size', start: 'from', end: 'to', normal: 'normal', offset: 'offset' },
+  obstacleKinds: {
+    sphere: 'sphere',
+    circle: 'disc (plane)',
+    box: 'box',
+    capsule: 'capsule',
+    half_space: 'half-space',
+  },
+  obstacleFields: {
+    center: 'centre',
+    radius: 'radius',
+    size: 'size',
+    start: 'from',
+    end: 'to',
+    normal: 'normal',
+    offset: 'offset',
+  },
   removeObstacle: 'Remove obstacle',
   add: 'Add',
   // reproduce

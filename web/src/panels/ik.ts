@@ -14,9 +14,13 @@ export function ikPanel(page: Page): HTMLElement {
   const names = ['x', 'y', 'z', 'roll', 'pitch', 'yaw'];
   const fields = names.map((name, k) => {
     const field = h('input', {
-      type: 'text', inputmode: 'decimal', autocomplete: 'off', 'aria-label': `${t.target}, ${name}`,
+      type: 'text',
+      inputmode: 'decimal',
+      autocomplete: 'off',
+      'aria-label': `${t.target}, ${name}`,
       oninput: () => put(k, field),
-      onkeydown: (event) => { if ((event as KeyboardEvent).key !== 'Enter') return;
+      onkeydown: (event) => {
+        if ((event as KeyboardEvent).key !== 'Enter') return;
         clearTimeout(typing);
         follow(page, true);
       },
@@ -32,7 +36,8 @@ export function ikPanel(page: Page): HTMLElement {
   function values(): (number | null)[] {
     const { target } = store.state;
     const pose = Object.values(page.answers.fk?.poses ?? {})[0];
-    const position = target?.position ?? target?.matrix?.slice(0, 3).map((row) => row[3] ?? 0) ?? [];
+    const position =
+      target?.position ?? target?.matrix?.slice(0, 3).map((row) => row[3] ?? 0) ?? [];
     const rpy = target?.rpy ?? (target?.matrix ? (pose?.rpy ?? []) : []);
     return names.map((_, k) => (k < 3 ? position[k] : rpy[k - 3]) ?? null);
   }
@@ -41,7 +46,9 @@ export function ikPanel(page: Page): HTMLElement {
     const value = readNumber(field.value);
     field.setAttribute('aria-invalid', String(value === null));
     if (value === null) return;
-    const now = values().with(k, value).map((one) => one ?? 0);
+    const now = values()
+      .with(k, value)
+      .map((one) => one ?? 0);
     store.set({ target: { position: now.slice(0, 3), rpy: now.slice(3) } }, `target${k}`);
     // "0.5" begins with "0": the arm waits until the number is there.
     clearTimeout(typing);
@@ -73,7 +80,10 @@ export function ikPanel(page: Page): HTMLElement {
   }
 
   function solved(answer: api.IKAnswer | api.IKSolutionsAnswer | null, error: string): void {
-    verdict.classList.toggle('bad', Boolean(error) || (answer !== null && 'status' in answer && answer.status !== 'converged'));
+    verdict.classList.toggle(
+      'bad',
+      Boolean(error) || (answer !== null && 'status' in answer && answer.status !== 'converged'),
+    );
     if (!answer) {
       verdict.textContent = error;
       return;
@@ -83,16 +93,44 @@ export function ikPanel(page: Page): HTMLElement {
       verdict.textContent = `${t.ikStatus[answer.status]} ${t.ikErrors(brief(answer.position_error, 2), brief(answer.orientation_error, 2))}`;
       return;
     }
-    verdict.textContent = t.solutionsFound(answer.solutions.length, answer.method === 'closed_form', answer.complete);
-    replace(list, ...answer.solutions.slice(0, 32).map((one, k) => {
-      const text = one.q.map((x) => fixed(x, store.state.angle === 'deg' ? 1 : 3)).join('  ');
-      return h('li', {}, h('button', {
-        type: 'button', 'aria-pressed': 'false', 'data-q': one.q.join(','),
-        onclick: () => store.set({ q: one.q }, 'solution'),
-      },
-      h('b', {}, `${k + 1}`), h('span', { class: 'mono' }, text),
-      h('span', { class: 'note' }, [one.posture.map((word) => t.postures[word as keyof typeof t.postures] ?? word).join(', '), one.within_limits ? '' : t.beyondLimits].filter(Boolean).join(' · '))));
-    }));
+    verdict.textContent = t.solutionsFound(
+      answer.solutions.length,
+      answer.method === 'closed_form',
+      answer.complete,
+    );
+    replace(
+      list,
+      ...answer.solutions.slice(0, 32).map((one, k) => {
+        const text = one.q.map((x) => fixed(x, store.state.angle === 'deg' ? 1 : 3)).join('  ');
+        return h(
+          'li',
+          {},
+          h(
+            'button',
+            {
+              type: 'button',
+              'aria-pressed': 'false',
+              'data-q': one.q.join(','),
+              onclick: () => store.set({ q: one.q }, 'solution'),
+            },
+            h('b', {}, `${k + 1}`),
+            h('span', { class: 'mono' }, text),
+            h(
+              'span',
+              { class: 'note' },
+              [
+                one.posture
+                  .map((word) => t.postures[word as keyof typeof t.postures] ?? word)
+                  .join(', '),
+                one.within_limits ? '' : t.beyondLimits,
+              ]
+                .filter(Boolean)
+                .join(' · '),
+            ),
+          ),
+        );
+      }),
+    );
     render();
   }
 
@@ -107,11 +145,26 @@ export function ikPanel(page: Page): HTMLElement {
   onSolved.push(solved);
   store.listen(render);
   page.onNumbers.push(render);
-  page.onModel.push(() => { forget(); replace(list); verdict.textContent = ''; });
+  page.onModel.push(() => {
+    forget();
+    replace(list);
+    verdict.textContent = '';
+  });
   render();
-  return h('div', {},
+  return h(
+    'div',
+    {},
     h('p', { class: 'note' }, t.ikHelp),
     h('div', { class: 'line' }, button(t.takePose, take), solve, all, clear, units),
-    h('div', { class: 'six' }, h('span', {}, 'x y z'), ...fields.slice(0, 3), h('span', {}, 'r p y'), ...fields.slice(3)),
-    verdict, list);
+    h(
+      'div',
+      { class: 'six' },
+      h('span', {}, 'x y z'),
+      ...fields.slice(0, 3),
+      h('span', {}, 'r p y'),
+      ...fields.slice(3),
+    ),
+    verdict,
+    list,
+  );
 }

@@ -3,7 +3,7 @@ import * as api from '../api';
 import { h, replace, select } from '../dom';
 import { t } from '../i18n';
 import type { Page } from '../page';
-import { matrixView, type MatrixView } from './matrix';
+import { type MatrixView, matrixView } from './matrix';
 import type { Panel } from './panel';
 
 export function jacobianPanel(page: Page): Panel {
@@ -50,7 +50,14 @@ function headings(names: readonly string[]): readonly string[] {
   return names.every((one) => one.length <= 4) ? names : names.map((_, k) => `q${k + 1}`);
 }
 
-const NAMES: Record<string, string> = { vx: 'vx', vy: 'vy', vz: 'vz', wx: 'ωx', wy: 'ωy', wz: 'ωz' };
+const NAMES: Record<string, string> = {
+  vx: 'vx',
+  vy: 'vy',
+  vz: 'vz',
+  wx: 'ωx',
+  wy: 'ωy',
+  wz: 'ωz',
+};
 
 export function rowName(name: string): string {
   return NAMES[name] ?? name;

@@ -26,13 +26,28 @@ export function matrixView(
     h(
       'thead',
       {},
-      h('tr', {}, rows.length > 0 && h('td'), ...columns.map((one, k) => h('th', { scope: 'col', title: titles[k] }, one))),
+      h(
+        'tr',
+        {},
+        rows.length > 0 && h('td'),
+        ...columns.map((one, k) => h('th', { scope: 'col', title: titles[k] }, one)),
+      ),
     );
   const body = cells.map((line, i) =>
     h('tr', {}, rows.length > 0 && h('th', { scope: 'row' }, rows[i]), ...line),
   );
-  const table = h('table', { class: `matrix${columns.length > 5 ? ' wide' : ''}${columns.length > 6 ? ' wider' : ''}` }, h('caption', { class: 'hidden' }, label), head, h('tbody', {}, ...body));
-  const element = h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, table);
+  const table = h(
+    'table',
+    { class: `matrix${columns.length > 5 ? ' wide' : ''}${columns.length > 6 ? ' wider' : ''}` },
+    h('caption', { class: 'hidden' }, label),
+    head,
+    h('tbody', {}, ...body),
+  );
+  const element = h(
+    'div',
+    { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label },
+    table,
+  );
   return {
     element,
     show(values, digits) {

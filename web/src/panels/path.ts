@@ -5,14 +5,28 @@ import { brief, readNumber, typed } from '../format';
 import { t } from '../i18n';
 import { Latest } from '../latest';
 import type { Page } from '../page';
-import { NO_PATH, type PathForm } from '../state';
 import { playback } from '../stage';
+import { NO_PATH, type PathForm } from '../state';
 import { obstacleEditor } from './obstacles';
 import { taskOptions } from './singularity';
 
-const METHODS = ['pseudo_inverse', 'damped', 'null_space', 'task_priority', 'sqp', 'qp', 'whole_path'] as const;
+const METHODS = [
+  'pseudo_inverse',
+  'damped',
+  'null_space',
+  'task_priority',
+  'sqp',
+  'qp',
+  'whole_path',
+] as const;
 const LAWS = ['cubic', 'linear', 'quintic', 'trapezoidal'] as const;
-const COLUMNS = ['success', 'max_position_error', 'min_clearance', 'sum_dq', 'ms_per_point'] as const;
+const COLUMNS = [
+  'success',
+  'max_position_error',
+  'min_clearance',
+  'sum_dq',
+  'ms_per_point',
+] as const;
 
 interface Row {
   readonly method: string;
@@ -32,29 +46,86 @@ interface Comparison {
 export function pathPanel(page: Page): HTMLElement {
   const { store } = page;
   const latest = new Latest();
-  const table = h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': t.comparison });
+  const table = h('div', {
+    class: 'scroll',
+    tabindex: 0,
+    role: 'region',
+    'aria-label': t.comparison,
+  });
   const verdict = h('p', { class: 'verdict', role: 'status' });
   const put = (change: Partial<PathForm>): void =>
     store.set({ path: { ...store.state.path, ...change } }, `path ${Object.keys(change).join()}`);
 
-  const kind = select(t.pathKind, [['line', t.line], ['circle', t.circle]], 'line', (value) => put({ kind: value as PathForm['kind'] }));
-  const plane = select(t.plane, [['xy', 'xy'], ['xz', 'xz'], ['yz', 'yz']], 'xy', (value) => put({ plane: value as PathForm['plane'] }));
-  const task = select(t.taskSpace, [['', t.sameTask], ...taskOptions()], '', (value) => put({ task: value }));
-  const law = select(t.timeLaw, LAWS.map((one) => [one, t.timeLaws[one]]), 'cubic', (value) => put({ timeLaw: value }));
+  const kind = select(
+    t.pathKind,
+    [
+      ['line', t.line],
+      ['circle', t.circle],
+    ],
+    'line',
+    (value) => put({ kind: value as PathForm['kind'] }),
+  );
+  const plane = select(
+    t.plane,
+    [
+      ['xy', 'xy'],
+      ['xz', 'xz'],
+      ['yz', 'yz'],
+    ],
+    'xy',
+    (value) => put({ plane: value as PathForm['plane'] }),
+  );
+  const task = select(t.taskSpace, [['', t.sameTask], ...taskOptions()], '', (value) =>
+    put({ task: value }),
+  );
+  const law = select(
+    t.timeLaw,
+    LAWS.map((one) => [one, t.timeLaws[one]]),
+    'cubic',
+    (value) => put({ timeLaw: value }),
+  );
   const point = ['x', 'y', 'z'].map((axis, k) =>
-    numberField(axis, () => store.state.path.point[k] ?? 0, (value) => put({ point: pointOf().with(k, value) })));
+    numberField(
+      axis,
+      () => store.state.path.point[k] ?? 0,
+      (value) => put({ point: pointOf().with(k, value) }),
+    ),
+  );
   const numbers = [
-    numberField(t.turns, () => store.state.path.turns, (turns) => put({ turns })),
-    numberField(`${t.duration} (s)`, () => store.state.path.tf, (tf) => put({ tf })),
-    numberField(t.samples, () => store.state.path.samples, (samples) => put({ samples: Math.round(samples) })),
-    numberField(`${t.linkRadius} (m)`, () => store.state.path.linkRadius, (linkRadius) => put({ linkRadius })),
-    numberField(`${t.dSafe} (m)`, () => store.state.path.dSafe, (dSafe) => put({ dSafe })),
+    numberField(
+      t.turns,
+      () => store.state.path.turns,
+      (turns) => put({ turns }),
+    ),
+    numberField(
+      `${t.duration} (s)`,
+      () => store.state.path.tf,
+      (tf) => put({ tf }),
+    ),
+    numberField(
+      t.samples,
+      () => store.state.path.samples,
+      (samples) => put({ samples: Math.round(samples) }),
+    ),
+    numberField(
+      `${t.linkRadius} (m)`,
+      () => store.state.path.linkRadius,
+      (linkRadius) => put({ linkRadius }),
+    ),
+    numberField(
+      `${t.dSafe} (m)`,
+      () => store.state.path.dSafe,
+      (dSafe) => put({ dSafe }),
+    ),
   ] as const;
   const methods = METHODS.map((one) => {
-    const box = h('input', { type: 'checkbox', onchange: () => {
-      const chosen = METHODS.filter((name) => boxes.get(name)?.checked);
-      put({ methods: chosen });
-    } });
+    const box = h('input', {
+      type: 'checkbox',
+      onchange: () => {
+        const chosen = METHODS.filter((name) => boxes.get(name)?.checked);
+        put({ methods: chosen });
+      },
+    });
     boxes.set(one, box);
     return h('label', {}, box, ` ${one}`);
   });
@@ -62,7 +133,9 @@ export function pathPanel(page: Page): HTMLElement {
 
   function pointOf(): number[] {
     const pose = Object.values(page.answers.fk?.poses ?? {})[0];
-    const { path: { point: given } } = store.state;
+    const {
+      path: { point: given },
+    } = store.state;
     return [0, 1, 2].map((k) => given[k] ?? pose?.position[k] ?? 0);
   }
 
@@ -70,8 +143,14 @@ export function pathPanel(page: Page): HTMLElement {
     const { path: form, q } = store.state;
     const plane_ = form.plane;
     return {
-      q, task: taskOf(form), time_law: form.timeLaw, tf: form.tf, samples: form.samples,
-      obstacles: form.obstacles, link_radius: form.linkRadius, d_safe: form.dSafe,
+      q,
+      task: taskOf(form),
+      time_law: form.timeLaw,
+      tf: form.tf,
+      samples: form.samples,
+      obstacles: form.obstacles,
+      link_radius: form.linkRadius,
+      d_safe: form.dSafe,
       ...(form.kind === 'line'
         ? { target: targetOf(form) }
         : { circle: { center: pointOf(), plane: plane_, turns: form.turns } }),
@@ -87,10 +166,15 @@ export function pathPanel(page: Page): HTMLElement {
   function targetOf(form: PathForm): api.Target {
     const pose = Object.values(page.answers.fk?.poses ?? {})[0];
     const turns = /pose|orientation|phi|direction/.test(taskOf(form));
-    return { position: pointOf(), ...(turns && pose ? { quaternion_xyzw: pose.quaternion_xyzw } : {}) };
+    return {
+      position: pointOf(),
+      ...(turns && pose ? { quaternion_xyzw: pose.quaternion_xyzw } : {}),
+    };
   }
 
-  function guarded(work: (model: NonNullable<Page['model']>, signal: AbortSignal) => Promise<void>): void {
+  function guarded(
+    work: (model: NonNullable<Page['model']>, signal: AbortSignal) => Promise<void>,
+  ): void {
     const { model } = page;
     if (!model) return;
     verdict.classList.remove('bad');
@@ -114,21 +198,74 @@ export function pathPanel(page: Page): HTMLElement {
       page.calls.set('path', call);
       const found = await api.json<Comparison>(call, signal);
       verdict.textContent = t.choosePlay;
-      replace(table, h('table', { class: 'factors compared' },
-        h('caption', { class: 'hidden' }, t.comparison),
-        h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.method), ...COLUMNS.map((one) => h('th', { scope: 'col' }, t.pathColumns[one])), h('td'))),
-        h('tbody', {}, ...found.rows.map((row) => h('tr', { class: row.success ? '' : 'bad' },
-          h('th', { scope: 'row' }, row.method),
-          h('td', {}, row.success ? t.yes : `${t.no}: ${row.reason ?? ''}`),
-          ...COLUMNS.slice(1).map((one) => h('td', { class: 'mono' }, row[one] === null ? '—' : brief(row[one] as number, 2))),
-          h('td', {}, button('▶', () => play(row.method, asked), { 'aria-label': `${t.play}: ${row.method}` })))))),
-      h('ul', { class: 'note', lang: 'en' }, ...Object.entries(found.messages).filter(([name]) => found.rows.some((row) => row.method === name && !row.success)).map(([name, words]) => h('li', {}, `${name}: ${words}`))));
+      replace(
+        table,
+        h(
+          'table',
+          { class: 'factors compared' },
+          h('caption', { class: 'hidden' }, t.comparison),
+          h(
+            'thead',
+            {},
+            h(
+              'tr',
+              {},
+              h('th', { scope: 'col' }, t.method),
+              ...COLUMNS.map((one) => h('th', { scope: 'col' }, t.pathColumns[one])),
+              h('td'),
+            ),
+          ),
+          h(
+            'tbody',
+            {},
+            ...found.rows.map((row) =>
+              h(
+                'tr',
+                { class: row.success ? '' : 'bad' },
+                h('th', { scope: 'row' }, row.method),
+                h('td', {}, row.success ? t.yes : `${t.no}: ${row.reason ?? ''}`),
+                ...COLUMNS.slice(1).map((one) =>
+                  h(
+                    'td',
+                    { class: 'mono' },
+                    row[one] === null ? '—' : brief(row[one] as number, 2),
+                  ),
+                ),
+                h(
+                  'td',
+                  {},
+                  button('▶', () => play(row.method, asked), {
+                    'aria-label': `${t.play}: ${row.method}`,
+                  }),
+                ),
+              ),
+            ),
+          ),
+        ),
+        h(
+          'ul',
+          { class: 'note', lang: 'en' },
+          ...Object.entries(found.messages)
+            .filter(([name]) => found.rows.some((row) => row.method === name && !row.success))
+            .map(([name, words]) => h('li', {}, `${name}: ${words}`)),
+        ),
+      );
     });
   }
 
   let answer: api.PathAnswer | null = null;
   let timer = 0;
-  const seek = h('input', { type: 'range', min: 0, max: 0, step: 1, 'aria-label': t.sample, oninput: () => { stop(); go(seek.valueAsNumber); } });
+  const seek = h('input', {
+    type: 'range',
+    min: 0,
+    max: 0,
+    step: 1,
+    'aria-label': t.sample,
+    oninput: () => {
+      stop();
+      go(seek.valueAsNumber);
+    },
+  });
   const toggle = button(t.play, () => (timer ? stop() : start()));
   const player = h('div', { class: 'line player', hidden: true }, toggle, seek);
 
@@ -143,7 +280,9 @@ export function pathPanel(page: Page): HTMLElement {
     if (!answer) return;
     toggle.textContent = t.pause;
     const { t: times, q } = answer;
-    let begun = performance.now() - 1000 * (seek.valueAsNumber < q.length - 1 ? (times[seek.valueAsNumber] ?? 0) : 0);
+    const begun =
+      performance.now() -
+      1000 * (seek.valueAsNumber < q.length - 1 ? (times[seek.valueAsNumber] ?? 0) : 0);
     const tick = (): void => {
       const seconds = (performance.now() - begun) / 1000;
       const k = times.findIndex((one) => one > seconds);
@@ -172,10 +311,18 @@ export function pathPanel(page: Page): HTMLElement {
       seek.max = String(answer.q.length - 1);
       seek.value = '0';
       const reached = await api.json<api.FKAnswer>(
-        { method: 'POST', path: batchPath(model.ref), query: store.state.angle === 'deg' ? { angle: 'deg' } : {}, body: batchBody(model.ref, answer.q) }, signal);
+        {
+          method: 'POST',
+          path: batchPath(model.ref),
+          query: store.state.angle === 'deg' ? { angle: 'deg' } : {},
+          body: batchBody(model.ref, answer.q),
+        },
+        signal,
+      );
       const points = Object.values(reached.poses)[0]?.position as unknown as api.Matrix;
       playback.path = points;
-      playback.wanted = asked.target?.position && points[0] ? [points[0], asked.target.position] : points;
+      playback.wanted =
+        asked.target?.position && points[0] ? [points[0], asked.target.position] : points;
       for (const tell of [...page.onExtras, ...page.onNumbers]) tell();
       start();
     });
@@ -207,20 +354,46 @@ export function pathPanel(page: Page): HTMLElement {
     verdict.textContent = '';
     player.hidden = true;
   });
-  const element = h('div', { class: 'form' },
+  const element = h(
+    'div',
+    { class: 'form' },
     h('p', { class: 'note' }, t.pathHelp),
-    h('div', { class: 'line' }, h('label', {}, `${t.pathKind} `, kind), h('label', {}, `${t.plane} `, plane), h('label', {}, `${t.taskSpace} `, task)),
-    h('div', { class: 'line' }, pointLabel, ...point.map((one) => one.element),
+    h(
+      'div',
+      { class: 'line' },
+      h('label', {}, `${t.pathKind} `, kind),
+      h('label', {}, `${t.plane} `, plane),
+      h('label', {}, `${t.taskSpace} `, task),
+    ),
+    h(
+      'div',
+      { class: 'line' },
+      pointLabel,
+      ...point.map((one) => one.element),
       button(t.takeTarget, () => {
         const { target } = store.state;
         const position = target?.position ?? target?.matrix?.slice(0, 3).map((row) => row[3] ?? 0);
         if (position) put({ point: position });
-      })),
-    h('div', { class: 'line' }, h('label', {}, `${t.timeLaw} `, law), ...numbers.map((one) => one.element)),
+      }),
+    ),
+    h(
+      'div',
+      { class: 'line' },
+      h('label', {}, `${t.timeLaw} `, law),
+      ...numbers.map((one) => one.element),
+    ),
     h('fieldset', { class: 'line' }, h('legend', {}, t.methods), ...methods),
     obstacles.element,
-    h('div', { class: 'line' }, button(t.compare, compare, { class: 'main' }), button(t.reset, () => put(NO_PATH))),
-    verdict, table, player);
+    h(
+      'div',
+      { class: 'line' },
+      button(t.compare, compare, { class: 'main' }),
+      button(t.reset, () => put(NO_PATH)),
+    ),
+    verdict,
+    table,
+    player,
+  );
   render();
   return element;
 }
@@ -233,11 +406,17 @@ interface Field {
 }
 
 function numberField(label: string, read: () => number, changed: (value: number) => void): Field {
-  const field = h('input', { type: 'text', inputmode: 'decimal', class: 'value', autocomplete: 'off', oninput: () => {
-    const value = readNumber(field.value);
-    field.setAttribute('aria-invalid', String(value === null));
-    if (value !== null) changed(value);
-  } });
+  const field = h('input', {
+    type: 'text',
+    inputmode: 'decimal',
+    class: 'value',
+    autocomplete: 'off',
+    oninput: () => {
+      const value = readNumber(field.value);
+      field.setAttribute('aria-invalid', String(value === null));
+      if (value !== null) changed(value);
+    },
+  });
   return {
     element: h('label', {}, `${label} `, field),
     show(value = read()) {

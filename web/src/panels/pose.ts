@@ -42,19 +42,27 @@ export function posePanel(page: Page): Panel {
       if (!pose) return;
       const { digits } = state;
       const angles = (values: readonly number[]): string =>
-        values.map((x) => fixed(x, state.angle === 'deg' ? Math.max(2, digits - 2) : digits)).join('  ');
-      const plain = (values: readonly number[]): string => values.map((x) => fixed(x, digits)).join('  ');
+        values
+          .map((x) => fixed(x, state.angle === 'deg' ? Math.max(2, digits - 2) : digits))
+          .join('  ');
+      const plain = (values: readonly number[]): string =>
+        values.map((x) => fixed(x, digits)).join('  ');
       matrix.show(pose.matrix, digits);
       replace(
         facts,
-        h('dt', {}, `${t.position} (m)`), h('dd', {}, plain(pose.position)),
-        h('dt', {}, `${t.rpy} (${state.angle === 'deg' ? '°' : 'rad'})`), h('dd', {}, angles(pose.rpy)),
-        h('dt', {}, t.quaternion), h('dd', {}, plain(pose.quaternion_xyzw)),
+        h('dt', {}, `${t.position} (m)`),
+        h('dd', {}, plain(pose.position)),
+        h('dt', {}, `${t.rpy} (${state.angle === 'deg' ? '°' : 'rad'})`),
+        h('dd', {}, angles(pose.rpy)),
+        h('dt', {}, t.quaternion),
+        h('dd', {}, plain(pose.quaternion_xyzw)),
       );
       const found = pose.euler;
       replace(
         euler,
-        ...(found?.solutions ?? []).map((one, k) => h('span', { class: 'triple' }, `${k + 1}: ${angles(one)}`)),
+        ...(found?.solutions ?? []).map((one, k) =>
+          h('span', { class: 'triple' }, `${k + 1}: ${angles(one)}`),
+        ),
       );
       note.hidden = !found?.degenerate;
     },

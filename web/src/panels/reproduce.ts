@@ -7,7 +7,14 @@ import { reproduce, reproduced } from '../sections';
 import type { Section } from '../state';
 
 const FORMS = { curl: asCurl, Python: asHttpx, PowerShell: asPowerShell };
-const SOURCES = ['pose', 'links', 'jacobian', 'singularity', 'ik', 'path'] as const satisfies readonly Section[];
+const SOURCES = [
+  'pose',
+  'links',
+  'jacobian',
+  'singularity',
+  'ik',
+  'path',
+] as const satisfies readonly Section[];
 
 export function reproducePanel(page: Page): HTMLElement {
   const sources = h('div', { class: 'chips', role: 'group', 'aria-label': t.request });
@@ -18,21 +25,55 @@ export function reproducePanel(page: Page): HTMLElement {
   function render(): void {
     const given = SOURCES.filter((one) => page.calls.has(one));
     const chosen = given.find((one) => one === reproduced) ?? given[0];
-    replace(sources, ...given.map((one) => button(t[one], () => { reproduce(one); render(); }, { 'aria-pressed': String(one === chosen) })));
-    replace(forms, ...(Object.keys(FORMS) as (keyof typeof FORMS)[]).map((one) =>
-      button(one, () => { form = one; render(); }, { 'aria-pressed': String(one === form) })));
+    replace(
+      sources,
+      ...given.map((one) =>
+        button(
+          t[one],
+          () => {
+            reproduce(one);
+            render();
+          },
+          { 'aria-pressed': String(one === chosen) },
+        ),
+      ),
+    );
+    replace(
+      forms,
+      ...(Object.keys(FORMS) as (keyof typeof FORMS)[]).map((one) =>
+        button(
+          one,
+          () => {
+            form = one;
+            render();
+          },
+          { 'aria-pressed': String(one === form) },
+        ),
+      ),
+    );
     const call = chosen && page.calls.get(chosen);
     const text = call ? FORMS[form](call) : '';
     if (code.textContent !== text) code.textContent = text;
   }
 
-  const copy = button(t.copy, () => {
-    void navigator.clipboard.writeText(code.textContent ?? '').then(
-      () => page.tell(t.copied),
-      () => page.tell(t.notCopied, true),
-    );
-  }, { class: 'main' });
+  const copy = button(
+    t.copy,
+    () => {
+      void navigator.clipboard.writeText(code.textContent ?? '').then(
+        () => page.tell(t.copied),
+        () => page.tell(t.notCopied, true),
+      );
+    },
+    { class: 'main' },
+  );
   page.onNumbers.push(render);
   render();
-  return h('div', {}, h('p', { class: 'note' }, t.reproduceHelp), sources, h('div', { class: 'line spread' }, forms, copy), code);
+  return h(
+    'div',
+    {},
+    h('p', { class: 'note' }, t.reproduceHelp),
+    sources,
+    h('div', { class: 'line spread' }, forms, copy),
+    code,
+  );
 }

@@ -8,7 +8,15 @@ import { rowName } from './jacobian';
 import type { Panel } from './panel';
 
 export const TASKS = [
-  'pose', 'position', 'orientation', 'xy', 'xz', 'yz', 'xy_phi', 'xyz_phi', 'position_direction',
+  'pose',
+  'position',
+  'orientation',
+  'xy',
+  'xz',
+  'yz',
+  'xy_phi',
+  'xyz_phi',
+  'position_direction',
 ] as const;
 
 export function taskOptions(): [string, string][] {
@@ -33,7 +41,11 @@ export function singularityPanel(page: Page): Panel {
       'div',
       {},
       h('div', { class: 'line' }, h('label', {}, `${t.taskSpace} `, task)),
-      verdict, bars, facts, words, factors,
+      verdict,
+      bars,
+      facts,
+      words,
+      factors,
     ),
     call: (model, state) => api.singularity(model.ref, state.q, state.angle, state.task),
     show(answer, _model, state) {
@@ -64,11 +76,17 @@ export function singularityPanel(page: Page): Panel {
       );
       replace(
         facts,
-        h('dt', {}, `w (${t.manipulability})`), h('dd', {}, brief(found.singular ? 0 : found.manipulability)),
-        h('dt', {}, `κ (${t.conditionNumber})`), h('dd', {}, brief(found.condition_number)),
+        h('dt', {}, `w (${t.manipulability})`),
+        h('dd', {}, brief(found.singular ? 0 : found.manipulability)),
+        h('dt', {}, `κ (${t.conditionNumber})`),
+        h('dd', {}, brief(found.condition_number)),
       );
       const lost = found.lost_directions.map((one) =>
-        h('li', {}, found.rows.map((row, k) => `${rowName(row)} ${fixed(one[k] ?? 0, 3)}`).join('  ')),
+        h(
+          'li',
+          {},
+          found.rows.map((row, k) => `${rowName(row)} ${fixed(one[k] ?? 0, 3)}`).join('  '),
+        ),
       );
       const moving = found.null_motions.map((one) => h('li', {}, ratios(one)));
       const english = document.documentElement.lang === 'en';
@@ -79,8 +97,13 @@ export function singularityPanel(page: Page): Panel {
         !english && lost.length > 0 && h('ul', { class: 'mono' }, ...lost),
         !english && moving.length > 0 && h('p', { class: 'lead' }, t.nullLead),
         !english && moving.length > 0 && h('ul', { class: 'mono' }, ...moving),
-        english && found.explanation.length > 0 &&
-          h('ul', { lang: 'en', class: 'note' }, ...found.explanation.slice(0, 4).map((one) => h('li', {}, one))),
+        english &&
+          found.explanation.length > 0 &&
+          h(
+            'ul',
+            { lang: 'en', class: 'note' },
+            ...found.explanation.slice(0, 4).map((one) => h('li', {}, one)),
+          ),
       );
       replace(factors, factorTable(found, state.digits));
     },
@@ -113,7 +136,15 @@ function factorTable(found: api.SingularityAnswer, digits: number): HTMLElement 
       'table',
       { class: 'factors' },
       h('caption', { class: 'hidden' }, t.factors),
-      h('thead', {}, h('tr', {}, ...[t.factor, t.value, t.vanishesWhere].map((one) => h('th', { scope: 'col' }, one)))),
+      h(
+        'thead',
+        {},
+        h(
+          'tr',
+          {},
+          ...[t.factor, t.value, t.vanishesWhere].map((one) => h('th', { scope: 'col' }, one)),
+        ),
+      ),
       h(
         'tbody',
         {},
@@ -121,7 +152,11 @@ function factorTable(found: api.SingularityAnswer, digits: number): HTMLElement 
           h(
             'tr',
             { class: one.vanishes ? 'bad' : '' },
-            h('th', { scope: 'row' }, t.factorNames[one.name as keyof typeof t.factorNames] ?? one.name),
+            h(
+              'th',
+              { scope: 'row' },
+              t.factorNames[one.name as keyof typeof t.factorNames] ?? one.name,
+            ),
             h('td', { class: 'mono' }, fixed(one.value, digits)),
             h('td', { lang: 'en' }, one.vanishes_where),
           ),

@@ -1,5 +1,5 @@
 /** Where the camera stands so that given points fill the view. */
-import { Matrix4, Vector3, type PerspectiveCamera } from 'three';
+import { Matrix4, type PerspectiveCamera, Vector3 } from 'three';
 
 /** Room for labels at the edges, CSS pixels. */
 const MARGIN = { x: 34, y: 26 };
@@ -35,7 +35,8 @@ export function standpoint(
     const low = Math.min(...seen.map((one) => one[axis] - k * one.z));
     return { centre: (high + low) / 2, distance: (high - low) / (2 * k) };
   };
-  const part = (length: number, margin: number): number => Math.max(LEAST, 1 - (2 * margin) / length);
+  const part = (length: number, margin: number): number =>
+    Math.max(LEAST, 1 - (2 * margin) / length);
   const x = across('x', tangent * (width / height) * part(width, MARGIN.x));
   const y = across('y', tangent * part(height, MARGIN.y));
   const near = Math.max(...seen.map((one) => one.z));

@@ -1,5 +1,5 @@
 /** The frames of a robot: axes that move with its links, with their names. */
-import { Group, Object3D, Vector3 } from 'three';
+import { Group, type Object3D, Vector3 } from 'three';
 import { AXES, axes, label, numberOf, type Scale } from './parts';
 import type { RobotModel } from './robot';
 import { clear } from './space';
@@ -11,7 +11,12 @@ export class Frames {
   private readonly made: Object3D[] = [];
 
   /** Draws anew. */
-  show(model: RobotModel, shown: FramesShown | readonly string[], scale: Scale, dark: boolean): void {
+  show(
+    model: RobotModel,
+    shown: FramesShown | readonly string[],
+    scale: Scale,
+    dark: boolean,
+  ): void {
     for (const one of this.made) {
       one.removeFromParent();
       clear(one);

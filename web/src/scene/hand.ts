@@ -1,5 +1,5 @@
 /** The pointer in the scene: drags the target and joints, picks frames and ghosts. */
-import { Matrix4, Object3D, Plane, Quaternion, Vector3, type PerspectiveCamera } from 'three';
+import { Matrix4, type Object3D, type PerspectiveCamera, Plane, Quaternion, Vector3 } from 'three';
 import type { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { RobotModel } from './robot';
 import { onScreen, pointerOf, rayAt, rowsOf } from './space';
@@ -67,7 +67,9 @@ export class Hand {
   };
 
   private readonly up = (event: PointerEvent): void => {
-    const still = this.pressed && Math.hypot(event.clientX - this.pressed.x, event.clientY - this.pressed.y) < STILL;
+    const still =
+      this.pressed &&
+      Math.hypot(event.clientX - this.pressed.x, event.clientY - this.pressed.y) < STILL;
     if (this.drag) {
       this.drag.end(event);
       this.drag = null;
@@ -116,9 +118,13 @@ export class Hand {
     const [right, up] = [new Vector3(), new Vector3()];
     this.camera.matrixWorld.extractBasis(right, up, new Vector3());
     const [dx, dy] = [(now.clientX - before.clientX) * 0.01, (now.clientY - before.clientY) * 0.01];
-    const turn = new Quaternion().setFromAxisAngle(up, dx).multiply(new Quaternion().setFromAxisAngle(right, dy));
+    const turn = new Quaternion()
+      .setFromAxisAngle(up, dx)
+      .multiply(new Quaternion().setFromAxisAngle(right, dy));
     const at = new Vector3().setFromMatrixPosition(start);
-    const rotation = new Matrix4().makeRotationFromQuaternion(turn).multiply(new Matrix4().extractRotation(start));
+    const rotation = new Matrix4()
+      .makeRotationFromQuaternion(turn)
+      .multiply(new Matrix4().extractRotation(start));
     return rotation.setPosition(at);
   }
 
@@ -130,10 +136,17 @@ export class Hand {
     const joint = model.urdf.joints[name];
     if (!joint) return null;
     const origin = joint.getWorldPosition(new Vector3());
-    const axis = joint.axis.clone().applyQuaternion(joint.getWorldQuaternion(new Quaternion())).normalize();
+    const axis = joint.axis
+      .clone()
+      .applyQuaternion(joint.getWorldQuaternion(new Quaternion()))
+      .normalize();
     const from = joint.jointValue[0] ?? 0;
-    const value = joint.jointType === 'prismatic' ? this.slide(event, origin, axis) : this.turn(event, origin, axis);
-    const change = (now: PointerEvent): void => this.callbacks.onJointChange(index, from + value(now));
+    const value =
+      joint.jointType === 'prismatic'
+        ? this.slide(event, origin, axis)
+        : this.turn(event, origin, axis);
+    const change = (now: PointerEvent): void =>
+      this.callbacks.onJointChange(index, from + value(now));
     return { move: change, end: change };
   }
 
@@ -142,13 +155,18 @@ export class Hand {
     const facing = axis.dot(this.camera.getWorldDirection(new Vector3()));
     if (Math.abs(facing) < 0.2) {
       // Seen from the side there is no angle to read: across the axis on the screen, 1 rad in 120 px.
-      const [a, b] = [origin, origin.clone().add(axis)].map((p) => onScreen(p, this.camera, this.canvas)) as [Pixel, Pixel];
+      const [a, b] = [origin, origin.clone().add(axis)].map((p) =>
+        onScreen(p, this.camera, this.canvas),
+      ) as [Pixel, Pixel];
       const length = Math.hypot(b.x - a.x, b.y - a.y) || 1;
       const normal = { x: (b.y - a.y) / length, y: -(b.x - a.x) / length };
-      return (now) => -((now.clientX - event.clientX) * normal.x + (now.clientY - event.clientY) * normal.y) / 120;
+      return (now) =>
+        -((now.clientX - event.clientX) * normal.x + (now.clientY - event.clientY) * normal.y) /
+        120;
     }
     const middle = onScreen(origin, this.camera, this.canvas);
-    const angle = (one: PointerEvent): number => Math.atan2(one.clientY - middle.y, one.clientX - middle.x);
+    const angle = (one: PointerEvent): number =>
+      Math.atan2(one.clientY - middle.y, one.clientX - middle.x);
     let [last, sum] = [angle(event), 0];
     return (now) => {
       const next = angle(now);
@@ -158,10 +176,20 @@ export class Hand {
     };
   }
 
-  private slide(event: PointerEvent, origin: Vector3, axis: Vector3): (now: PointerEvent) => number {
-    const [a, b] = [origin, origin.clone().addScaledVector(axis, 0.1)].map((p) => onScreen(p, this.camera, this.canvas)) as [Pixel, Pixel];
+  private slide(
+    event: PointerEvent,
+    origin: Vector3,
+    axis: Vector3,
+  ): (now: PointerEvent) => number {
+    const [a, b] = [origin, origin.clone().addScaledVector(axis, 0.1)].map((p) =>
+      onScreen(p, this.camera, this.canvas),
+    ) as [Pixel, Pixel];
     const square = (b.x - a.x) ** 2 + (b.y - a.y) ** 2 || 1;
-    return (now) => (0.1 * ((now.clientX - event.clientX) * (b.x - a.x) + (now.clientY - event.clientY) * (b.y - a.y))) / square;
+    return (now) =>
+      (0.1 *
+        ((now.clientX - event.clientX) * (b.x - a.x) +
+          (now.clientY - event.clientY) * (b.y - a.y))) /
+      square;
   }
 
   /** The joint whose moving part is under the pointer; no deeper than the first thing hit. */
@@ -169,10 +197,13 @@ export class Hand {
     const { model } = this.around;
     if (!model) return null;
     const ray = rayAt(pointerOf(event, this.canvas), this.camera);
-    const hit = ray.intersectObject(model.urdf, true).find((one) => 'isMesh' in one.object && !('isSprite' in one.object));
+    const hit = ray
+      .intersectObject(model.urdf, true)
+      .find((one) => 'isMesh' in one.object && !('isSprite' in one.object));
     for (let object: Object3D | null = hit?.object ?? null; object; object = object.parent) {
       const name = (object as Object3D & { urdfName?: string }).urdfName;
-      const index = 'isURDFJoint' in object ? model.robot.joints.findIndex((one) => one.name === name) : -1;
+      const index =
+        'isURDFJoint' in object ? model.robot.joints.findIndex((one) => one.name === name) : -1;
       if (index >= 0) return index;
     }
     return null;
@@ -199,7 +230,10 @@ export class Hand {
   }
 
   private hit(event: PointerEvent, plane: Plane): Vector3 | null {
-    return rayAt(pointerOf(event, this.canvas), this.camera).ray.intersectPlane(plane, new Vector3());
+    return rayAt(pointerOf(event, this.canvas), this.camera).ray.intersectPlane(
+      plane,
+      new Vector3(),
+    );
   }
 }
 

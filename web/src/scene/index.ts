@@ -6,16 +6,16 @@ import {
   GridHelper,
   Group,
   HemisphereLight,
-  Matrix4,
+  type Matrix4,
   Mesh,
   MeshBasicMaterial,
   Object3D,
   PerspectiveCamera,
   Points,
   Quaternion,
-  Scene as ThreeScene,
-  Spherical,
   SphereGeometry,
+  Spherical,
+  Scene as ThreeScene,
   Vector3,
   WebGLRenderer,
 } from 'three';
@@ -31,8 +31,8 @@ import { RobotModel } from './robot';
 import { drawDimensions, drawMotion } from './rows';
 import { clear, cornersOf, matrix4, pose } from './space';
 import {
-  NoWebGL,
   type FramesShown,
+  NoWebGL,
   type Scene,
   type SceneCallbacks,
   type SceneGhost,
@@ -45,8 +45,13 @@ const TURN = Math.PI / 24;
 const NEARER = 0.87;
 /** What a key does: turns to the left and upwards, rad, and how many times farther it goes. */
 const KEYS: Readonly<Record<string, readonly [number, number, number]>> = {
-  ArrowLeft: [-TURN, 0, 1], ArrowRight: [TURN, 0, 1], ArrowUp: [0, TURN, 1], ArrowDown: [0, -TURN, 1],
-  '+': [0, 0, NEARER], '=': [0, 0, NEARER], '-': [0, 0, 1 / NEARER],
+  ArrowLeft: [-TURN, 0, 1],
+  ArrowRight: [TURN, 0, 1],
+  ArrowUp: [0, TURN, 1],
+  ArrowDown: [0, -TURN, 1],
+  '+': [0, 0, NEARER],
+  '=': [0, 0, NEARER],
+  '-': [0, 0, 1 / NEARER],
 };
 
 /**
@@ -67,11 +72,28 @@ class View implements Scene {
   private readonly hand: Hand;
   private readonly observer: ResizeObserver;
   private readonly layers = {
-    grid: new Group(), robot: new Group(), other: new Group(), ghosts: new Group(), dimensions: new Group(),
-    motion: new Group(), ellipsoids: new Group(), lost: new Group(), obstacles: new Group(), path: new Group(),
-    cloud: new Group(), target: new Group(),
+    grid: new Group(),
+    robot: new Group(),
+    other: new Group(),
+    ghosts: new Group(),
+    dimensions: new Group(),
+    motion: new Group(),
+    ellipsoids: new Group(),
+    lost: new Group(),
+    obstacles: new Group(),
+    path: new Group(),
+    cloud: new Group(),
+    target: new Group(),
   };
-  private readonly handle = new Mesh(new SphereGeometry(1, 20, 14), new MeshBasicMaterial({ color: COLORS.target, transparent: true, opacity: 0.85, depthTest: false }));
+  private readonly handle = new Mesh(
+    new SphereGeometry(1, 20, 14),
+    new MeshBasicMaterial({
+      color: COLORS.target,
+      transparent: true,
+      opacity: 0.85,
+      depthTest: false,
+    }),
+  );
   private readonly frames = new Frames();
   private model: RobotModel | null = null;
   private other: RobotModel | null = null;
@@ -93,25 +115,42 @@ class View implements Scene {
   /** Whether the robot is new: its first posture is brought into view. */
   private unseen = false;
 
-  constructor(private readonly host: HTMLElement, callbacks: SceneCallbacks) {
+  constructor(
+    private readonly host: HTMLElement,
+    callbacks: SceneCallbacks,
+  ) {
     host.append(this.renderer.domElement);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     const light = new DirectionalLight(0xffffff, 1.6);
     light.position.set(2, -3, 5);
-    this.world.add(new AmbientLight(0xffffff, 0.7), new HemisphereLight(0xffffff, 0xb0b8c0, 0.9), light);
+    this.world.add(
+      new AmbientLight(0xffffff, 0.7),
+      new HemisphereLight(0xffffff, 0xb0b8c0, 0.9),
+      light,
+    );
     this.world.add(...Object.values(this.layers));
     this.handle.renderOrder = 9;
     this.handle.visible = false;
     this.world.add(this.handle);
     const view = this;
-    this.hand = new Hand(this.renderer.domElement, this.camera, this.controls, {
-      get model() { return view.model; },
-      handle: this.handle,
-      targetPose: () => this.target ?? this.tipPose(),
-      planeNormal: () => this.planeNormal(),
-      get ghosts() { return view.ghosts.models.map((one) => one.object); },
-    }, callbacks);
+    this.hand = new Hand(
+      this.renderer.domElement,
+      this.camera,
+      this.controls,
+      {
+        get model() {
+          return view.model;
+        },
+        handle: this.handle,
+        targetPose: () => this.target ?? this.tipPose(),
+        planeNormal: () => this.planeNormal(),
+        get ghosts() {
+          return view.ghosts.models.map((one) => one.object);
+        },
+      },
+      callbacks,
+    );
     this.controls.addEventListener('change', this.draw);
     this.controls.addEventListener('start', () => (this.turned = true));
     host.tabIndex = 0;
@@ -119,7 +158,10 @@ class View implements Scene {
     this.observer = new ResizeObserver(this.resize);
     this.observer.observe(host);
     const probe = probeOf({
-      canvas: this.renderer.domElement, camera: this.camera, layers: this.layers, handle: this.handle,
+      canvas: this.renderer.domElement,
+      camera: this.camera,
+      layers: this.layers,
+      handle: this.handle,
       model: () => this.model,
       ghosts: () => this.ghosts.models,
       target: () => this.target ?? this.tipPose(),
@@ -216,7 +258,10 @@ class View implements Scene {
     } else {
       if (this.other?.robot.key !== robot.key) {
         this.other?.dispose();
-        const other = new RobotModel(robot, () => { other.tint(0xd0762b, 0.35); this.draw(); });
+        const other = new RobotModel(robot, () => {
+          other.tint(0xd0762b, 0.35);
+          this.draw();
+        });
         this.other = other;
         this.layers.other.add(other.object);
       }
@@ -264,9 +309,16 @@ class View implements Scene {
     const normal = this.planeNormal();
     const from = normal ?? new Vector3(0.75, -0.85, 0.5).normalize();
     // Straight from above there is no "up" for the camera's turning: a very little from the side.
-    if (normal && Math.abs(normal.z) > 0.99) from.set(0, -0.01, Math.sign(normal.z) || 1).normalize();
+    if (normal && Math.abs(normal.z) > 0.99)
+      from.set(0, -0.01, Math.sign(normal.z) || 1).normalize();
     const { clientWidth: width, clientHeight: height } = this.host;
-    const { position, target, distance } = standpoint(this.seen(), from, this.camera, width || 1, height || 1);
+    const { position, target, distance } = standpoint(
+      this.seen(),
+      from,
+      this.camera,
+      width || 1,
+      height || 1,
+    );
     this.controls.target.copy(target);
     this.camera.position.copy(position);
     this.camera.near = distance / 100;
@@ -314,9 +366,17 @@ class View implements Scene {
       this.drawn = wanted;
     }
     if (this.convention) {
-      drawDimensions(this.layers.dimensions, this.convention, one ? [] : this.rows, start, scale, dark);
+      drawDimensions(
+        this.layers.dimensions,
+        this.convention,
+        one ? [] : this.rows,
+        start,
+        scale,
+        dark,
+      );
       const from = one && start(one.from);
-      if (one && from) drawMotion(this.layers.motion, this.convention, one, step, from, scale, dark);
+      if (one && from)
+        drawMotion(this.layers.motion, this.convention, one, step, from, scale, dark);
       else clear(this.layers.motion);
     } else {
       clear(this.layers.dimensions);
@@ -373,7 +433,14 @@ class View implements Scene {
   private seen(): Vector3[] {
     const { model, layers, scale } = this;
     const points = [new Vector3()];
-    const shown = [layers.ghosts, layers.other, layers.ellipsoids, layers.lost, layers.path, layers.target];
+    const shown = [
+      layers.ghosts,
+      layers.other,
+      layers.ellipsoids,
+      layers.lost,
+      layers.path,
+      layers.target,
+    ];
     points.push(...[...(model ? [model.object] : []), ...shown].flatMap(cornersOf));
     layers.cloud.traverse((one) => {
       if (one instanceof Points) points.push(...sampled(one));
@@ -383,8 +450,16 @@ class View implements Scene {
       if (!at) continue;
       const origin = new Vector3().setFromMatrixPosition(at);
       for (const k of [0, 1, 2]) {
-        points.push(origin.clone().addScaledVector(new Vector3().setFromMatrixColumn(at, k), 1.2 * scale.axis));
-        points.push(origin.clone().addScaledVector(new Vector3().setFromMatrixColumn(at, k), -0.4 * scale.axis));
+        points.push(
+          origin
+            .clone()
+            .addScaledVector(new Vector3().setFromMatrixColumn(at, k), 1.2 * scale.axis),
+        );
+        points.push(
+          origin
+            .clone()
+            .addScaledVector(new Vector3().setFromMatrixColumn(at, k), -0.4 * scale.axis),
+        );
       }
     }
     return points;
@@ -409,7 +484,13 @@ class View implements Scene {
       this.requested = 0;
       this.world.updateMatrixWorld();
       this.camera.updateMatrixWorld();
-      this.labels = layOut(this.world, this.camera, this.host.clientWidth, this.host.clientHeight, this.handle);
+      this.labels = layOut(
+        this.world,
+        this.camera,
+        this.host.clientWidth,
+        this.host.clientHeight,
+        this.handle,
+      );
       this.renderer.render(this.world, this.camera);
     });
   };
@@ -447,7 +528,9 @@ class View implements Scene {
 function sampled(cloud: Points): Vector3[] {
   const places = cloud.geometry.getAttribute('position');
   const step = Math.max(1, Math.floor(places.count / 2000));
-  return Array.from({ length: Math.floor(places.count / step) }, (_, k) => new Vector3().fromBufferAttribute(places, k * step));
+  return Array.from({ length: Math.floor(places.count / step) }, (_, k) =>
+    new Vector3().fromBufferAttribute(places, k * step),
+  );
 }
 
 /** A point of the posture halfway along its joints, where postures differ most. */

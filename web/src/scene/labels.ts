@@ -1,5 +1,5 @@
 /** Where labels stand on the screen: of one size, inside the view, and none upon another. */
-import { Object3D, Sprite, Vector3, type PerspectiveCamera } from 'three';
+import { type Object3D, type PerspectiveCamera, Sprite, Vector3 } from 'three';
 
 /** Height of a label's picture, CSS pixels, in a view that is high enough. */
 export const LABEL_HEIGHT = 22;
@@ -42,7 +42,13 @@ const OFFSETS: readonly (readonly [number, number])[] = Array.from({ length: RIN
  * @param ball What is grabbed: no label hides it.
  * @returns The labels that have a place.
  */
-export function layOut(root: Object3D, camera: PerspectiveCamera, width: number, height: number, ball: Object3D): Placed[] {
+export function layOut(
+  root: Object3D,
+  camera: PerspectiveCamera,
+  width: number,
+  height: number,
+  ball: Object3D,
+): Placed[] {
   const placed: Placed[] = [];
   const taken: Box[] = [];
   const factor = Math.min(1, Math.max(SMALLEST, height / ENOUGH));
@@ -50,7 +56,12 @@ export function layOut(root: Object3D, camera: PerspectiveCamera, width: number,
   const seen = new Vector3();
   if (ball.visible) {
     seen.setFromMatrixPosition(ball.matrixWorld).project(camera);
-    taken.push({ x: ((seen.x + 1) / 2) * width, y: ((seen.y + 1) / 2) * height, halfWidth: BALL, halfHeight: BALL });
+    taken.push({
+      x: ((seen.x + 1) / 2) * width,
+      y: ((seen.y + 1) / 2) * height,
+      halfWidth: BALL,
+      halfHeight: BALL,
+    });
   }
   root.traverseVisible((one) => {
     const wide: unknown = one.userData['labelWidth'];
@@ -60,7 +71,12 @@ export function layOut(root: Object3D, camera: PerspectiveCamera, width: number,
     seen.setFromMatrixPosition(one.matrixWorld).project(camera);
     const half = { x: (size.x - HALO.x) / 2, y: (size.y - HALO.y) / 2 };
     const at = { x: ((seen.x + 1) / 2) * width, y: ((seen.y + 1) / 2) * height };
-    const near = Math.abs(seen.z) <= 1 && at.x > -half.x && at.x < width + half.x && at.y > -half.y && at.y < height + half.y;
+    const near =
+      Math.abs(seen.z) <= 1 &&
+      at.x > -half.x &&
+      at.x < width + half.x &&
+      at.y > -half.y &&
+      at.y < height + half.y;
     const place = near ? free(at, half, width, height, taken) : null;
     const [dx, dy] = place ? [place.x - at.x, place.y - at.y] : [0, 0];
     one.center.set(0.5 - dx / size.x, 0.5 - dy / size.y);
@@ -74,7 +90,13 @@ export function layOut(root: Object3D, camera: PerspectiveCamera, width: number,
   return placed;
 }
 
-function free(at: { x: number; y: number }, half: { x: number; y: number }, width: number, height: number, taken: readonly Box[]): Box | null {
+function free(
+  at: { x: number; y: number },
+  half: { x: number; y: number },
+  width: number,
+  height: number,
+  taken: readonly Box[],
+): Box | null {
   const inside = (value: number, margin: number, length: number): number =>
     length > 2 * margin ? Math.min(Math.max(value, margin), length - margin) : value;
   const start = { x: inside(at.x, half.x, width), y: inside(at.y, half.y, height) };
@@ -82,8 +104,11 @@ function free(at: { x: number; y: number }, half: { x: number; y: number }, widt
   for (const [dx, dy] of OFFSETS) {
     const [x, y] = [start.x + dx, start.y + dy];
     if (x !== inside(x, half.x, width) || y !== inside(y, half.y, height)) continue;
-    const clear = taken.every((one) =>
-      Math.abs(one.x - x) >= one.halfWidth + half.x || Math.abs(one.y - y) >= one.halfHeight + half.y);
+    const clear = taken.every(
+      (one) =>
+        Math.abs(one.x - x) >= one.halfWidth + half.x ||
+        Math.abs(one.y - y) >= one.halfHeight + half.y,
+    );
     if (clear) return box(x, y);
   }
   return null;

@@ -7,7 +7,7 @@ import {
   DoubleSide,
   Euler,
   Float32BufferAttribute,
-  Group,
+  type Group,
   Matrix4,
   Mesh,
   MeshLambertMaterial,
@@ -27,7 +27,11 @@ const LARGEST = 3.2;
 const FLAT = 0.012;
 
 /** Semi-axes are shown so that the largest bounded one is some axis lengths; the rest is cut. */
-export function drawEllipsoids(group: Group, ellipsoids: readonly SceneEllipsoid[], scale: Scale): void {
+export function drawEllipsoids(
+  group: Group,
+  ellipsoids: readonly SceneEllipsoid[],
+  scale: Scale,
+): void {
   clear(group);
   for (const { kind, center, axes, semiAxes } of ellipsoids) {
     const bounded = semiAxes.filter((one): one is number => one !== null && one < 1e3);
@@ -40,17 +44,30 @@ export function drawEllipsoids(group: Group, ellipsoids: readonly SceneEllipsoid
     const columns = axes.map(vector);
     // In a plane there are two axes: the third is across them, and flat.
     while (columns.length < 3) {
-      columns.push(columns.length === 2 ? new Vector3().crossVectors(columns[0] as Vector3, columns[1] as Vector3) : across(columns[0] as Vector3));
+      columns.push(
+        columns.length === 2
+          ? new Vector3().crossVectors(columns[0] as Vector3, columns[1] as Vector3)
+          : across(columns[0] as Vector3),
+      );
       radii.push(FLAT * scale.axis);
     }
     const [x, y, z] = columns as [Vector3, Vector3, Vector3];
     // The API's axes may be left-handed; an ellipsoid looks the same mirrored.
     if (new Vector3().crossVectors(x, y).dot(z) < 0) z.negate();
     const color = kind === 'velocity' ? 0x2b7fd0 : 0xd0762b;
-    const material = new MeshLambertMaterial({ color, transparent: true, opacity: 0.35, depthWrite: false });
+    const material = new MeshLambertMaterial({
+      color,
+      transparent: true,
+      opacity: 0.35,
+      depthWrite: false,
+    });
     const mesh = new Mesh(new SphereGeometry(1, 40, 28), material);
     const [a, b, c] = radii as [number, number, number];
-    const matrix = new Matrix4().makeBasis(x.multiplyScalar(a), y.multiplyScalar(b), z.multiplyScalar(c));
+    const matrix = new Matrix4().makeBasis(
+      x.multiplyScalar(a),
+      y.multiplyScalar(b),
+      z.multiplyScalar(c),
+    );
     pose(mesh, matrix.setPosition(vector(center)));
     group.add(mesh);
   }
@@ -65,16 +82,33 @@ const LINEAR = 0xd6186b;
 const ANGULAR = 0x8e24aa;
 
 /** A straight double arrow for a lost translation; for a lost rotation a turn about its axis. */
-export function drawLost(group: Group, directions: readonly LostDirection[], scale: Scale, dark: boolean): void {
+export function drawLost(
+  group: Group,
+  directions: readonly LostDirection[],
+  scale: Scale,
+  dark: boolean,
+): void {
   clear(group);
   for (const { at, linear, angular } of directions) {
     const from = vector(at);
     const [v, w] = [vector(linear), vector(angular)];
-    const reach = (part: Vector3): Vector3 => part.clone().normalize().multiplyScalar(2.2 * scale.axis * Math.max(part.length(), 0.4));
+    const reach = (part: Vector3): Vector3 =>
+      part
+        .clone()
+        .normalize()
+        .multiplyScalar(2.2 * scale.axis * Math.max(part.length(), 0.4));
     if (v.length() > 1e-6) {
       const end = reach(v);
       for (const sign of [1, -1]) {
-        const arrow = onTop(rod(from, from.clone().addScaledVector(end, sign), 0.04 * scale.axis, LINEAR, 0.3 * scale.axis));
+        const arrow = onTop(
+          rod(
+            from,
+            from.clone().addScaledVector(end, sign),
+            0.04 * scale.axis,
+            LINEAR,
+            0.3 * scale.axis,
+          ),
+        );
         arrow.name = 'linear';
         group.add(arrow);
       }
@@ -95,10 +129,18 @@ export function drawLost(group: Group, directions: readonly LostDirection[], sca
 export function drawObstacles(group: Group, obstacles: readonly Obstacle[], extent: number): void {
   clear(group);
   for (const obstacle of obstacles) {
-    const material = new MeshLambertMaterial({ color: 0x9aa3ad, transparent: true, opacity: 0.75, side: DoubleSide });
+    const material = new MeshLambertMaterial({
+      color: 0x9aa3ad,
+      transparent: true,
+      opacity: 0.75,
+      side: DoubleSide,
+    });
     if (obstacle.type === 'circle') {
       // A disc of the plane z = 0, as high as the links are thick.
-      const mesh = new Mesh(new CylinderGeometry(obstacle.radius, obstacle.radius, 0.03 * extent, 48), material);
+      const mesh = new Mesh(
+        new CylinderGeometry(obstacle.radius, obstacle.radius, 0.03 * extent, 48),
+        material,
+      );
       mesh.rotation.x = Math.PI / 2;
       mesh.position.copy(vector(obstacle.center));
       group.add(mesh);
@@ -108,7 +150,10 @@ export function drawObstacles(group: Group, obstacles: readonly Obstacle[], exte
       group.add(mesh);
     } else if (obstacle.type === 'capsule') {
       const [start, end] = [vector(obstacle.start), vector(obstacle.end)];
-      const mesh = new Mesh(new CapsuleGeometry(obstacle.radius, start.distanceTo(end), 10, 24), material);
+      const mesh = new Mesh(
+        new CapsuleGeometry(obstacle.radius, start.distanceTo(end), 10, 24),
+        material,
+      );
       mesh.position.copy(start).lerp(end, 0.5);
       if (start.distanceTo(end) > 1e-9) along(mesh, end.sub(start), new Vector3(0, 1, 0));
       group.add(mesh);
@@ -134,7 +179,8 @@ export function drawPath(group: Group, path: ScenePath | null, scale: Scale, dar
   clear(group);
   if (!path) return;
   const points = (rows: Matrix): Vector3[] => rows.map(vector);
-  if (path.wanted.length > 1) group.add(polyline(points(path.wanted), dark ? 0xdfe4ea : COLORS.path, 0.2 * scale.axis));
+  if (path.wanted.length > 1)
+    group.add(polyline(points(path.wanted), dark ? 0xdfe4ea : COLORS.path, 0.2 * scale.axis));
   if (path.reached.length > 1) group.add(polyline(points(path.reached), COLORS.a));
   const last = path.reached.at(-1);
   if (last) group.add(ball(vector(last), 0.08 * scale.axis, COLORS.a));
@@ -145,6 +191,12 @@ export function drawCloud(group: Group, points: Float32Array | null, scale: Scal
   if (!points) return;
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new Float32BufferAttribute(points, 3));
-  const material = new PointsMaterial({ color: 0x2b9f83, size: 0.05 * scale.axis, transparent: true, opacity: 0.5, depthWrite: false });
+  const material = new PointsMaterial({
+    color: 0x2b9f83,
+    size: 0.05 * scale.axis,
+    transparent: true,
+    opacity: 0.5,
+    depthWrite: false,
+  });
   group.add(new Points(geometry, material));
 }

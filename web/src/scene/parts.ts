@@ -14,11 +14,11 @@ import {
   Mesh,
   MeshBasicMaterial,
   MeshLambertMaterial,
-  Object3D,
+  type Object3D,
   SphereGeometry,
-  SRGBColorSpace,
   Sprite,
   SpriteMaterial,
+  SRGBColorSpace,
   TorusGeometry,
   Vector3,
 } from 'three';
@@ -26,7 +26,13 @@ import { LABEL_HEIGHT } from './labels';
 import { along } from './space';
 
 export const AXES = [0xd62728, 0x2ca02c, 0x1f6fd0] as const;
-export const COLORS = { a: 0xc2570c, d: 0x155a9c, target: 0xb01e8f, path: 0x222222, ghost: 0x8a94a0 } as const;
+export const COLORS = {
+  a: 0xc2570c,
+  d: 0x155a9c,
+  target: 0xb01e8f,
+  path: 0x222222,
+  ghost: 0x8a94a0,
+} as const;
 const UP = new Vector3(0, 1, 0);
 const RESOLUTION = 3;
 /** Colours for a light ground are this much nearer to white on a dark one. */
@@ -47,7 +53,10 @@ export function onGround(color: number, dark: boolean): number {
 export function polyline(points: readonly Vector3[], color: number, dash = 0): Line {
   const geometry = new BufferGeometry().setFromPoints([...points]);
   if (!dash) return new Line(geometry, new LineBasicMaterial({ color }));
-  const line = new Line(geometry, new LineDashedMaterial({ color, dashSize: dash, gapSize: 0.7 * dash }));
+  const line = new Line(
+    geometry,
+    new LineDashedMaterial({ color, dashSize: dash, gapSize: 0.7 * dash }),
+  );
   line.computeLineDistances();
   return line;
 }
@@ -124,7 +133,12 @@ export function label(text: string, at: Vector3, color: number, dark: boolean): 
   pen.fillText(text, canvas.width / 2, canvas.height / 2);
   const texture = new CanvasTexture(canvas);
   texture.colorSpace = SRGBColorSpace;
-  const material = new SpriteMaterial({ map: texture, depthTest: false, sizeAttenuation: false, transparent: true });
+  const material = new SpriteMaterial({
+    map: texture,
+    depthTest: false,
+    sizeAttenuation: false,
+    transparent: true,
+  });
   const sprite = new Sprite(material);
   sprite.position.copy(at);
   sprite.userData['labelWidth'] = width;
@@ -139,11 +153,27 @@ export function sector(radius: number, from: number, to: number, color: number):
   const points: number[] = [];
   for (let k = 0; k < steps; k += 1) {
     const [p, q] = [from + ((to - from) * k) / steps, from + ((to - from) * (k + 1)) / steps];
-    points.push(0, 0, 0, radius * Math.cos(p), radius * Math.sin(p), 0, radius * Math.cos(q), radius * Math.sin(q), 0);
+    points.push(
+      0,
+      0,
+      0,
+      radius * Math.cos(p),
+      radius * Math.sin(p),
+      0,
+      radius * Math.cos(q),
+      radius * Math.sin(q),
+      0,
+    );
   }
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new Float32BufferAttribute(points, 3));
-  const material = new MeshBasicMaterial({ color, transparent: true, opacity: 0.35, side: DoubleSide, depthWrite: false });
+  const material = new MeshBasicMaterial({
+    color,
+    transparent: true,
+    opacity: 0.35,
+    side: DoubleSide,
+    depthWrite: false,
+  });
   return new Mesh(geometry, material);
 }
 
@@ -153,7 +183,10 @@ export function ring(radius: number, thick: number, color: number): Group {
   const sweep = 1.5 * Math.PI;
   const material = new MeshBasicMaterial({ color });
   group.add(new Mesh(new TorusGeometry(radius, thick, 8, 40, sweep), material));
-  for (const [angle, sign] of [[0, -1], [sweep, 1]] as const) {
+  for (const [angle, sign] of [
+    [0, -1],
+    [sweep, 1],
+  ] as const) {
     const head = new Mesh(new ConeGeometry(2.8 * thick, 7 * thick, 14), material);
     head.position.set(radius * Math.cos(angle), radius * Math.sin(angle), 0);
     along(head, new Vector3(-Math.sin(angle), Math.cos(angle), 0).multiplyScalar(sign), UP);

@@ -1,5 +1,5 @@
 /** What the scene says of itself, on its host element: for tests and the curious. */
-import { Matrix4, Object3D, Quaternion, Vector3, type PerspectiveCamera } from 'three';
+import { Matrix4, type Object3D, type PerspectiveCamera, Quaternion, Vector3 } from 'three';
 import type { Placed } from './labels';
 import type { RobotModel } from './robot';
 import { onScreen, rowsOf } from './space';
@@ -55,7 +55,9 @@ export function probeOf(seen: Seen): Probe {
   return {
     poses: () => {
       const model = seen.model();
-      return Object.fromEntries((model?.frames ?? []).map((name) => [name, rowsOf(model?.poseOf(name) ?? new Matrix4())]));
+      return Object.fromEntries(
+        (model?.frames ?? []).map((name) => [name, rowsOf(model?.poseOf(name) ?? new Matrix4())]),
+      );
     },
     handle: () => (seen.handle.visible ? pixel(seen.handle.position) : null),
     target: () => {
@@ -65,13 +67,20 @@ export function probeOf(seen: Seen): Probe {
     pixel: (frame) => originOf(seen.model(), frame),
     ghost: (index, frame) => originOf(seen.ghosts()[index], frame),
     meshes: () => seen.model()?.meshes ?? 0,
-    shown: () => Object.fromEntries(Object.entries(seen.layers).map(([name, layer]) => [name, layer.children.length])),
+    shown: () =>
+      Object.fromEntries(
+        Object.entries(seen.layers).map(([name, layer]) => [name, layer.children.length]),
+      ),
     motion: () => {
       const moving = seen.layers['motion']?.getObjectByName('moving');
       return moving ? rowsOf(moving.matrix) : null;
     },
-    lost: () => (seen.layers['lost']?.children ?? []).filter((one) => one.name === 'linear').map((one) =>
-      new Vector3(0, 1, 0).applyQuaternion(one.getWorldQuaternion(new Quaternion())).toArray()),
+    lost: () =>
+      (seen.layers['lost']?.children ?? [])
+        .filter((one) => one.name === 'linear')
+        .map((one) =>
+          new Vector3(0, 1, 0).applyQuaternion(one.getWorldQuaternion(new Quaternion())).toArray(),
+        ),
     labels: () => seen.labels(),
   };
 }

@@ -1,5 +1,15 @@
 /** A robot in the scene: links by urdf-loader, meshes where the service has them, else bones. */
-import { Box3, BoxGeometry, Group, LoadingManager, Matrix4, Mesh, MeshLambertMaterial, Object3D, Vector3 } from 'three';
+import {
+  Box3,
+  BoxGeometry,
+  Group,
+  LoadingManager,
+  Matrix4,
+  Mesh,
+  MeshLambertMaterial,
+  type Object3D,
+  Vector3,
+} from 'three';
 import URDFLoader, { type URDFJoint, type URDFRobot } from 'urdf-loader';
 import { json, listMeshes, ROOT } from '../api';
 import { rod } from './parts';
@@ -45,7 +55,10 @@ export class RobotModel {
     if (wanted.length) {
       this.drawBones();
       // Without them the bones stay.
-      if (robot.id) void this.loadMeshes(robot.id, wanted, changed).catch((error: unknown) => console.warn(error));
+      if (robot.id)
+        void this.loadMeshes(robot.id, wanted, changed).catch((error: unknown) =>
+          console.warn(error),
+        );
     } else if (!this.hasShapes()) {
       this.drawBones();
     }
@@ -89,7 +102,9 @@ export class RobotModel {
   }
 
   get frames(): string[] {
-    return Object.keys(this.urdf.links).filter((name) => !name.startsWith('link_') || !this.robot.convention);
+    return Object.keys(this.urdf.links).filter(
+      (name) => !name.startsWith('link_') || !this.robot.convention,
+    );
   }
 
   /** The box around all links' origins and shapes, in base axes. */
@@ -110,7 +125,9 @@ export class RobotModel {
   /** Length of the axes of its frames: clear of the next frame where links are short, m. */
   axisLength(): number {
     const extent = this.extent();
-    const lengths = Object.values(this.urdf.joints).map((joint) => joint.position.length()).filter((one) => one > 0.02 * extent);
+    const lengths = Object.values(this.urdf.joints)
+      .map((joint) => joint.position.length())
+      .filter((one) => one > 0.02 * extent);
     const middle = lengths.sort((a, b) => a - b)[Math.floor(lengths.length / 2)] ?? extent;
     return Math.min(0.1 * extent, Math.max(0.5 * middle, 0.04 * extent));
   }
@@ -119,7 +136,12 @@ export class RobotModel {
   tint(color: number, opacity: number): void {
     this.object.traverse((one) => {
       if (one instanceof Mesh) {
-        one.material = new MeshLambertMaterial({ color, transparent: true, opacity, depthWrite: false });
+        one.material = new MeshLambertMaterial({
+          color,
+          transparent: true,
+          opacity,
+          depthWrite: false,
+        });
       }
     });
   }
@@ -186,10 +208,12 @@ export class RobotModel {
     const hrefs = new Map(meshes.map((one) => [named(one.filename), one.href]));
     const known = wanted.filter((one) => hrefs.has(named(one.url)));
     if (!known.length || this.gone) return;
-    const loaded = await Promise.all(known.map(async ({ url, done }) => {
-      const mesh = await meshAt(hrefs.get(named(url)) ?? '');
-      return { mesh, done };
-    }));
+    const loaded = await Promise.all(
+      known.map(async ({ url, done }) => {
+        const mesh = await meshAt(hrefs.get(named(url)) ?? '');
+        return { mesh, done };
+      }),
+    );
     if (this.gone) return;
     this.dropBones();
     for (const { mesh, done } of loaded) done(mesh);
@@ -209,7 +233,10 @@ async function meshAt(href: string): Promise<Object3D> {
   const suffix = href.toLowerCase().split('.').at(-1);
   if (suffix === 'stl') {
     const { STLLoader } = await import('three/examples/jsm/loaders/STLLoader.js');
-    return new Mesh(await new STLLoader().loadAsync(url), new MeshLambertMaterial({ color: 0xb8c0c8 }));
+    return new Mesh(
+      await new STLLoader().loadAsync(url),
+      new MeshLambertMaterial({ color: 0xb8c0c8 }),
+    );
   }
   // Textures and material files are not served: nothing but the mesh itself is asked for.
   const manager = new LoadingManager();
@@ -223,7 +250,8 @@ async function meshAt(href: string): Promise<Object3D> {
   // URDF counts in the file's own axes; the loader would turn those with z upwards.
   const found = new ColladaLoader(manager).parse(text.replace('>Z_UP<', '>Y_UP<'), '');
   const scene = (found as { scene: Object3D }).scene;
-  for (const light of scene.children.filter((one) => 'isLight' in one || 'isCamera' in one)) scene.remove(light);
+  for (const light of scene.children.filter((one) => 'isLight' in one || 'isCamera' in one))
+    scene.remove(light);
   return scene;
 }
 

@@ -1,5 +1,15 @@
 /** Between the API's matrices and three's objects; points of the screen. */
-import { Box3, Camera, Matrix4, Object3D, Raycaster, Sprite, type Mesh, Vector2, Vector3 } from 'three';
+import {
+  Box3,
+  type Camera,
+  Matrix4,
+  type Mesh,
+  type Object3D,
+  Raycaster,
+  Sprite,
+  Vector2,
+  Vector3,
+} from 'three';
 import type { Matrix } from '../api';
 
 /** A 4x4 matrix, row by row. */
@@ -38,10 +48,17 @@ export function pointerOf(event: PointerEvent, element: HTMLElement): Vector2 {
 }
 
 /** Where a point of the world is on the screen, in client pixels. */
-export function onScreen(point: Vector3, camera: Camera, element: HTMLElement): { x: number; y: number } {
+export function onScreen(
+  point: Vector3,
+  camera: Camera,
+  element: HTMLElement,
+): { x: number; y: number } {
   const box = element.getBoundingClientRect();
   const seen = point.clone().project(camera);
-  return { x: box.left + ((seen.x + 1) / 2) * box.width, y: box.top + ((1 - seen.y) / 2) * box.height };
+  return {
+    x: box.left + ((seen.x + 1) / 2) * box.width,
+    y: box.top + ((1 - seen.y) / 2) * box.height,
+  };
 }
 
 /** Corners of the boxes around all that has a size in the world, which labels have not. */
@@ -54,9 +71,11 @@ export function cornersOf(object: Object3D): Vector3[] {
     if (!geometry.boundingBox) geometry.computeBoundingBox();
     const { min, max } = geometry.boundingBox ?? new Box3();
     if (min.x > max.x) return;
-    for (const x of [min.x, max.x]) for (const y of [min.y, max.y]) for (const z of [min.z, max.z]) {
-      found.push(new Vector3(x, y, z).applyMatrix4(one.matrixWorld));
-    }
+    for (const x of [min.x, max.x])
+      for (const y of [min.y, max.y])
+        for (const z of [min.z, max.z]) {
+          found.push(new Vector3(x, y, z).applyMatrix4(one.matrixWorld));
+        }
   });
   return found;
 }

@@ -1,5 +1,13 @@
 /** Changes of a table as it was typed: pure functions on the document that the API takes. */
-import type { AngleUnit, Cell, Convention, JointType, Placement, TableDocument, TableRow } from '../api';
+import type {
+  AngleUnit,
+  Cell,
+  Convention,
+  JointType,
+  Placement,
+  TableDocument,
+  TableRow,
+} from '../api';
 
 /** Columns of a convention, in the order of its link matrix. */
 export const COLUMNS = {
@@ -11,7 +19,10 @@ export const COLUMNS = {
 export type Column = 'theta' | 'd' | 'a' | 'alpha' | 'r';
 
 /** The elementary motions of A_k: about or along which axis, and by which column. */
-export const MOTIONS: Record<Convention, readonly { name: string; axis: 'x' | 'z'; column: Column }[]> = {
+export const MOTIONS: Record<
+  Convention,
+  readonly { name: string; axis: 'x' | 'z'; column: Column }[]
+> = {
   standard: [
     { name: 'Rz', axis: 'z', column: 'theta' },
     { name: 'Tz', axis: 'z', column: 'd' },
@@ -35,8 +46,14 @@ export const MOTIONS: Record<Convention, readonly { name: string; axis: 'x' | 'z
 export const SYMBOLS: Record<Column, string> = { theta: 'θ', d: 'd', a: 'a', alpha: 'α', r: 'r' };
 
 const TYPES: Record<string, JointType> = {
-  r: 'revolute', revolute: 'revolute', p: 'prismatic', prismatic: 'prismatic',
-  c: 'continuous', continuous: 'continuous', f: 'fixed', fixed: 'fixed',
+  r: 'revolute',
+  revolute: 'revolute',
+  p: 'prismatic',
+  prismatic: 'prismatic',
+  c: 'continuous',
+  continuous: 'continuous',
+  f: 'fixed',
+  fixed: 'fixed',
 };
 
 export function typeOf(row: TableRow): JointType {
@@ -140,7 +157,9 @@ export function setType(document: TableDocument, index: number, type: JointType)
 
 /** What is left of a cell without its variable: `q2 - pi/2` -> `-pi/2`. */
 export function constantOf(cell: Cell | undefined): string {
-  const text = String(cell ?? '').replace(/[+-]?\s*(?:q|θ|theta)_?\d*/i, '').trim();
+  const text = String(cell ?? '')
+    .replace(/[+-]?\s*(?:q|θ|theta)_?\d*/i, '')
+    .trim();
   return text.replace(/^\+\s*/, '').replace(/^-\s+/, '-') || '0';
 }
 
@@ -158,7 +177,10 @@ export function removeRow(document: TableDocument, index: number): TableDocument
 export function moveRow(document: TableDocument, from: number, to: number): TableDocument {
   const row = document.joints[from];
   if (!row || to < 0 || to >= document.joints.length) return document;
-  return renumbered({ ...document, joints: document.joints.toSpliced(from, 1).toSpliced(to, 0, row) });
+  return renumbered({
+    ...document,
+    joints: document.joints.toSpliced(from, 1).toSpliced(to, 0, row),
+  });
 }
 
 /** Variables are numbered by rows: q3 in row 3. */
@@ -185,7 +207,11 @@ interface Named {
  * The values of the joints after a change of the table: each keeps its own, wherever its row went;
  * what is new, or slides now and turned before, is at zero.
  */
-export function carried(before: readonly Named[], after: TableDocument, q: readonly number[]): number[] {
+export function carried(
+  before: readonly Named[],
+  after: TableDocument,
+  q: readonly number[],
+): number[] {
   const key = (one: Named): string => `${one.name} ${typeOf(one) === 'prismatic'}`;
   const values = new Map(before.map((one, k) => [key(one), q[k] ?? 0]));
   return moving(after).map((row) => values.get(key(row)) ?? 0);

@@ -6,7 +6,10 @@ import type { Page } from '../page';
 import { MOTIONS, SYMBOLS } from './document';
 
 /** @param choose Shows a row of the table, and how many of its motions are done. */
-export function formula(page: Page, choose: (change: { row: number; step: number }) => void): { element: HTMLElement; render(document: TableDocument): void } {
+export function formula(
+  page: Page,
+  choose: (change: { row: number; step: number }) => void,
+): { element: HTMLElement; render(document: TableDocument): void } {
   const { store } = page;
   const line = h('span', { class: 'formula', role: 'group', 'aria-label': t.linkMatrix });
   const words = h('p', { class: 'note' });
@@ -22,7 +25,14 @@ export function formula(page: Page, choose: (change: { row: number; step: number
       const motions = MOTIONS[convention];
       replace(
         line,
-        h('span', { class: 'sum' }, h('sup', {}, row === null ? 'k−1' : String(row)), 'A', h('sub', {}, k), ' ='),
+        h(
+          'span',
+          { class: 'sum' },
+          h('sup', {}, row === null ? 'k−1' : String(row)),
+          'A',
+          h('sub', {}, k),
+          ' =',
+        ),
         ...motions.map((motion, i) =>
           h(
             'button',
@@ -38,7 +48,11 @@ export function formula(page: Page, choose: (change: { row: number; step: number
             ')',
           ),
         ),
-        row !== null && button('⟲', () => choose({ row, step: 0 }), { 'aria-label': t.stepStart, title: t.stepStart }),
+        row !== null &&
+          button('⟲', () => choose({ row, step: 0 }), {
+            'aria-label': t.stepStart,
+            title: t.stepStart,
+          }),
       );
       const last = step > 0 ? motions[step - 1] : undefined;
       words.textContent =

@@ -23,35 +23,84 @@ export function placements(edit: (document: TableDocument, kind: string) => void
   function put(end: 'base' | 'tool', part: 'xyz' | 'rpy', k: number, value: string): void {
     const before = document[end] ?? {};
     const cells = (before[part] ?? ZERO).with(k, value);
-    edit({ ...document, [end]: { xyz: ZERO, rpy: ZERO, ...before, [part]: cells } }, `${end}/${part}/${k}`);
+    edit(
+      { ...document, [end]: { xyz: ZERO, rpy: ZERO, ...before, [part]: cells } },
+      `${end}/${part}/${k}`,
+    );
   }
 
   function row(end: 'base' | 'tool', given: Placement | undefined): HTMLElement {
     if (given?.matrix || given?.quaternion_xyzw) {
-      return h('fieldset', {}, h('legend', {}, t[end]),
-        h('pre', { class: 'mono' }, (given.matrix ?? [given.quaternion_xyzw ?? []])
-          .map((line) => line.map((x) => String(Number(x.toPrecision(6))).padStart(9)).join(' ')).join('\n')),
-        button(t.replaceByPoint, () => edit({ ...document, [end]: { xyz: given.xyz ?? given.matrix?.slice(0, 3).map((one) => one[3] ?? 0) ?? ZERO, rpy: ZERO } }, end)));
+      return h(
+        'fieldset',
+        {},
+        h('legend', {}, t[end]),
+        h(
+          'pre',
+          { class: 'mono' },
+          (given.matrix ?? [given.quaternion_xyzw ?? []])
+            .map((line) => line.map((x) => String(Number(x.toPrecision(6))).padStart(9)).join(' '))
+            .join('\n'),
+        ),
+        button(t.replaceByPoint, () =>
+          edit(
+            {
+              ...document,
+              [end]: {
+                xyz: given.xyz ?? given.matrix?.slice(0, 3).map((one) => one[3] ?? 0) ?? ZERO,
+                rpy: ZERO,
+              },
+            },
+            end,
+          ),
+        ),
+      );
     }
     const inputs = (['xyz', 'rpy'] as const).flatMap((part) =>
       ['x', 'y', 'z'].map((axis, k) => {
         const label = `${t[end]}, ${part === 'xyz' ? axis : ['roll', 'pitch', 'yaw'][k]}`;
-        const field = h('input', { type: 'text', 'aria-label': label, autocomplete: 'off', oninput: () => put(end, part, k, field.value) });
+        const field = h('input', {
+          type: 'text',
+          'aria-label': label,
+          autocomplete: 'off',
+          oninput: () => put(end, part, k, field.value),
+        });
         fields.set(`${end}/${part}/${k}`, field);
         return field;
-      }));
-    return h('fieldset', {}, h('legend', {}, t[end]),
-      h('div', { class: 'six' }, h('span', {}, 'x y z'), ...inputs.slice(0, 3), h('span', {}, 'r p y'), ...inputs.slice(3)));
+      }),
+    );
+    return h(
+      'fieldset',
+      {},
+      h('legend', {}, t[end]),
+      h(
+        'div',
+        { class: 'six' },
+        h('span', {}, 'x y z'),
+        ...inputs.slice(0, 3),
+        h('span', {}, 'r p y'),
+        ...inputs.slice(3),
+      ),
+    );
   }
 
   return {
     element,
     // The service names the end at fault, `/tool`: its first field that is no number.
-    field: (pointer) => fields.get(pointer.slice(1))
-      ?? [...fields].find(([key, one]) => key.startsWith(`${pointer.slice(1)}/`) && readNumber(one.value) === null)?.[1],
+    field: (pointer) =>
+      fields.get(pointer.slice(1)) ??
+      [...fields].find(
+        ([key, one]) => key.startsWith(`${pointer.slice(1)}/`) && readNumber(one.value) === null,
+      )?.[1],
     render(next) {
       document = next;
-      const shape = JSON.stringify(ENDS.map((end) => [Boolean(next[end]?.matrix), next[end]?.matrix, next[end]?.quaternion_xyzw]));
+      const shape = JSON.stringify(
+        ENDS.map((end) => [
+          Boolean(next[end]?.matrix),
+          next[end]?.matrix,
+          next[end]?.quaternion_xyzw,
+        ]),
+      );
       if (shape !== built) {
         built = shape;
         fields.clear();

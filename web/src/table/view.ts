@@ -4,13 +4,33 @@ import { button, h, replace, select } from '../dom';
 import { opened, t } from '../i18n';
 import type { Page } from '../page';
 import {
-  COLUMNS, SYMBOLS, type Column, addRow, carried, editable, moveRow, moving, newTable, ownColumn, readAs,
-  removeRow, sendable, setCell, setLimit, setType, typeOf,
+  addRow,
+  COLUMNS,
+  type Column,
+  carried,
+  editable,
+  moveRow,
+  moving,
+  newTable,
+  ownColumn,
+  readAs,
+  removeRow,
+  SYMBOLS,
+  sendable,
+  setCell,
+  setLimit,
+  setType,
+  typeOf,
 } from './document';
 import { formula } from './formula';
 import type { Placements } from './placements';
 
-const LETTERS: Record<api.JointType, string> = { revolute: 'R', prismatic: 'P', continuous: 'C', fixed: 'F' };
+const LETTERS: Record<api.JointType, string> = {
+  revolute: 'R',
+  prismatic: 'P',
+  continuous: 'C',
+  fixed: 'F',
+};
 const CONVENTIONS = ['standard', 'modified', 'khalil'] as const;
 
 export interface TableView {
@@ -34,20 +54,38 @@ export function tableView(page: Page): TableView {
     (value) => void convert(page, value as api.Convention),
   );
   const units = h('span', { class: 'note' });
-  const other = select(t.readAs, [['', t.readAs], ...CONVENTIONS.map((one) => [one, t.conventions[one]] as const)], '', (value) => {
-    other.value = '';
-    if (value) change('read as', (one) => readAs(one, value as api.Convention));
-  });
+  const other = select(
+    t.readAs,
+    [['', t.readAs], ...CONVENTIONS.map((one) => [one, t.conventions[one]] as const)],
+    '',
+    (value) => {
+      other.value = '';
+      if (value) change('read as', (one) => readAs(one, value as api.Convention));
+    },
+  );
   other.title = t.readAsHelp;
-  const grid = h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-label': t.tableRows });
+  const grid = h('div', {
+    class: 'scroll',
+    role: 'region',
+    tabindex: 0,
+    'aria-label': t.tableRows,
+  });
   const help = h('p', { class: 'note help', id: 'column-help' });
   const problems = h('ul', { class: 'problems', 'aria-label': t.problems });
   const links = formula(page, choose);
-  const ends = h('details', { class: 'fold', ontoggle: () => void import('./placements').then(({ placements }) => {
-    if (!places) ends.append((places = placements(edit)).element);
-    const document = current();
-    if (document) places.render(document);
-  }) }, h('summary', {}, t.baseAndTool));
+  const ends = h(
+    'details',
+    {
+      class: 'fold',
+      ontoggle: () =>
+        void import('./placements').then(({ placements }) => {
+          if (!places) ends.append((places = placements(edit)).element);
+          const document = current();
+          if (document) places.render(document);
+        }),
+    },
+    h('summary', {}, t.baseAndTool),
+  );
   let places: Placements | null = null;
   let built = '';
   let cells = new Map<string, HTMLInputElement | HTMLSelectElement>();
@@ -56,14 +94,18 @@ export function tableView(page: Page): TableView {
   function edit(document: api.TableDocument, kind: string): void {
     const { q, row } = store.state;
     const before = current();
-    const joints = before && moving(before).length === q.length ? moving(before) : (page.model?.joints ?? []);
+    const joints =
+      before && moving(before).length === q.length ? moving(before) : (page.model?.joints ?? []);
     const name = row === null ? undefined : before?.joints[row]?.name;
     const found = document.joints.findIndex((one) => one.name === name);
-    store.set({
-      source: { kind: 'table', table: document },
-      ...(joints.length === q.length ? { q: carried(joints, document, q) } : {}),
-      row: row === null || found < 0 ? null : found,
-    }, kind);
+    store.set(
+      {
+        source: { kind: 'table', table: document },
+        ...(joints.length === q.length ? { q: carried(joints, document, q) } : {}),
+        row: row === null || found < 0 ? null : found,
+      },
+      kind,
+    );
   }
 
   /** Shows a row in its motions; a URDF has no such frames, its table does. */
@@ -92,7 +134,9 @@ export function tableView(page: Page): TableView {
 
   function build(document: api.TableDocument): void {
     const columns = COLUMNS[document.convention];
-    const tree = document.joints.some((row) => row.ant !== undefined || row.b !== undefined || row.gamma !== undefined);
+    const tree = document.joints.some(
+      (row) => row.ant !== undefined || row.b !== undefined || row.gamma !== undefined,
+    );
     const extra = tree ? (['ant', 'gamma', 'b'] as const) : [];
     cells = new Map();
     const input = (
@@ -102,82 +146,164 @@ export function tableView(page: Page): TableView {
       column?: Column,
     ): HTMLTableCellElement => {
       const field = h('input', {
-        type: 'text', inputmode: 'text', autocomplete: 'off', spellcheck: 'false', 'aria-label': label,
+        type: 'text',
+        inputmode: 'text',
+        autocomplete: 'off',
+        spellcheck: 'false',
+        'aria-label': label,
         oninput: () => changed(field.value),
-        onfocus: () => { field.select(); if (column) explain(column); },
+        onfocus: () => {
+          field.select();
+          if (column) explain(column);
+        },
         onkeydown: (event) => step(event as KeyboardEvent, pointer),
       });
       cells.set(pointer, field);
       return h('td', { class: column ? 'cell' : 'bound' }, field);
     };
     const heads = columns.map((column) =>
-      h('th', { scope: 'col' },
-        h('button', {
-          type: 'button', class: `axis-${column === 'alpha' || column === 'a' || (column === 'd' && document.convention === 'khalil') ? 'x' : 'z'}`,
-          'aria-describedby': 'column-help', title: t.columns[document.convention][column],
-          onclick: () => explain(column), onmouseenter: () => explain(column),
-        }, SYMBOLS[column], h('sub', {}, subscript(document.convention, column)))),
+      h(
+        'th',
+        { scope: 'col' },
+        h(
+          'button',
+          {
+            type: 'button',
+            class: `axis-${column === 'alpha' || column === 'a' || (column === 'd' && document.convention === 'khalil') ? 'x' : 'z'}`,
+            'aria-describedby': 'column-help',
+            title: t.columns[document.convention][column],
+            onclick: () => explain(column),
+            onmouseenter: () => explain(column),
+          },
+          SYMBOLS[column],
+          h('sub', {}, subscript(document.convention, column)),
+        ),
+      ),
     );
     const body = document.joints.map((row, k) => {
       const name = `${t.row} ${k + 1}`;
       const pointer = `/joints/${k}`;
-      const type = select(`${name}, ${t.jointType}`,
-        (['revolute', 'prismatic', 'fixed', 'continuous'] as const)
-          .map((one) => [one, `${LETTERS[one]}`] as const),
+      const type = select(
+        `${name}, ${t.jointType}`,
+        (['revolute', 'prismatic', 'fixed', 'continuous'] as const).map(
+          (one) => [one, `${LETTERS[one]}`] as const,
+        ),
         typeOf(row),
-        (value) => change('type', (one) => setType(one, k, value as api.JointType)));
+        (value) => change('type', (one) => setType(one, k, value as api.JointType)),
+      );
       type.title = t.types[typeOf(row)];
       cells.set(`${pointer}/type`, type);
-      const numberButton = h('button', {
-        type: 'button', class: 'row-number', 'aria-label': `${name}, ${row.name ?? ''}`, title: row.name ?? '',
-        onclick: () => choose({ row: store.state.row === k ? null : k, step: 4 }),
-      }, k + 1);
-      return h('tr', {},
+      const numberButton = h(
+        'button',
+        {
+          type: 'button',
+          class: 'row-number',
+          'aria-label': `${name}, ${row.name ?? ''}`,
+          title: row.name ?? '',
+          onclick: () => choose({ row: store.state.row === k ? null : k, step: 4 }),
+        },
+        k + 1,
+      );
+      return h(
+        'tr',
+        {},
         h('th', { scope: 'row' }, numberButton),
         h('td', {}, type),
-        ...extra.map((field) => input(`${pointer}/${field}`, `${name}, ${field}`,
-          (value) => change(`${pointer}/${field}`, (one) => setCell(one, k, field, field === 'ant' ? Number(value) : value)))),
-        ...columns.map((column) => input(`${pointer}/${column}`, `${name}, ${SYMBOLS[column]}`,
-          (value) => change(`${pointer}/${column}`, (one) => setCell(one, k, column, value)), column)),
+        ...extra.map((field) =>
+          input(`${pointer}/${field}`, `${name}, ${field}`, (value) =>
+            change(`${pointer}/${field}`, (one) =>
+              setCell(one, k, field, field === 'ant' ? Number(value) : value),
+            ),
+          ),
+        ),
+        ...columns.map((column) =>
+          input(
+            `${pointer}/${column}`,
+            `${name}, ${SYMBOLS[column]}`,
+            (value) => change(`${pointer}/${column}`, (one) => setCell(one, k, column, value)),
+            column,
+          ),
+        ),
         ...(['lower', 'upper'] as const).map((bound) =>
           typeOf(row) === 'fixed' || typeOf(row) === 'continuous'
             ? h('td')
-            : input(`${pointer}/limits/${bound}`, `${name}, ${t[bound]}`,
-                (value) => change(`${pointer}/limits/${bound}`, (one) => setLimit(one, k, bound, value)))),
-        h('td', { class: 'tools' },
-          button('↑', () => change('move', (one) => moveRow(one, k, k - 1)),
-            { 'aria-label': t.moveUp(k + 1), title: t.moveUp(k + 1), disabled: k === 0 }),
-          button('↓', () => change('move', (one) => moveRow(one, k, k + 1)),
-            { 'aria-label': t.moveDown(k + 1), title: t.moveDown(k + 1), disabled: k === document.joints.length - 1 }),
-          button('+', () => change('add', (one) => addRow(one, k)),
-            { 'aria-label': t.addAfter(k + 1), title: t.addAfter(k + 1) }),
-          button('×', () => change('remove', (one) => removeRow(one, k)),
-            { 'aria-label': t.remove(k + 1), title: t.remove(k + 1), disabled: document.joints.length === 1 })));
+            : input(`${pointer}/limits/${bound}`, `${name}, ${t[bound]}`, (value) =>
+                change(`${pointer}/limits/${bound}`, (one) => setLimit(one, k, bound, value)),
+              ),
+        ),
+        h(
+          'td',
+          { class: 'tools' },
+          button('↑', () => change('move', (one) => moveRow(one, k, k - 1)), {
+            'aria-label': t.moveUp(k + 1),
+            title: t.moveUp(k + 1),
+            disabled: k === 0,
+          }),
+          button('↓', () => change('move', (one) => moveRow(one, k, k + 1)), {
+            'aria-label': t.moveDown(k + 1),
+            title: t.moveDown(k + 1),
+            disabled: k === document.joints.length - 1,
+          }),
+          button('+', () => change('add', (one) => addRow(one, k)), {
+            'aria-label': t.addAfter(k + 1),
+            title: t.addAfter(k + 1),
+          }),
+          button('×', () => change('remove', (one) => removeRow(one, k)), {
+            'aria-label': t.remove(k + 1),
+            title: t.remove(k + 1),
+            disabled: document.joints.length === 1,
+          }),
+        ),
+      );
     });
-    replace(grid, h('table', { class: 'dh' },
-      h('caption', { class: 'hidden' }, t.table),
-      h('thead', {}, h('tr', {},
-        h('th', { scope: 'col' }, 'k'),
-        h('th', { scope: 'col', title: t.jointType }, h('span', { class: 'hidden' }, t.jointType)),
-        ...extra.map((one) => h('th', { scope: 'col' }, one)),
-        ...heads,
-        h('th', { scope: 'col', class: 'bound' }, t.lower), h('th', { scope: 'col', class: 'bound' }, t.upper),
-        h('td'))),
-      h('tbody', {}, ...body)));
+    replace(
+      grid,
+      h(
+        'table',
+        { class: 'dh' },
+        h('caption', { class: 'hidden' }, t.table),
+        h(
+          'thead',
+          {},
+          h(
+            'tr',
+            {},
+            h('th', { scope: 'col' }, 'k'),
+            h(
+              'th',
+              { scope: 'col', title: t.jointType },
+              h('span', { class: 'hidden' }, t.jointType),
+            ),
+            ...extra.map((one) => h('th', { scope: 'col' }, one)),
+            ...heads,
+            h('th', { scope: 'col', class: 'bound' }, t.lower),
+            h('th', { scope: 'col', class: 'bound' }, t.upper),
+            h('td'),
+          ),
+        ),
+        h('tbody', {}, ...body),
+      ),
+    );
   }
 
   function fill(document: api.TableDocument): void {
     document.joints.forEach((row, k) => {
       const write = (pointer: string, value: unknown, digits = 12): void => {
         const field = cells.get(`/joints/${k}/${pointer}`);
-        if (!field || field === window.document.activeElement && field.value !== '' && isTyping(field)) return;
-        const text = value === undefined || value === null ? '' : cellText(value as api.Cell, digits);
+        if (
+          !field ||
+          (field === window.document.activeElement && field.value !== '' && isTyping(field))
+        )
+          return;
+        const text =
+          value === undefined || value === null ? '' : cellText(value as api.Cell, digits);
         if (field.value !== text) field.value = text;
         // What is longer than its cell can be read all the same.
         const whole = String(value ?? '');
         if (!(field instanceof HTMLSelectElement)) field.title = whole.length > 7 ? whole : '';
       };
-      for (const column of ['theta', 'd', 'a', 'alpha', 'r', 'b', 'gamma', 'ant'] as const) write(column, row[column]);
+      for (const column of ['theta', 'd', 'a', 'alpha', 'r', 'b', 'gamma', 'ant'] as const)
+        write(column, row[column]);
       write('limits/lower', row.limits?.lower, 4);
       write('limits/upper', row.limits?.upper, 4);
       const own = ownColumn(row, document.convention);
@@ -211,7 +337,11 @@ export function tableView(page: Page): TableView {
       built = '';
       return;
     }
-    const shape = JSON.stringify([document.convention, document.joints.map((row) => [row.type, row.name, row.ant]), t.lower]);
+    const shape = JSON.stringify([
+      document.convention,
+      document.joints.map((row) => [row.type, row.name, row.ant]),
+      t.lower,
+    ]);
     if (shape !== built) {
       build(document);
       built = shape;
@@ -222,7 +352,9 @@ export function tableView(page: Page): TableView {
     units.textContent = t.tableUnits(angle, length);
     for (const [k, line] of [...grid.querySelectorAll('tbody tr')].entries()) {
       line.classList.toggle('chosen', k === store.state.row);
-      line.querySelector('.row-number')?.setAttribute('aria-pressed', String(k === store.state.row));
+      line
+        .querySelector('.row-number')
+        ?.setAttribute('aria-pressed', String(k === store.state.row));
     }
     links.render(document);
     places?.render(document);
@@ -241,20 +373,44 @@ export function tableView(page: Page): TableView {
     void opened(import('./paste')).then(({ pasteDialog }) => pasteDialog(page, pasted, true));
   });
 
-  const element = h('section', { class: 'card', 'aria-labelledby': 'table-title' },
-    h('div', { class: 'line spread' },
+  const element = h(
+    'section',
+    { class: 'card', 'aria-labelledby': 'table-title' },
+    h(
+      'div',
+      { class: 'line spread' },
       h('h2', { id: 'table-title' }, t.table),
-      h('label', {}, `${t.convention} `, convention)),
-    h('div', { class: 'line spread small' }, units,
-      h('span', { class: 'line' }, other,
+      h('label', {}, `${t.convention} `, convention),
+    ),
+    h(
+      'div',
+      { class: 'line spread small' },
+      units,
+      h(
+        'span',
+        { class: 'line' },
+        other,
         button(t.newTable, () => {
           const start = current();
           const table = newTable(start?.convention ?? 'standard', store.state.angle);
-          store.set({ source: { kind: 'table', table }, q: [], row: null, target: null, kept: [] }, 'new');
+          store.set(
+            { source: { kind: 'table', table }, q: [], row: null, target: null, kept: [] },
+            'new',
+          );
         }),
-        button(t.paste, () => void opened(import('./paste')).then(({ pasteDialog }) => pasteDialog(page, '', false))))),
+        button(
+          t.paste,
+          () =>
+            void opened(import('./paste')).then(({ pasteDialog }) => pasteDialog(page, '', false)),
+        ),
+      ),
+    ),
     links.element,
-    grid, problems, help, ends);
+    grid,
+    problems,
+    help,
+    ends,
+  );
 
   store.listen(render);
   page.onModel.push(render);
@@ -269,12 +425,20 @@ export function tableView(page: Page): TableView {
       }
       const lines = errors.map((error, k) => {
         const pointer = error.pointer.replace(/^\/robot/, '').replace(/\/(offset|sign)$/, '');
-        const field = [...cells.entries()].find(([key]) => key === pointer)?.[1]
-          ?? places?.field(pointer) ?? cells.get(`${pointer}/theta`) ?? cells.get(`${pointer}/type`);
+        const field =
+          [...cells.entries()].find(([key]) => key === pointer)?.[1] ??
+          places?.field(pointer) ??
+          cells.get(`${pointer}/theta`) ??
+          cells.get(`${pointer}/type`);
         field?.setAttribute('aria-invalid', 'true');
         field?.setAttribute('aria-describedby', `problem-${k}`);
         const text = h('span', { lang: 'en', id: `problem-${k}` }, error.message);
-        return h('li', {}, field ? button('→', () => field.focus(), { 'aria-label': t.goToCell }) : false, text);
+        return h(
+          'li',
+          {},
+          field ? button('→', () => field.focus(), { 'aria-label': t.goToCell }) : false,
+          text,
+        );
       });
       replace(problems, ...lines);
       problems.hidden = !lines.length;
@@ -307,7 +471,9 @@ async function convert(page: Page, to: api.Convention): Promise<void> {
       const converted = await api.json<api.TableDocument>(api.convertTable(table, to, angle));
       store.set({ source: { kind: 'table', table: editable(converted) } }, 'convention');
     } else {
-      const table = await api.json<api.TableDocument>(api.urdfToTable(source.urdf, to, store.state.angle));
+      const table = await api.json<api.TableDocument>(
+        api.urdfToTable(source.urdf, to, store.state.angle),
+      );
       store.set({ source: { kind: 'table', table: editable(table) } }, 'convention');
     }
   } catch (error) {
