@@ -13,7 +13,7 @@ from robots.robot import robot_from_urdf
 from robots.urdf import MAX_BYTES, MAX_ELEMENTS
 from tests.torture import large_urdfs as large
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SMALL_STACK = 128 * 1024
 """What a thread has on the leanest of common systems (musl)."""
 
