@@ -4,7 +4,6 @@ import sys
 
 import numpy as np
 import pytest
-from kinematics.redundancy.path.time_law import TimeLaw
 
 from kinematics.errors import InvalidOption, MethodUnavailable, WrongConfiguration
 from kinematics.forward import fk
@@ -21,6 +20,7 @@ from kinematics.redundancy.follow import follow, followed, rates
 from kinematics.redundancy.judging.verdict import Reason
 from kinematics.redundancy.methods import METHODS, method_from, whole_path
 from kinematics.redundancy.path.geometry import Circle, Sampling, circle
+from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.redundancy.problem import Gains, PathOptions, Problem, SecondaryTask
 from kinematics.task import task_from
 from robots.shipped import shipped_robot

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from kinematics.redundancy.path.time_law import TimeLaw
 from scipy.spatial.transform import Rotation, Slerp
 
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.path.geometry import Circle, Sampling, circle, polyline
+from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.task import task_from
 
 POSE, XY, POSITION = task_from("pose"), task_from("xy"), task_from("position")

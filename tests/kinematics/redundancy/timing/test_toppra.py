@@ -5,7 +5,6 @@ import sys
 
 import numpy as np
 import pytest
-from kinematics.redundancy.path.time_law import TimeLaw
 
 from kinematics.errors import InvalidOption, MethodUnavailable
 from kinematics.forward import fk
@@ -15,6 +14,7 @@ from kinematics.redundancy.follow import followed
 from kinematics.redundancy.measure import clearances_at
 from kinematics.redundancy.methods import METHODS
 from kinematics.redundancy.path.geometry import Circle, Sampling, circle, polyline
+from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.redundancy.problem import PathOptions, Problem
 from kinematics.redundancy.timing import toppra as retiming
 from kinematics.redundancy.timing.result import RetimeStatus, retimed
