@@ -7,6 +7,8 @@ import httpx
 import numpy as np
 import pytest
 
+from tests.conftest import PATIENCE
+
 POSTURES = {
     "planar_2r": [30.0, 45.0],
     "scara": [20.0, 40.0, 0.08, -30.0],
@@ -206,7 +208,7 @@ def test_the_page_works_behind_a_path_prefix(open_page, server):
                 content=self.rfile.read(size),
                 headers={k: v for k, v in self.headers.items()
                          if k.lower() in ("accept", "content-type")},
-            )  # fmt: skip
+             timeout=PATIENCE)  # fmt: skip
             self.send_response(answer.status_code)
             for name in ("content-type", "content-security-policy"):
                 if name in answer.headers:
