@@ -16,15 +16,19 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+import msgspec
 
 from app.operations import OPERATIONS, Answer, Operation
 from app.operations.base import Context
 from app.operations.forward import FK
 from app.routes import compute
 from kinematics.deadline import checkpoint
+from kinematics.symbolic import SymbolicWorkers
 from robots.robot import Robot
 
 GATE = "TEST_GATE"
@@ -59,7 +63,9 @@ def lines(robot: Robot, request: Any, context: Context) -> Iterator[list[dict[st
 def again(operation: Operation) -> Operation:
     def run(robot: Robot, request: Any, context: Context) -> Answer:
         while True:
-            operation.run(robot, request, context)
+            # Closed forms that were found are kept: by each of these once.
+            with closing(SymbolicWorkers()) as symbolic:
+                operation.run(robot, request, msgspec.structs.replace(context, symbolic=symbolic))
 
     stream = operation.stream
 
