@@ -7,8 +7,8 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
@@ -17,6 +17,17 @@ import pytest
 
 FIXTURES = Path(__file__).parent / "fixtures"
 SCRIPTS = Path(sys.executable).parent
+DENAVIT = (str(SCRIPTS / "denavit"),)
+PATIENCE = 600.0
+"""Seconds after which a test gives up. What it waits for comes in much less, on any machine."""
+
+
+def until(condition: Callable[[], object]) -> None:
+    """Waits for a condition."""
+    deadline = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.05)
 
 
 def unused_port() -> int:
@@ -27,11 +38,14 @@ def unused_port() -> int:
 
 @contextmanager
 def running_server(
-    data_dir: Path, *arguments: str, stderr: IO[bytes] | None = None
+    data_dir: Path,
+    *arguments: str,
+    stderr: IO[bytes] | None = None,
+    program: Sequence[str] = DENAVIT,
 ) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
     """A ``denavit serve`` of its own; gives its address and process."""
     port = unused_port()
-    command = [str(SCRIPTS / "denavit"), "serve", "--port", str(port), "--log-level", "warning"]
+    command = [*program, "serve", "--port", str(port), "--log-level", "warning"]
     process = subprocess.Popen(
         [*command, "--data-dir", str(data_dir), *arguments],
         env={"DENAVIT_PRELOAD": "false", **os.environ, "PYTHONWARNINGS": "default"},
@@ -39,16 +53,16 @@ def running_server(
         stderr=stderr,
     )
     address = f"http://127.0.0.1:{port}"
+
+    def answers() -> bool:
+        assert process.poll() is None, "the server stopped while starting"
+        try:
+            return httpx.get(f"{address}/health/ready").status_code == 200
+        except httpx.TransportError:
+            return False
+
     try:
-        deadline = time.monotonic() + 180
-        while True:
-            try:
-                if httpx.get(f"{address}/health/ready").status_code == 200:
-                    break
-            except httpx.TransportError:
-                assert process.poll() is None, "the server stopped while starting"
-            assert time.monotonic() < deadline, "the server did not start"
-            time.sleep(0.05)
+        until(answers)
         yield address, process
     finally:
         if process.poll() is None:
@@ -61,14 +75,20 @@ def running_server(
 
 
 @pytest.fixture(scope="session")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    with running_server(tmp_path_factory.mktemp("data")) as (address, _):
-        yield address
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, int]]:
+    """The server that tests share: its address, and the number of its process."""
+    with running_server(tmp_path_factory.mktemp("data")) as (address, process):
+        yield address, process.pid
+
+
+@pytest.fixture(scope="session")
+def server(service: tuple[str, int]) -> str:
+    return service[0]
 
 
 @pytest.fixture(scope="session")
 def client(server: str) -> Iterator[httpx.Client]:
-    with httpx.Client(base_url=server, timeout=60) as shared:
+    with httpx.Client(base_url=server, timeout=PATIENCE) as shared:
         yield shared
 
 
@@ -84,45 +104,9 @@ def start_server():
 
 
 @pytest.fixture
-def children():
-    """A function that gives the child processes of a process, with their command lines."""
-    return children_of
-
-
-@pytest.fixture
-def worker_pids():
-    """A function that gives the processes of a server's workers."""
-    return lambda process: [
-        pid for pid, command in children_of(process.pid).items() if "spawn_main" in command
-    ]
-
-
-def children_of(pid: int) -> dict[int, str]:
-    found = {}
-    for task in Path(f"/proc/{pid}/task").glob("*/children"):
-        for child in task.read_text().split():
-            with suppress(OSError):
-                found[int(child)] = Path(f"/proc/{child}/cmdline").read_text()
-    return found
-
-
-@pytest.fixture
 def wait_for():
     """A function that waits until a condition holds."""
-
-    def wait(condition: Callable[[], object], seconds: float = 90) -> None:
-        deadline = time.monotonic() + seconds
-        while not condition():
-            assert time.monotonic() < deadline, "waited in vain"
-            time.sleep(0.05)
-
-    return wait
-
-
-@pytest.fixture(scope="session")
-def running_servers():
-    """The same, for fixtures that last longer."""
-    return running_server
+    return until
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,7 @@
 """How large a URDF may be.
 
 Whatever passes these caps is read and made a model within a fraction of a second and some
-megabytes, with no recursion that grows with the robot: tests/robots/test_urdf_limits.py.
+megabytes, with no recursion that grows with the robot: tests/robots/urdf/test_limits.py.
 """
 
 MAX_BYTES = 2_000_000

@@ -7,7 +7,7 @@ import shutil
 import httpx
 import pytest
 
-from tests.conftest import running_server
+from tests.conftest import PATIENCE, running_server
 from tests.torture.disks import small_disk
 
 TABLE = {"convention": "standard", "joints": [{"type": "R", "a": 1, "alpha": 0, "d": 0}]}
@@ -19,7 +19,7 @@ def service(tmp_path_factory):
     directory = tmp_path_factory.mktemp("durability")
     with (
         running_server(directory) as (address, _),
-        httpx.Client(base_url=address, timeout=60) as client,
+        httpx.Client(base_url=address, timeout=PATIENCE) as client,
     ):
         client.directory = directory
         yield client
@@ -75,7 +75,7 @@ def test_a_start_names_what_was_damaged_before(tmp_path, start_server):
         (tmp_path / "robots" / f"{name}.json").write_text("damaged")
     (tmp_path / "robots" / ".c.tmp").write_text("half")
     with start_server(tmp_path) as (address, _):
-        with httpx.Client(base_url=address, timeout=60) as client:
+        with httpx.Client(base_url=address, timeout=PATIENCE) as client:
             assert named_when_ready(client, "dented-a")
             assert named_when_ready(client, "dented-b")
         assert list((tmp_path / "robots").iterdir()) == []
@@ -86,7 +86,7 @@ def test_quotas_and_a_full_disk_refuse_uploads_only(tmp_path, start_server, monk
     with (
         small_disk(tmp_path / "disk", size="280k") as directory,
         start_server(directory or tmp_path / "data") as (address, _),
-        httpx.Client(base_url=address, timeout=60) as client,
+        httpx.Client(base_url=address, timeout=PATIENCE) as client,
     ):
         for k in range(10):
             assert client.put(f"/v1/robots/r{k}", json=TABLE).status_code == 201
@@ -137,7 +137,7 @@ def test_a_directory_removed_under_the_service(service):
 
 def test_a_service_short_of_file_descriptors_answers_and_recovers(tmp_path, start_server):
     with start_server(tmp_path) as (address, process):
-        client = httpx.Client(base_url=address, timeout=60)
+        client = httpx.Client(base_url=address, timeout=PATIENCE)
         with client:
             assert client.put("/v1/robots/arm", json=TABLE).status_code == 201
             pid = process.pid

@@ -7,6 +7,7 @@ import httpx
 
 from app import readiness
 from app.readiness import Check, Readiness, WritableDirectory
+from tests.conftest import PATIENCE
 
 OK = Check(status="ok", detail="")
 
@@ -61,18 +62,18 @@ def test_a_full_disk_is_seen_and_asked_once_a_second(tmp_path, monkeypatch):
 def test_a_server_whose_directory_goes_says_so(tmp_path, start_server, wait_for):
     data = tmp_path / "data"
     with start_server(data) as (address, _):
-        answer = httpx.get(f"{address}/health/ready")
+        answer = httpx.get(f"{address}/health/ready", timeout=PATIENCE)
         assert answer.json()["status"] == "ready"
         assert set(answer.json()["checks"]) >= {"kernels", "library", "uploads"}
         data.rename(tmp_path / "elsewhere")
-        wait_for(lambda: httpx.get(f"{address}/health/ready").status_code == 503, 10)
-        answer = httpx.get(f"{address}/health/ready")
+        wait_for(lambda: httpx.get(f"{address}/health/ready", timeout=PATIENCE).status_code == 503)
+        answer = httpx.get(f"{address}/health/ready", timeout=PATIENCE)
         assert answer.json()["status"] == "unready"
         assert answer.json()["checks"]["uploads"] == {
             "status": "failed",
             "detail": "uploads cannot be written: No such file or directory",
         }
         assert str(tmp_path) not in answer.text
-        assert httpx.get(f"{address}/health/live").status_code == 200
+        assert httpx.get(f"{address}/health/live", timeout=PATIENCE).status_code == 200
         shutil.move(tmp_path / "elsewhere", data)
-        wait_for(lambda: httpx.get(f"{address}/health/ready").status_code == 200, 10)
+        wait_for(lambda: httpx.get(f"{address}/health/ready", timeout=PATIENCE).status_code == 200)

@@ -200,9 +200,8 @@ CASES = (
 )  # fmt: skip
 
 
-def answers(port: int, case: Wire, patience: float = 5.0) -> tuple[list[bytes], float]:
-    """What comes back on one connection, answer by answer, and how long it took."""
-    started = time.monotonic()
+def answers(port: int, case: Wire, patience: float) -> list[bytes]:
+    """What comes back on one connection, answer by answer."""
     found: list[bytes] = []
     with socket.create_connection(("127.0.0.1", port), patience) as connection:
         try:
@@ -223,7 +222,7 @@ def answers(port: int, case: Wire, patience: float = 5.0) -> tuple[list[bytes], 
                 found.append(head + stream.read(length))
         except ConnectionResetError:
             pass
-    return found, time.monotonic() - started
+    return found
 
 
 def _head(stream: object) -> bytes:
@@ -235,7 +234,7 @@ def _head(stream: object) -> bytes:
     return b"".join(lines)
 
 
-def wrong_with(case: Wire, found: list[bytes], seconds: float) -> list[str]:
+def wrong_with(case: Wire, found: list[bytes]) -> list[str]:
     """What is wrong with the answers; nothing, where all is well."""
     statuses = [int(raw[9:12]) for raw in found]
     statuses += [CLOSED] * (len(case.answers) - len(found))
@@ -250,6 +249,4 @@ def wrong_with(case: Wire, found: list[bytes], seconds: float) -> list[str]:
             wrong.append(f"is no problem document: {raw[:200]!r}")
         if int(raw[9:12]) >= 400 and len(text) > 4096:
             wrong.append(f"a problem of {len(text)} bytes")
-    if seconds > 5:
-        wrong.append(f"took {seconds:.1f} s")
     return [f"{one}; {[raw[:300] for raw in found[:2]]}" for one in wrong]

@@ -14,6 +14,7 @@ from robots.errors import RobotError
 from robots.robot import robot_from_table, robot_from_urdf
 from robots.store import RobotStore
 from robots.urdf import read_urdf
+from tests.cost import within
 
 ROW = {"type": "R", "alpha": 0, "a": 1, "d": 0, "theta": 0}
 
@@ -60,20 +61,20 @@ def test_what_is_stored_can_be_read_again(tmp_path, row):
     "extra", ["# " + "]" * 4000 + "\n" + "[" * 4000, 'a: "' + "]" * 2000 + '"\nb: ' + "[" * 2000]
 )
 def test_deep_yaml_is_refused_at_once(extra):
-    started = time.monotonic()
+    started = time.thread_time()
     with pytest.raises(DHError):
         read_yaml(extra)
-    assert time.monotonic() - started < 2
+    assert within(time.thread_time() - started, 2)
 
 
 def test_merge_keys_do_not_multiply():
     text = "a0: &a0 {x: 1}\n" + "".join(
         f"a{i}: &a{i} {{<<: [*a{i - 1}, *a{i - 1}]}}\n" for i in range(1, 20)
     )
-    started = time.monotonic()
+    started = time.thread_time()
     with pytest.raises(DHError):
         read_yaml(text)
-    assert time.monotonic() - started < 2
+    assert within(time.thread_time() - started, 2)
 
 
 def test_a_fixed_row_does_not_lose_its_offset_in_silence():

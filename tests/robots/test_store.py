@@ -21,6 +21,7 @@ from robots.errors import (
 from robots.robot import robot_from_urdf
 from robots.shipped import shipped_ids
 from robots.store import ANY, RobotStore
+from tests.conftest import PATIENCE
 
 OTHER_PROCESS = """
 import os, sys
@@ -395,7 +396,7 @@ def test_threads_of_one_store_never_lose_a_robot(tmp_path, store, make_robot):
 def race(code, directory):
     """Runs four processes from one starting gun; gives the lines that they say."""
     with other_process(code + RACE, directory) as racers:
-        lines = racers.communicate(timeout=60)[0].splitlines()
+        lines = racers.communicate(timeout=PATIENCE)[0].splitlines()
         assert racers.returncode == 0
     return lines
 

@@ -19,6 +19,7 @@ from pathlib import Path
 from random import Random
 
 from tests.conftest import running_server
+from tests.processes import resident_bytes, workers_of
 from tests.torture.exchange import Client, Received, Sent
 from tests.torture.mutations import mutated
 from tests.torture.oracle import faults
@@ -143,23 +144,9 @@ def answered(client: Client, sent: Sent) -> tuple[Received | None, list[str]]:
     return got, faults(sent, got)
 
 
-def workers_of(pid: int) -> list[int]:
-    """Processes that serve: the children of ``denavit serve`` that are no tracker, or itself."""
-    children = [
-        int(child)
-        for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-        if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()
-    ]
-    return children or [pid]
-
-
 def megabytes(pid: int) -> float:
     """Resident memory; 0 of a process that is gone."""
-    try:
-        pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
-        return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
-    except OSError:
-        return 0.0
+    return resident_bytes(pid) / 1e6
 
 
 def main() -> int:

@@ -37,6 +37,7 @@ from dh_to_urdf.documents.writing import table_to_mapping
 from kinematics.forward import fk
 from robots.errors import RobotError
 from robots.robot import robot_from_table
+from tests.cost import within
 from tests.torture.table_grammar import Text
 from tests.torture.urdf_oracle import TOLERANCE, check_message
 
@@ -70,7 +71,7 @@ def judge(text: Text, rng: random.Random) -> str:
     else:
         refused = []
     seconds = time.thread_time() - started
-    assert seconds < SECONDS, f"took {seconds:.2f} s"
+    assert within(seconds, SECONDS), f"took {seconds:.2f} s"
     if refused:
         check_refusal(refused)
         return "refused"

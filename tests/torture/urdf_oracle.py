@@ -21,6 +21,7 @@ from kinematics.forward import fk
 from robots.errors import RobotError
 from robots.robot import Robot, robot_from_urdf
 from robots.urdf import MAX_DOF, MAX_LINKS
+from tests.cost import within
 
 SECONDS = 1.0
 TOLERANCE = 1e-9
@@ -54,7 +55,7 @@ def judge(document: bytes, rng: random.Random) -> str:
     else:
         outcome = None
     seconds = time.thread_time() - started
-    assert seconds < SECONDS, f"took {seconds:.2f} s"
+    assert within(seconds, SECONDS), f"took {seconds:.2f} s"
     if outcome is not None:
         check_message(str(outcome))
         return "refused"

@@ -8,8 +8,11 @@ from pathlib import Path
 from types import ModuleType
 from urllib.parse import urlsplit
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+
+from tests.conftest import PATIENCE, until
 
 ROOT = Path(__file__).parents[2]
 STATIC = ROOT / "app" / "static"
@@ -64,7 +67,9 @@ def browsers() -> Iterator[object]:
         def launch(flags: str) -> Browser:
             if flags not in started:
                 started[flags] = playwright.chromium.launch(
-                    executable_path=executable, args=[*FLAGS.split(), *flags.split()]
+                    executable_path=executable,
+                    args=[*FLAGS.split(), *flags.split()],
+                    timeout=1000 * PATIENCE,
                 )
             return started[flags]
 
@@ -76,6 +81,9 @@ def browsers() -> Iterator[object]:
 COUNT = """(() => {
     const real = window.fetch;
     let [pending, last] = [0, performance.now()];
+    for (const kind of ['input', 'change', 'click', 'keydown', 'pointerup', 'hashchange']) {
+        window.addEventListener(kind, () => { last = performance.now(); }, true);
+    }
     window.fetch = async (...given) => {
         pending += 1;
         try {
@@ -87,7 +95,9 @@ COUNT = """(() => {
     };
     window.isQuiet = () => pending === 0 && performance.now() - last > 300;
 })()"""
-"""Counts the requests under way; the browser's own "network idle" comes once a page only."""
+"""Counts the requests under way; the browser's own "network idle" comes once a page only. What
+the reader does may lead to requests a moment later: that is waited for too."""
+DRAWN = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
 class Visit:
@@ -108,6 +118,14 @@ class Visit:
         """Waits until what is on the page belongs to the posture shown."""
         self.page.wait_for_selector("#section-pose .matrix td[data-value]", state="attached")
         self.page.wait_for_function("() => window.isQuiet()")
+
+    def drawn(self) -> None:
+        """Waits until what was changed is on the screen."""
+        self.page.evaluate(DRAWN)
+
+    def shows(self, section: str, expected: object) -> None:
+        """Waits until a matrix of a section is this one."""
+        until(lambda: np.array_equal(self.matrix(section), expected))
 
     def matrix(self, section: str) -> list[list[float]]:
         """A matrix of a section, as it was computed."""
@@ -151,6 +169,7 @@ def open_page(browsers, server) -> Iterator[object]:
         settings = {"viewport": {"width": 1440, "height": 900}, "locale": "en-GB", **options}
         context = browsers(WEBGL if webgl else NO_WEBGL).new_context(**settings)
         contexts.append(context)
+        context.set_default_timeout(1000 * PATIENCE)
         page = context.new_page()
         page.add_init_script(COUNT)
         watch(page, urlsplit(address).netloc)

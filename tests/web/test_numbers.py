@@ -7,6 +7,8 @@ import httpx
 import numpy as np
 import pytest
 
+from tests.conftest import PATIENCE
+
 POSTURES = {
     "planar_2r": [30.0, 45.0],
     "scara": [20.0, 40.0, 0.08, -30.0],
@@ -94,7 +96,7 @@ def test_the_copied_curl_gives_the_same_pose(source, open_page, server):
     command = visit.page.locator(".code").inner_text()
     assert command.startswith("curl ")
     done = subprocess.run(
-        ["bash", "-c", command], capture_output=True, text=True, timeout=60, check=True
+        ["bash", "-c", command], capture_output=True, text=True, timeout=PATIENCE, check=True
     )
     (pose,) = json.loads(done.stdout)["poses"].values()
     np.testing.assert_array_equal(visit.matrix("pose"), pose["matrix"])
@@ -125,8 +127,7 @@ def test_all_solutions_are_shown_and_can_be_picked(open_page, client):
         visit.settled()
         q = [float(x) for x in found.nth(k).get_attribute("data-q").split(",")]
         (pose,) = client.post("/v1/robots/ur5/fk?angle=deg", json={"q": q}).json()["poses"].values()
-        visit.page.wait_for_timeout(200)
-        np.testing.assert_array_equal(visit.matrix("pose"), pose["matrix"])
+        visit.shows("pose", pose["matrix"])
         np.testing.assert_allclose(visit.matrix("pose"), wanted, atol=1e-9)
 
 
@@ -156,8 +157,8 @@ def test_methods_are_compared_and_played(open_page):
     row.get_by_role("button").click()
     page.wait_for_function(
         "() => Math.abs(document.querySelector('#section-pose .matrix tr td:nth-child(4)')"
-        ".dataset.value - 1.15) < 1e-4", timeout=15000,
-    )  # fmt: skip
+        ".dataset.value - 1.15) < 1e-4"
+    )
 
 
 def test_the_link_opens_the_same_page(open_page):
@@ -206,7 +207,7 @@ def test_the_page_works_behind_a_path_prefix(open_page, server):
                 content=self.rfile.read(size),
                 headers={k: v for k, v in self.headers.items()
                          if k.lower() in ("accept", "content-type")},
-            )  # fmt: skip
+             timeout=PATIENCE)  # fmt: skip
             self.send_response(answer.status_code)
             for name in ("content-type", "content-security-policy"):
                 if name in answer.headers:
@@ -232,13 +233,12 @@ def test_the_page_works_behind_a_path_prefix(open_page, server):
         page.goto(address + "#robot=panda_urdf&q=0,-30,0,-120,0,100,45,0,0"
                   "&open=pose,jacobian,ik,path,reproduce")  # fmt: skip
         page.wait_for_selector("#section-jacobian .matrix td[data-value]")
-        page.wait_for_function("() => document.querySelector('.host')?.probe?.meshes() > 8",
-                               timeout=120_000)  # fmt: skip
+        page.wait_for_function("() => document.querySelector('.host')?.probe?.meshes() > 8")
         visit.settled()
         command = page.locator(".code").inner_text()
         assert f"'{address}v1/robots/panda_urdf/fk?" in command
         done = subprocess.run(
-            ["bash", "-c", command], capture_output=True, text=True, timeout=60, check=True
+            ["bash", "-c", command], capture_output=True, text=True, timeout=PATIENCE, check=True
         )
         (pose,) = json.loads(done.stdout)["poses"].values()
         np.testing.assert_array_equal(visit.matrix("pose"), pose["matrix"])
@@ -310,7 +310,7 @@ def test_numbers_come_by_themselves_once_the_service_is_back(how, open_page, cli
     page.get_by_role("button", name="Workspace").click()
     page.wait_for_timeout(400)
     page.unroute("**/v1/**")
-    page.locator(".toast").wait_for(state="hidden", timeout=20_000)
+    page.locator(".toast").wait_for(state="hidden")
     visit.settled()
     body = {"q": [33, 45, -90, 0, 45, 0]}
     (pose,) = client.post("/v1/robots/puma560/fk?angle=deg", json=body).json()["poses"].values()
@@ -325,7 +325,7 @@ def test_a_robot_chosen_while_the_service_is_away_comes_later(open_page):
     page.get_by_role("button", name="UR5").click()
     page.locator("body.stale").wait_for()
     page.unroute("**/v1/**")
-    page.wait_for_function("() => document.title.includes('UR5')", timeout=20_000)
+    page.wait_for_function("() => document.title.includes('UR5')")
     visit.settled()
     assert page.locator("body.stale").count() == 0
 
@@ -355,10 +355,16 @@ def test_a_slow_service_ends_with_the_last_that_was_asked_for(open_page, client)
     page.evaluate("""() => {
         const quick = window.fetch;
         let count = 0;
+        window.delayed = 0;
         // Each answer takes another time: they come in another order than they were asked for.
         window.fetch = async (...given) => {
+            window.delayed += 1;
             await new Promise(done => setTimeout(done, [400, 50, 250, 10][count++ % 4]));
-            return quick(...given);
+            try {
+                return await quick(...given);
+            } finally {
+                window.delayed -= 1;
+            }
         };
     }""")
     for name in ("UR5", "PA10", "SCARA", "PUMA 560"):
@@ -368,6 +374,7 @@ def test_a_slow_service_ends_with_the_last_that_was_asked_for(open_page, client)
         page.locator(".joint .value").nth(0).fill(value)
         page.wait_for_timeout(60)
     page.wait_for_timeout(2500)
+    page.wait_for_function("() => window.delayed === 0 && window.isQuiet()")
     visit.settled()
     body = {"q": [40, 45, -90, 0, 45, 0]}
     (pose,) = client.post("/v1/robots/puma560/fk?angle=deg", json=body).json()["poses"].values()

@@ -5,6 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
+from tests.conftest import until
+
 ROBOTS = {
     "planar_3r": [30.0, -45.0, 60.0],
     "scara": [20.0, 40.0, 0.08, -30.0],
@@ -26,6 +28,19 @@ def padded(client, robot, q):
     """The posture with zeros for the joints that it leaves out, such as fingers."""
     dof = client.get(f"/v1/robots/{robot}").json()["dof"]
     return [*q, *[0.0] * (dof - len(q))]
+
+
+def still(visit) -> bytes:
+    """A picture of the scene, once it changes no more."""
+    seen = [b""]
+
+    def repeats() -> bool:
+        visit.page.wait_for_timeout(200)
+        seen.append(visit.page.locator(".host canvas").screenshot())
+        return seen[-1] == seen[-2]
+
+    until(repeats)
+    return seen[-1]
 
 
 def dragged(visit, dx, dy, steps=8):
@@ -105,8 +120,8 @@ def test_rows_are_shown_in_their_four_motions(open_page):
     pixels = []
     for step in range(5):
         visit.go(f"robot=puma560&q=10,20,-100,30,25,40&row=2,{step}")
-        visit.page.wait_for_timeout(400)
-        pixels.append(visit.page.locator(".host canvas").screenshot())
+        visit.page.wait_for_function("() => document.querySelector('.host')?.probe?.motion()")
+        pixels.append(still(visit))
     for one, other in itertools.pairwise(pixels):
         assert one != other
 
@@ -133,9 +148,7 @@ def test_meshes_of_a_shipped_arm_come_from_the_service(open_page, client):
     )
     visit.go("robot=panda_urdf&q=0,-30,10,-120,5,100,45,0,0")
     files = {line["href"] for line in client.get("/v1/robots/panda_urdf/meshes").json()["meshes"]}
-    visit.page.wait_for_function(
-        "() => document.querySelector('.host').probe.meshes() > 8", timeout=60_000
-    )
+    visit.page.wait_for_function("() => document.querySelector('.host').probe.meshes() > 8")
     assert {url.split("/", 3)[3] for url, status in asked if status == 200} >= files
 
 
@@ -212,6 +225,19 @@ def test_lengths_are_named_as_the_convention_names_them(robot, q, names, open_pa
 SIZES = {"wide": (1440, 900), "narrow": (390, 844)}
 
 
+def settled_labels(page) -> list[dict]:
+    """The labels, once they stay where they are."""
+    seen = [[]]
+
+    def repeats() -> bool:
+        page.wait_for_timeout(100)
+        seen.append(page.evaluate("() => document.querySelector('.host').probe.labels()"))
+        return seen[-1] == seen[-2]
+
+    until(repeats)
+    return seen[-1]
+
+
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize(
     ("robot", "q"),
@@ -229,8 +255,7 @@ def test_no_label_hides_another_and_the_arm_fills_the_view(robot, q, size, open_
         viewport={"width": width, "height": height},
     ).page
     page.wait_for_function("() => document.querySelector('.host')?.probe?.labels().length > 3")
-    page.wait_for_timeout(300)
-    labels = page.evaluate("() => document.querySelector('.host').probe.labels()")
+    labels = settled_labels(page)
     for one, other in itertools.combinations(labels, 2):
         apart = (
             abs(one["x"] - other["x"]) - one["halfWidth"] - other["halfWidth"],
@@ -304,7 +329,8 @@ def test_solutions_are_ghosts_that_can_be_picked_in_the_view(open_page):
         a, b = (page.evaluate("([k, f]) => document.querySelector('.host').probe.ghost(k, f)",
                               [k, frame]) for frame in ("frame_1", "frame_2"))  # fmt: skip
         page.mouse.click(0.5 * (a["x"] + b["x"]), 0.5 * (a["y"] + b["y"]))
-        page.wait_for_timeout(200)
+        visit.settled()
+        visit.drawn()
         pressed = page.locator(".solutions button[aria-pressed=true]")
         if pressed.count() and pressed.first.locator("b").inner_text() != "1":
             picked = pressed.first

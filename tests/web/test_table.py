@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from tests.conftest import until
+
 MARKDOWN = """| i | α_i | a_i | d_i | θ_i |
 |---|-----|-----|-----|-----|
 | 1 | 90° | 0 | 0,4 | θ_1 |
@@ -265,8 +267,7 @@ def test_undo_goes_back_in_the_field_that_is_being_typed_into(open_page):
         page.wait_for_timeout(1000)
     for expected in ("0.5", "0.4318"):
         page.keyboard.press("Control+z")
-        page.wait_for_timeout(300)
-        assert typed.input_value() == expected
+        until(lambda expected=expected: typed.input_value() == expected)
     value = page.locator(".joint .value").nth(0)
     value.fill("20")
     page.keyboard.press("Control+z")

@@ -1,10 +1,15 @@
-"""Requests that take their time, and what is left of processes."""
+"""Requests that take their time, each in a thread."""
+
+from __future__ import annotations
 
 import json
 import threading
-from pathlib import Path
+from collections.abc import Callable
+from typing import Any
 
 import httpx
+
+from tests.conftest import PATIENCE
 
 WILD = {
     "convention": "standard",
@@ -13,60 +18,43 @@ WILD = {
         for k in range(7)
     ],
 }
-HARD = {"position": [0.0, 0.0, 0.0], "rpy": [0, 0, 0]}
-"""Not to be reached by talos_arm, which finds out by many restarts."""
 
 
 class Asked(threading.Thread):
     """A request in a thread; its answer or error."""
 
-    def __init__(self, call):
+    def __init__(self, call: Callable[[Asked], httpx.Response]) -> None:
         super().__init__(daemon=True)
-        self.call, self.answer, self.error, self.lines = call, None, None, []
+        self.call = call
+        self.answer: httpx.Response | None = None
+        self.error: httpx.HTTPError | None = None
+        self.lines: list[dict[str, Any]] = []
         self.start()
 
-    def run(self):
+    def run(self) -> None:
         try:
-            self.answer = self.call()
+            self.answer = self.call(self)
         except httpx.HTTPError as error:
             self.error = error
 
 
-def symbolic(address, seconds):
+def symbolic(address: str, seconds: float) -> Asked:
     """A request that works for so long in a process of its own."""
     body = {"robot": WILD, "quantities": ["jacobian", "det_jacobian"]}
     body["time_budget_ms"] = int(seconds * 1e3)
-    return Asked(lambda: httpx.post(f"{address}/v1/symbolic", json=body, timeout=120))
+    url = f"{address}/v1/symbolic"
+    return Asked(lambda _: httpx.post(url, json=body, timeout=PATIENCE))
 
 
-def stream(address, targets):
-    """A request that computes in a thread and sends lines, some hundreds at a time."""
-    body = {"targets": [HARD] * targets, "max_restarts": 300, "time_budget_ms": 60_000}
-    headers = {"Accept": "application/x-ndjson"}
-    url = f"{address}/v1/robots/talos_arm/ik"
+def stream(address: str) -> Asked:
+    """A request that sends line after line from a thread, until the gate is open."""
+    body, headers = {"q": [0.1] * 7}, {"Accept": "application/x-ndjson"}
+    url = f"{address}/v1/robots/panda/endless"
 
-    def read():
-        with httpx.stream("POST", url, json=body, headers=headers, timeout=120) as answer:
+    def read(asked: Asked) -> httpx.Response:
+        with httpx.stream("POST", url, json=body, headers=headers, timeout=PATIENCE) as answer:
             for line in answer.iter_lines():
                 asked.lines.append(json.loads(line))
         return answer
 
-    asked = Asked(read)
-    return asked
-
-
-def symbolic_processes(children, root):
-    """Processes for closed forms, anywhere below a process."""
-    found = []
-    for pid, command in children(root).items():
-        if "kinematics.symbolic.worker" in command:
-            found.append(pid)
-        found += symbolic_processes(children, pid)
-    return found
-
-
-def gone(pid):
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
-    except OSError:
-        return True
+    return Asked(read)

@@ -7,17 +7,21 @@ import time
 
 import httpx
 import pytest
-from in_flight import gone, stream, symbolic, symbolic_processes
+
+from tests.app.conftest import served
+from tests.app.serving.in_flight import Asked, stream, symbolic
+from tests.conftest import PATIENCE, until
+from tests.processes import children_of, has_ended, symbolic_processes
 
 
-def told(asked):
+def told(asked: Asked) -> bool:
     """Whether a client was told to ask again."""
     answer = asked.answer
     assert answer.headers["retry-after"] == "1"
     return answer.status_code == 503 and answer.json()["type"] == "/problems/stopping"
 
 
-def refused(address):
+def refused(address: str) -> bool:
     try:
         httpx.get(f"{address}/health/live", timeout=2)
     except httpx.ConnectError:
@@ -28,67 +32,75 @@ def refused(address):
 
 
 @pytest.mark.parametrize("workers", ["1", "2"])
-def test_requests_in_flight_end_and_new_ones_are_refused(
-    tmp_path, start_server, children, wait_for, workers
-):
-    with start_server(tmp_path, "--workers", workers) as (address, process):
-        httpx.post(f"{address}/v1/robots/planar_2r/symbolic", json={})  # leaves an idle process
-        slow, lines = symbolic(address, 8), stream(address, 1000)
-        wait_for(lambda: lines.lines and symbolic_processes(children, process.pid))
-        below = [*symbolic_processes(children, process.pid), *children(process.pid)]
-        process.send_signal(signal.SIGTERM)
-        wait_for(lambda: refused(address), 20)
-        assert process.poll() is None
-        assert process.wait(60) == 0
-        slow.join(5)
-        lines.join(5)
+def test_requests_in_flight_end_and_new_ones_are_refused(tmp_path, workers):
+    with served(tmp_path, "--workers", workers, shutdown_seconds=PATIENCE) as server:
+        address = server.address
+        httpx.post(
+            f"{address}/v1/robots/planar_2r/symbolic", json={}, timeout=PATIENCE
+        )  # leaves an idle process
+        slow, lines = symbolic(address, 8), stream(address)
+        until(lambda: lines.lines and symbolic_processes(server.pid))
+        below = [*symbolic_processes(server.pid), *children_of(server.pid)]
+        server.process.send_signal(signal.SIGTERM)
+        until(lambda: refused(address))
+        assert server.process.poll() is None
+        server.open_gate()
+        assert server.process.wait(PATIENCE) == 0
+        slow.join(PATIENCE)
+        lines.join(PATIENCE)
         assert slow.answer.status_code == 200
         assert lines.error is None
-        assert [line["index"] for line in lines.lines] == [*range(1000)]
-        wait_for(lambda: all(gone(pid) for pid in below), 10)
+        count = len(lines.lines) - 1
+        assert lines.lines == [*({"index": k} for k in range(count)), {"last": count}]
+        until(lambda: all(map(has_ended, below)))
 
 
 @pytest.mark.parametrize("workers", ["1", "2"])
-def test_a_second_signal_stops_at_once(tmp_path, start_server, children, wait_for, workers):
-    with start_server(tmp_path, "--workers", workers) as (address, process):
-        slow, lines = symbolic(address, 30), stream(address, 10_000)
-        wait_for(lambda: lines.lines and symbolic_processes(children, process.pid))
-        below = [*symbolic_processes(children, process.pid), *children(process.pid)]
+def test_a_second_signal_stops_at_once(tmp_path, workers):
+    """Neither what is in flight nor the time that it has is waited for."""
+    with served(tmp_path, "--workers", workers, shutdown_seconds=10 * PATIENCE) as server:
+        address, process = server.address, server.process
+        slow, lines = symbolic(address, 30), stream(address)
+        until(lambda: lines.lines and symbolic_processes(server.pid))
+        below = [*symbolic_processes(server.pid), *children_of(server.pid)]
         process.send_signal(signal.SIGTERM)
-        wait_for(lambda: refused(address), 20)
-        asked = time.monotonic()
+        until(lambda: refused(address))
         process.send_signal(signal.SIGINT)
-        assert process.wait(30) == 0
-        assert time.monotonic() - asked < 10
+        assert process.wait(PATIENCE) == 0
         for one in (slow, lines):
-            one.join(5)
+            one.join(PATIENCE)
         assert told(slow)
         assert isinstance(lines.error, httpx.RemoteProtocolError | httpx.ReadError)
-        wait_for(lambda: all(gone(pid) for pid in below), 10)
+        until(lambda: all(map(has_ended, below)))
 
 
 @pytest.mark.parametrize("workers", ["1", "2"])
-def test_the_time_to_stop_is_bounded(tmp_path, start_server, monkeypatch, wait_for, workers):
-    monkeypatch.setenv("DENAVIT_SHUTDOWN_SECONDS", "1")
-    monkeypatch.setenv("DENAVIT_DRAIN_SECONDS", "3")
+def test_the_time_to_stop_is_bounded(tmp_path, workers):
+    drain = 8.0
     path = tmp_path / "log"
     with path.open("wb") as stderr:
         options = ("--workers", workers, "--log-level", "info")
-        with start_server(tmp_path / "data", *options, stderr=stderr) as (address, process):
-            lines = stream(address, 10_000)
-            wait_for(lambda: lines.lines)
+        limits = {"shutdown_seconds": 1, "drain_seconds": drain}
+        with served(tmp_path, *options, stderr=stderr, **limits) as server:
+            address, process = server.address, server.process
+            lines = stream(address)
+            until(lambda: lines.lines)
             begun = time.monotonic()
             os.killpg(process.pid, signal.SIGTERM)  # as a terminal or a service manager does
-            time.sleep(1)
             # While it drains it serves, and says that it is going.
-            answer = httpx.get(f"{address}/health/ready")
-            assert answer.status_code == 503
-            assert answer.json()["status"] == "stopping"
-            assert httpx.get(f"{address}/v1/robots/ur5/fk?q=0,0,0,0,0,0").status_code == 200
-            assert process.wait(60) == 0
-            assert 3 < time.monotonic() - begun < 20
-            lines.join(5)
+            until(lambda: httpx.get(f"{address}/health/ready", timeout=PATIENCE).status_code == 503)
+            assert (
+                httpx.get(f"{address}/health/ready", timeout=PATIENCE).json()["status"]
+                == "stopping"
+            )
+            assert (
+                httpx.get(f"{address}/v1/robots/ur5/fk?q=0,0,0,0,0,0", timeout=PATIENCE).status_code
+                == 200
+            )
+            assert process.wait(PATIENCE) == 0
+            assert time.monotonic() - begun > drain
+            lines.join(PATIENCE)
             assert isinstance(lines.error, httpx.RemoteProtocolError | httpx.ReadError)
-            assert [line["index"] for line in lines.lines] == [*range(len(lines.lines))]
+            assert lines.lines == [{"index": k} for k in range(len(lines.lines))]
     events = [json.loads(line)["event"] for line in path.read_text().splitlines()]
     assert "request cut off" in events

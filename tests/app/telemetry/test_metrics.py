@@ -9,6 +9,9 @@ import httpx
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
+from tests.conftest import PATIENCE, until
+from tests.processes import workers_of
+
 FK = "/v1/robots/{robot_id}/fk"
 
 
@@ -20,7 +23,7 @@ def service(request, tmp_path, start_server):
 
 def scraped(address):
     """Values by name and labels."""
-    answer = httpx.get(f"{address}/metrics", timeout=30)
+    answer = httpx.get(f"{address}/metrics", timeout=PATIENCE)
     assert answer.status_code == 200
     assert answer.headers["content-type"].startswith("text/plain")
     return {
@@ -43,14 +46,18 @@ def test_counts_are_exact_and_routes_are_templates(service):
     address, _, workers = service
     size = 0
     for k in range(40):  # each on a connection of its own, so that all workers get some
-        size += len(httpx.get(f"{address}/v1/robots/puma560/fk?q=0,0,0,0,0,{k % 2}").content)
-        httpx.get(f"{address}/secret-{k}")
-        httpx.get(f"{address}/v1/robots/none-{k}")
-    httpx.post(f"{address}/v1/fk", json={})
-    httpx.get(f"{address}/v1/fk")
-    httpx.get(f"{address}/docs-assets/swagger-ui.css")
-    httpx.request("PROPFIND", f"{address}/v1/robots")
-    httpx.put(f"{address}/v1/robots/mine", json=ARM).raise_for_status()
+        size += len(
+            httpx.get(
+                f"{address}/v1/robots/puma560/fk?q=0,0,0,0,0,{k % 2}", timeout=PATIENCE
+            ).content
+        )
+        httpx.get(f"{address}/secret-{k}", timeout=PATIENCE)
+        httpx.get(f"{address}/v1/robots/none-{k}", timeout=PATIENCE)
+    httpx.post(f"{address}/v1/fk", json={}, timeout=PATIENCE)
+    httpx.get(f"{address}/v1/fk", timeout=PATIENCE)
+    httpx.get(f"{address}/docs-assets/swagger-ui.css", timeout=PATIENCE)
+    httpx.request("PROPFIND", f"{address}/v1/robots", timeout=PATIENCE)
+    httpx.put(f"{address}/v1/robots/mine", json=ARM, timeout=PATIENCE).raise_for_status()
 
     samples = scraped(address)
     assert counted(samples, FK) == 40
@@ -62,7 +69,7 @@ def test_counts_are_exact_and_routes_are_templates(service):
     assert counted(samples, "/v1/robots", "other", "4xx") == 1
     assert not [key for key in samples if "secret" in str(key) or "none-" in str(key)]
     assert of_route(samples, "request_duration_seconds_count", FK) == 40
-    assert 0 < of_route(samples, "request_duration_seconds_sum", FK) < 60
+    assert of_route(samples, "request_duration_seconds_sum", FK) > 0
     assert of_route(samples, "response_bytes_total", FK) == size
     assert samples[("denavit_http_requests_in_progress",)] == 1  # the scrape itself
     assert samples[("denavit_robots",)] == 1
@@ -75,28 +82,27 @@ def test_counts_are_exact_and_routes_are_templates(service):
 ARM = {"convention": "standard", "joints": [{"type": "R", "a": 1, "alpha": 0, "d": 0}]}
 
 
-def test_a_killed_worker_leaves_its_counts_and_nothing_else(
-    tmp_path, start_server, worker_pids, wait_for
-):
+def test_a_killed_worker_leaves_its_counts_and_nothing_else(tmp_path, start_server, monkeypatch):
+    monkeypatch.setenv("DENAVIT_BODY_SECONDS", str(PATIENCE))
     with start_server(tmp_path, "--workers", "2") as (address, process):
-        wait_for(lambda: len(workers_that_tell(address)) == 2)
+        until(lambda: len(workers_that_tell(address)) == 2)
         for _ in range(30):
-            httpx.get(f"{address}/v1/robots/puma560/fk?q=0,0,0,0,0,0")
-        doomed, other = worker_pids(process)
+            httpx.get(f"{address}/v1/robots/puma560/fk?q=0,0,0,0,0,0", timeout=PATIENCE)
+        doomed, other = workers_of(process.pid)
         # In progress when a worker dies: bodies that do not come, eight for each worker.
         with ExitStack() as halves:
             with stopped(doomed):
                 kept = [halves.enter_context(half_a_request(address)) for _ in range(8)]
-                wait_for(lambda: in_progress(address) == 9)
+                until(lambda: in_progress(address) == 9)
             with stopped(other):
                 lost = [halves.enter_context(half_a_request(address)) for _ in range(8)]
-                wait_for(lambda: in_progress(address) == 17)
+                until(lambda: in_progress(address) == 17)
             os.kill(doomed, signal.SIGKILL)
-            wait_for(lambda: len(set(worker_pids(process)) - {doomed}) == 2)
-            wait_for(lambda: in_progress(address) == 9)
+            until(lambda: len(set(workers_of(process.pid)) - {doomed}) == 2)
+            until(lambda: in_progress(address) == 9)
             assert not any(has_gone(half) for half in kept)
             assert all(has_gone(half) for half in lost)
-        wait_for(lambda: in_progress(address) == 1)
+        until(lambda: in_progress(address) == 1)
         samples = scraped(address)
         assert counted(samples, FK) == 30
 
@@ -143,4 +149,4 @@ def has_gone(connection):
 def test_metrics_can_be_switched_off(tmp_path, start_server, monkeypatch):
     monkeypatch.setenv("DENAVIT_METRICS", "false")
     with start_server(tmp_path) as (address, _):
-        assert httpx.get(f"{address}/metrics").status_code == 404
+        assert httpx.get(f"{address}/metrics", timeout=PATIENCE).status_code == 404

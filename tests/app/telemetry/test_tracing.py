@@ -12,6 +12,7 @@ import httpx
 import pytest
 
 from app.telemetry.tracing import asked_for, telemetry_config
+from tests.conftest import PATIENCE
 
 TRACE = "4bf92f3577b34da6a3ce929d0e0e4736"
 
@@ -54,10 +55,10 @@ def test_spans_and_metrics_arrive(tmp_path, start_server, monkeypatch, sink):
     ):
         headers = {"traceparent": f"00-{TRACE}-00f067aa0ba902b7-01", "X-Request-ID": "mine-1"}
         query = {"q": "0,0,0,0,0,0.125", "format": "text"}
-        httpx.get(f"{url}/v1/robots/puma560/fk", params=query, headers=headers)
-        httpx.get(f"{url}/health/live")
+        httpx.get(f"{url}/v1/robots/puma560/fk", params=query, headers=headers, timeout=PATIENCE)
+        httpx.get(f"{url}/health/live", timeout=PATIENCE)
         process.terminate()
-        assert process.wait(30) == 0
+        assert process.wait(PATIENCE) == 0
     spans = b"".join(body for path, body in sink.received if path == "/v1/traces")
     assert b"/v1/robots/{robot_id}/fk" in spans
     assert bytes.fromhex(TRACE) in spans
@@ -86,7 +87,7 @@ def test_a_missing_package_is_told(tmp_path):
         [Path(sys.executable).parent / "denavit", "serve", "--port", "0"],
         env={**os.environ, "PYTHONPATH": path, "DENAVIT_DATA_DIR": str(tmp_path),
              "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT": "http://127.0.0.1:9/v1/traces"},
-        capture_output=True, text=True, timeout=300, check=False,
+        capture_output=True, text=True, timeout=PATIENCE, check=False,
     )  # fmt: skip
     assert done.returncode == 1
     assert "pip install 'denavit[telemetry]'" in json.loads(done.stderr)["event"]

@@ -4,13 +4,13 @@ import shutil
 
 import numpy as np
 import pytest
-from formulas import c_program, python_functions, written
 
 from dh_to_urdf import dh_matrices
 from kinematics.forward import fk
 from kinematics.jacobian import jacobian
 from kinematics.symbolic import Notation
 from robots.shipped import shipped_robot
+from tests.kinematics.symbolic.formulas import c_program, python_functions, written
 
 CASES = [("planar_2r", "numeric"), ("stanford", "symbolic"), ("pa10", "numeric")]
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")

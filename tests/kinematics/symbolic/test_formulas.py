@@ -4,13 +4,13 @@ import re
 
 import numpy as np
 import pytest
-from formulas import evaluator, plain, written
 
 from dh_to_urdf import dh_matrices, read_mapping
 from kinematics.forward import fk
 from kinematics.jacobian import jacobian
 from robots.robot import robot_from_table
 from robots.shipped import shipped_robot
+from tests.kinematics.symbolic.formulas import evaluator, plain, written
 
 ARMS = ["planar_2r", "planar_3r", "planar_8r", "scara", "stanford", "puma560", "rx90", "ur5",
         "panda", "pa10"]  # fmt: skip

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from formulas import evaluator, written
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -12,6 +11,7 @@ from dh_to_urdf.table import Convention, DHRow, DHTable, JointType
 from kinematics.forward import fk
 from kinematics.jacobian import jacobian
 from robots.robot import robot_from_table
+from tests.kinematics.symbolic.formulas import evaluator, written
 
 ANGLES = st.one_of(
     st.integers(-12, 12).map(lambda k: k * math.pi / 12),

@@ -16,6 +16,7 @@ from robots.errors import DamagedRobot, RobotNotFound
 from robots.shipped import shipped_ids
 from robots.storage.stored_file import MAX_FILE_BYTES
 from robots.store import RobotStore
+from tests.conftest import PATIENCE
 
 OUTSIDER = 65534
 
@@ -240,7 +241,10 @@ def as_anybody(code, directory):
     source = AS_ANYBODY.replace("OUTSIDER", str(OUTSIDER)) + code
     # Where this folder cannot be entered by anybody, it is not the place for such a test.
     ran = subprocess.run(
-        [sys.executable, "-c", source, str(directory)], capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", source, str(directory)],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
     )
     assert ran.returncode == 0, ran.stderr
     return ran.stdout.split()

@@ -10,6 +10,7 @@ from robots.errors import QuotaReached
 from robots.shipped import shipped_ids
 from robots.storage.usage_record import Quotas, Usage
 from robots.store import RobotStore
+from tests.conftest import PATIENCE
 
 
 @pytest.fixture
@@ -63,7 +64,7 @@ with directory.write_transaction() as turn:
     (Path(sys.argv[1]) / "robots" / "r1.json").write_bytes(b"x")
     os.kill(os.getpid(), 9)
 """
-    subprocess.run([sys.executable, "-c", blanked, str(tmp_path)], check=False, timeout=60)
+    subprocess.run([sys.executable, "-c", blanked, str(tmp_path)], check=False, timeout=PATIENCE)
     assert store.usage() == counted(tmp_path) == Usage(2, counted(tmp_path).bytes)
 
 
@@ -163,7 +164,7 @@ sys.exit(any(os.waitpid(child, 0)[1] for child in children))
 def test_the_quota_is_exact_among_processes(tmp_path):
     ran = subprocess.run(
         [sys.executable, "-c", RACERS, str(tmp_path)],
-        capture_output=True, text=True, check=True, timeout=120,
+        capture_output=True, text=True, check=True, timeout=PATIENCE,
     )  # fmt: skip
     assert sorted(ran.stdout.split()) == ["refused"] * 55 + ["stored"] * 25
     assert len(files(tmp_path)) == 25

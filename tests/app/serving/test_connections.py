@@ -11,7 +11,10 @@ import httpx
 import numpy as np
 import pytest
 
+from tests.conftest import PATIENCE, until
+
 FK = "/v1/robots/panda/fk?q=0,0,0,0,0,0,0"
+JACOBIAN = "/v1/robots/{robot_id}/jacobian"
 QUICK = {"head_seconds": 1, "body_seconds": 1, "write_seconds": 1}
 
 
@@ -23,7 +26,7 @@ def answer(connection: socket.socket) -> bytes:
 
 
 def is_fine(server) -> bool:
-    return httpx.get(server.address + FK, timeout=10).status_code == 200
+    return httpx.get(server.address + FK, timeout=PATIENCE).status_code == 200
 
 
 def problem_of(raw: bytes) -> dict:
@@ -39,18 +42,16 @@ def problem_of(raw: bytes) -> dict:
 def test_a_head_that_does_not_come_is_cut_off(serve):
     with serve(**QUICK) as server, server.connect() as connection:
         connection.sendall(b"GET /health/live HTTP/1.1\r\nHost: x\r\nX-A: ")
-        started = time.monotonic()
-        with contextlib.suppress(OSError):
-            while time.monotonic() - started < 20:
+        started, first = time.monotonic(), b""
+        with contextlib.suppress(BrokenPipeError):
+            while not first and time.monotonic() - started < PATIENCE:
                 connection.sendall(b"a")
                 time.sleep(0.2)
                 connection.settimeout(0.01)
                 with contextlib.suppress(TimeoutError):
-                    if connection.recv(1):
-                        break
-        assert time.monotonic() - started < 6
-        connection.settimeout(5)
-        raw = b"H" + answer(connection)
+                    first = connection.recv(1)
+        connection.settimeout(PATIENCE)
+        raw = first + answer(connection)
         assert raw.startswith(b"HTTP/1.1 408 ")
         assert problem_of(raw)["detail"] == "the head of the request took too long"
 
@@ -61,7 +62,7 @@ def test_a_body_that_trickles_is_cut_off_and_a_slow_one_is_not(serve):
         b"POST /v1/robots/panda/fk HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n"
         b"Connection: close\r\nContent-Length: %d\r\n\r\n"
     )
-    with serve(**QUICK) as server:
+    with serve(**QUICK | {"body_seconds": 5}) as server:
         with server.connect() as connection:
             connection.sendall(head % len(body) + body[:5])
             time.sleep(0.5)
@@ -85,7 +86,10 @@ def test_a_thousand_slow_clients_do_not_hold_the_service(serve):
     if hard < 2500:
         pytest.skip("too few file descriptors")
     resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, 2500), hard))
-    with serve(max_connections=200) as server, contextlib.ExitStack() as stack:
+    with (
+        serve(max_connections=200, head_seconds=PATIENCE) as server,
+        contextlib.ExitStack() as stack,
+    ):
         slow = []
         for _ in range(1000):
             connection = stack.enter_context(server.connect())
@@ -95,9 +99,7 @@ def test_a_thousand_slow_clients_do_not_hold_the_service(serve):
             for connection in slow:
                 with contextlib.suppress(OSError):
                     connection.send(b"c")
-            started = time.monotonic()
             assert is_fine(server)
-            assert time.monotonic() - started < 5
         kept = sum(still_open(connection) for connection in slow)
         assert 100 < kept <= 200
 
@@ -118,7 +120,7 @@ def asked_for_much(server, stack: contextlib.ExitStack) -> socket.socket:
     connection = stack.enter_context(socket.socket())
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
     connection.connect(("127.0.0.1", server.port))
-    connection.settimeout(60)
+    connection.settimeout(PATIENCE)
     connection.sendall(
         b"POST /v1/robots/panda/jacobian HTTP/1.1\r\nHost: x\r\nContent-Type: application/json"
         b"\r\nConnection: close\r\nContent-Length: %d\r\n\r\n" % len(body) + body
@@ -126,10 +128,15 @@ def asked_for_much(server, stack: contextlib.ExitStack) -> socket.socket:
     return connection
 
 
+def done_with(server) -> int:
+    """Requests for a Jacobian that the server is done with."""
+    return int(server.counted("denavit_http_requests_total", route=JACOBIAN))
+
+
 def test_answers_that_nobody_reads_are_dropped(serve):
     with serve(**QUICK) as server, contextlib.ExitStack() as stack:
         connections = [asked_for_much(server, stack) for _ in range(6)]
-        time.sleep(6)
+        until(lambda: done_with(server) == 6)
         assert is_fine(server)
         for connection in connections:
             with contextlib.suppress(ConnectionResetError):
@@ -138,13 +145,14 @@ def test_answers_that_nobody_reads_are_dropped(serve):
 
 
 def test_a_reader_who_takes_its_time_gets_all(serve):
-    with serve(**QUICK) as server, contextlib.ExitStack() as stack:
+    seconds = 5
+    with serve(write_seconds=seconds) as server, contextlib.ExitStack() as stack:
         connection = asked_for_much(server, stack)
-        raw = bytearray()
+        raw = bytearray(connection.recv(16_384))
         began = time.monotonic()
         while part := connection.recv(16_384):
             raw += part
-            if time.monotonic() - began < 6:
+            if time.monotonic() - began < seconds + 2:
                 time.sleep(0.1)
         head, _, body = bytes(raw).partition(b"\r\n\r\n")
         assert f"content-length: {len(body)}".encode() in head
@@ -171,7 +179,7 @@ def test_a_reader_who_takes_its_time_gets_all(serve):
 )  # fmt: skip
 def test_heads_that_are_too_large_or_none_are_refused(server, request_, status):
     host, port = server.removeprefix("http://").split(":")
-    with socket.create_connection((host, int(port)), 20) as connection:
+    with socket.create_connection((host, int(port)), PATIENCE) as connection:
         connection.sendall(request_)
         raw = answer(connection)
     assert raw.startswith(f"HTTP/1.1 {status} ".encode())
@@ -186,34 +194,26 @@ def test_the_worker_survives_more_connections_than_files(serve, tmp_path):
             with contextlib.suppress(OSError):
                 stack.enter_context(server.connect(2))
         stack.close()
-        deadline = time.monotonic() + 30
-        while True:
-            try:
-                assert is_fine(server)
-                break
-            except httpx.TransportError:
-                assert time.monotonic() < deadline
+
+        def recovers() -> bool:
+            with contextlib.suppress(httpx.TransportError):
+                return is_fine(server)
+            return False
+
+        until(recovers)
 
 
-def test_who_goes_away_leaves_none_of_its_pipelined_requests_behind(serve):
+def test_who_goes_away_leaves_none_of_its_pipelined_requests_behind(serve_long_work):
     """The first of two is being computed; the server learns of the end by the second."""
-    rows = np.random.default_rng(0).uniform(-1, 1, (60_000, 7)).round(4).tolist()
-    body = json.dumps({"q": rows}).encode()
+    body = json.dumps({"q": [0.1] * 7}).encode()
     first = (
-        b"POST /v1/robots/panda/singularity HTTP/1.1\r\nHost: x\r\nContent-Type: application/json"
+        b"POST /v1/robots/panda/endless HTTP/1.1\r\nHost: x\r\nContent-Type: application/json"
         b"\r\nContent-Length: %d\r\n\r\n" % len(body) + body
     )
-    with serve() as server:
-        assert server.is_idle(30)
+    with serve_long_work(max_request_seconds=1e6) as server:
         with server.connect() as connection:
             connection.sendall(first + b"GET /health/live HTTP/1.1\r\nHost: x\r\n\r\n")
-            assert server.is_busy()
-        started = time.monotonic()
-        assert server.is_idle(60)
-        gone = time.monotonic() - started
-        whole = httpx.post(
-            f"{server.address}/v1/robots/panda/singularity", content=body, timeout=300,
-            headers={"Content-Type": "application/json"},
-        )  # fmt: skip
-        assert whole.status_code in (200, 422)
-        assert gone < whole.elapsed.total_seconds() / 2
+            server.works_for(0.5)
+            assert server.in_progress() == 1
+        server.comes_to_rest()
+        assert is_fine(server)

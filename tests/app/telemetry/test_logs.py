@@ -5,10 +5,12 @@ import re
 import socket
 import subprocess
 import sys
-import time
+from contextlib import suppress
 
 import httpx
 import pytest
+
+from tests.conftest import PATIENCE, until
 
 SECRET = "s3cret-value"
 FORGED = '{"time":"2000-01-01T00:00:00Z","level":"critical","event":"forged"}'
@@ -25,7 +27,7 @@ def logged(tmp_path, start_server):
             with start_server(tmp_path / "data", *options, stderr=stderr) as (address, process):
                 act(address)
                 process.terminate()
-                assert process.wait(30) == 0
+                assert process.wait(PATIENCE) == 0
         return path.read_bytes()
 
     return run
@@ -34,7 +36,7 @@ def logged(tmp_path, start_server):
 def raw(address, request):
     """Sends bytes as they are; gives what comes back."""
     host, port = address.removeprefix("http://").split(":")
-    with socket.create_connection((host, int(port)), timeout=10) as connection:
+    with socket.create_connection((host, int(port)), timeout=PATIENCE) as connection:
         connection.sendall(request)
         connection.shutdown(socket.SHUT_WR)
         answer = b""
@@ -63,14 +65,24 @@ def hostile(address):
     raw(address, b"\x16\x03\x01\x00\x00\n{}\n")
     table = {"convention": "standard", "joints": [{"type": "R", "a": 1, "alpha": 0, "d": 0}]}
     for name in (f"a\n{FORGED}\nb", "\u202ea", "a\x1b[2J"):
-        httpx.post(f"{address}/v1/robots", json={"name": name, **table})
+        httpx.post(f"{address}/v1/robots", json={"name": name, **table}, timeout=PATIENCE)
         joint = {**table["joints"][0], "name": name}
-        httpx.post(f"{address}/v1/robots", json={**table, "name": "ok", "joints": [joint]})
+        httpx.post(
+            f"{address}/v1/robots",
+            json={**table, "name": "ok", "joints": [joint]},
+            timeout=PATIENCE,
+        )
         urdf = f'<robot name="{name}"><link name="{name}"/></robot>'
-        httpx.post(f"{address}/v1/robots", content=urdf.encode(), headers=XML)
-        httpx.post(f"{address}/v1/fk", json={"robot": {"urdf": urdf}, "q": [SECRET]})
-    httpx.post(f"{address}/v1/robots/puma560/fk", json={"q": [SECRET]})
-    httpx.get(f"{address}/v1/robots/puma560/fk", params={"q": SECRET, "format": f"\n{FORGED}"})
+        httpx.post(f"{address}/v1/robots", content=urdf.encode(), headers=XML, timeout=PATIENCE)
+        httpx.post(
+            f"{address}/v1/fk", json={"robot": {"urdf": urdf}, "q": [SECRET]}, timeout=PATIENCE
+        )
+    httpx.post(f"{address}/v1/robots/puma560/fk", json={"q": [SECRET]}, timeout=PATIENCE)
+    httpx.get(
+        f"{address}/v1/robots/puma560/fk",
+        params={"q": SECRET, "format": f"\n{FORGED}"},
+        timeout=PATIENCE,
+    )
 
 
 XML = {"Content-Type": "application/xml"}
@@ -90,9 +102,13 @@ def test_nothing_that_a_request_carries_makes_a_line(logged, workers):
 def test_a_line_for_each_request(logged):
     def act(address):
         headers = {"X-Request-ID": "mine-7", "X-Forwarded-For": "192.0.2.1"}
-        httpx.get(f"{address}/v1/robots/puma560/fk?q=0,0,0,0,0,0", headers=headers)
-        httpx.get(f"{address}/v1/robots/nobody", headers={"X-Request-ID": "mine-8"})
-        httpx.get(f"{address}/health/live", headers={"X-Request-ID": "mine-9"})
+        httpx.get(
+            f"{address}/v1/robots/puma560/fk?q=0,0,0,0,0,0", headers=headers, timeout=PATIENCE
+        )
+        httpx.get(
+            f"{address}/v1/robots/nobody", headers={"X-Request-ID": "mine-8"}, timeout=PATIENCE
+        )
+        httpx.get(f"{address}/health/live", headers={"X-Request-ID": "mine-9"}, timeout=PATIENCE)
 
     lines = [json.loads(line) for line in logged(act).splitlines()]
     by_id = {line.get("request_id"): line for line in lines}
@@ -125,7 +141,7 @@ def test_clients_are_named_when_wanted_and_escaped(logged, monkeypatch):
     def act(address):
         raw(address, "GET /nope HTTP/1.1\r\nHost: a\r\nX-Forwarded-For: \u202e1\x85\r\n"
                      "Connection: close\r\n\r\n".encode())  # fmt: skip
-        httpx.get(f"{address}/nope")
+        httpx.get(f"{address}/nope", timeout=PATIENCE)
 
     written = logged(act)
     lines = [json.loads(line) for line in written.decode("ascii").splitlines()]
@@ -140,7 +156,7 @@ def test_clients_are_named_when_wanted_and_escaped(logged, monkeypatch):
 def test_without_access_lines(logged, monkeypatch, name, value):
     monkeypatch.setenv(name, value)
     options = ("--log-level", value) if name == "DENAVIT_LOG_LEVEL" else ()
-    written = logged(lambda address: httpx.get(f"{address}/v1/robots"), *options)
+    written = logged(lambda address: httpx.get(f"{address}/v1/robots", timeout=PATIENCE), *options)
     assert b'"event":"request"' not in written
 
 
@@ -205,16 +221,17 @@ uvicorn.run(app, port=int(sys.argv[1]), log_config=None, access_log=False)
         port = probe.getsockname()[1]
     command = [sys.executable, "-c", program, str(port)]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
-        deadline = time.monotonic() + 120
-        while True:
-            try:
-                answer = httpx.get(f"http://127.0.0.1:{port}/fails")
-                break
-            except httpx.TransportError:
-                assert time.monotonic() < deadline
-                time.sleep(0.1)
+        answers = []
+
+        def answered():
+            with suppress(httpx.TransportError):
+                answers.append(httpx.get(f"http://127.0.0.1:{port}/fails", timeout=PATIENCE))
+            return answers
+
+        until(answered)
+        (answer,) = answers
         process.terminate()
-        lines = [json.loads(line) for line in process.communicate(timeout=30)[1].splitlines()]
+        lines = [json.loads(line) for line in process.communicate(timeout=PATIENCE)[1].splitlines()]
     assert answer.status_code == 500
     assert "cause" not in answer.text
     (failed,) = [line for line in lines if line["event"] == "request failed"]

@@ -31,7 +31,7 @@ from kinematics.task import task_from
 from robots.robot import robot_from_urdf
 from robots.shapes import Shape
 from robots.shipped import shipped_robot
-from tests.kinematics.redundancy.test_gradients import numeric
+from tests.kinematics.redundancy.steps.test_gradients import numeric
 
 CAPSULE = '<capsule radius="{0}" length="{1}"/>'
 SPHERE = '<sphere radius="{0}"/>'

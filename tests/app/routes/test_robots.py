@@ -8,6 +8,8 @@ import pinocchio as pin
 import pytest
 import yourdfpy
 
+from tests.conftest import PATIENCE
+
 TABLE = {
     "name": "arm",
     "convention": "standard",
@@ -230,16 +232,24 @@ def test_uploads_survive_a_kill_and_are_seen_by_all_workers(tmp_path, start_serv
         for k in range(20):
             name = f"arm-{k}"
             body = TABLE | {"name": name}
-            assert httpx.put(f"{address}/v1/robots/{name}", json=body).status_code == 201
+            assert (
+                httpx.put(f"{address}/v1/robots/{name}", json=body, timeout=PATIENCE).status_code
+                == 201
+            )
             answers = [
-                httpx.get(f"{address}/v1/robots/{name}/fk?q=0,{k}").status_code for _ in range(10)
+                httpx.get(f"{address}/v1/robots/{name}/fk?q=0,{k}", timeout=PATIENCE).status_code
+                for _ in range(10)
             ]
             assert answers == [200] * 10
-        assert httpx.delete(f"{address}/v1/robots/arm-0").status_code == 204
-        gone = [httpx.get(f"{address}/v1/robots/arm-0").status_code for _ in range(10)]
+        assert httpx.delete(f"{address}/v1/robots/arm-0", timeout=PATIENCE).status_code == 204
+        gone = [
+            httpx.get(f"{address}/v1/robots/arm-0", timeout=PATIENCE).status_code for _ in range(10)
+        ]
         assert gone == [404] * 10
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
     with start_server(tmp_path) as (address, _):
-        assert httpx.get(f"{address}/v1/robots/arm-19/fk?q=0,1").status_code == 200
-        assert httpx.get(f"{address}/v1/robots/arm-0").status_code == 404
+        assert (
+            httpx.get(f"{address}/v1/robots/arm-19/fk?q=0,1", timeout=PATIENCE).status_code == 200
+        )
+        assert httpx.get(f"{address}/v1/robots/arm-0", timeout=PATIENCE).status_code == 404
