@@ -8,20 +8,22 @@ WORKDIR /src
 
 # The dependencies, in a layer of their own that changes with the lock only.
 COPY pyproject.toml requirements.lock ./
-COPY docker/locked.py docker/
+COPY install/locked.py install/
 RUN --mount=type=cache,target=/var/cache/pip \
     python -m venv --without-pip /opt/denavit \
-    && python docker/locked.py run > run.txt \
+    && python install/locked.py run > run.txt \
     && python -m pip --python /opt/denavit/bin/python install \
         --require-hashes --no-deps --only-binary :all: --no-compile -r run.txt \
     && python -m pip --python /opt/denavit/bin/python check
+COPY install/prune.py install/
 COPY docker/strip.py docker/
 COPY robots/library robots/library
-RUN /opt/denavit/bin/python -B docker/strip.py robots/library
+RUN /opt/denavit/bin/python -B install/prune.py \
+    && /opt/denavit/bin/python -B docker/strip.py
 
 # The service itself, below /app as it will lie below /.
 RUN --mount=type=cache,target=/var/cache/pip \
-    python docker/locked.py build > build.txt \
+    python install/locked.py build page > build.txt \
     && python -m pip install --require-hashes --no-deps --only-binary :all: -r build.txt
 
 # The page, in a layer that changes with its own sources only; the wheel takes it as it is.
@@ -66,6 +68,7 @@ COPY --from=build /app/opt/denavit /opt/denavit
 # image what a first start compiles: bytecode, and kernels in NUMBA_CACHE_DIR.
 COPY docker/sbom.py docker/warm_up.py /tmp/
 RUN python /tmp/sbom.py /opt/denavit/share/denavit \
+    && python -m kinematics.warm --jobs 2 \
     && python /tmp/warm_up.py \
     && rm /tmp/sbom.py /tmp/warm_up.py
 

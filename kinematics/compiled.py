@@ -6,14 +6,7 @@ leaves a function as it is; callers then take their NumPy path (``COMPILED`` is 
 
 from __future__ import annotations
 
-import atexit
-import hashlib
-import os
-import shutil
-import tempfile
 from collections.abc import Callable
-from contextlib import suppress
-from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -22,32 +15,10 @@ from numpy.typing import NDArray
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def _choose_cache() -> None:
-    """Says where Numba keeps machine code, before it is imported.
-
-    By default beside this file, in a folder named after the sources: Numba itself only notices
-    changes in a function's own file, not in those that it calls. A read-only cache (of an image)
-    is copied to where Numba, which insists on it, may write.
-    """
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    if chosen is None:
-        digest = hashlib.sha256()
-        for source in sorted(Path(__file__).parent.rglob("*.py")):
-            digest.update(source.read_bytes())
-        folder = Path(__file__).parent / "__pycache__" / f"kernels-{digest.hexdigest()[:16]}"
-        with suppress(OSError):
-            folder.mkdir(parents=True, exist_ok=True)
-            os.environ["NUMBA_CACHE_DIR"] = str(folder)
-    elif Path(chosen).is_dir() and not os.access(chosen, os.W_OK):
-        private = Path(tempfile.mkdtemp(prefix="denavit-kernels-"))
-        shutil.copytree(chosen, private, dirs_exist_ok=True)
-        os.environ["NUMBA_CACHE_DIR"] = str(private)
-        atexit.register(shutil.rmtree, private, ignore_errors=True)
-
-
-_choose_cache()
 try:
     from numba import njit
+
+    from kinematics.kernel_cache import enable_cache
 except ImportError:
     COMPILED = False
 else:
@@ -82,8 +53,6 @@ def inner(function: F) -> F:
 def _compiled(function: F, options: dict[str, Any]) -> F:
     if not COMPILED:
         return function
-    try:
-        compiled: Any = njit(cache=True, **_OPTIONS, **options)(function)
-    except RuntimeError:  # no place for a cache: compiled anew in every process
-        compiled = njit(**_OPTIONS, **options)(function)
+    compiled: Any = njit(**_OPTIONS, **options)(function)
+    enable_cache(compiled, function)
     return compiled  # type: ignore[no-any-return]

@@ -1,6 +1,15 @@
-"""Compiles, or takes from the cache, what requests will call, so that none of them pays for it."""
+"""Compile, or take from the cache, what requests will call, so that none of them pays for it.
+
+``python -m kinematics.warm`` fills the cache, ``--jobs 2`` with two processes.
+"""
 
 from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -10,6 +19,7 @@ from kinematics.inverse import IKOptions, solve_ik, solve_ik_batch
 from kinematics.inverse.all_solutions import all_solutions
 from kinematics.inverse.bounds import JointBounds
 from kinematics.jacobian import jacobian
+from kinematics.kernel_cache import is_full, mark_full
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.distances import pair_distance
 from kinematics.redundancy.clearance.obstacles import Sphere, encoded
@@ -22,28 +32,39 @@ from kinematics.task import POSE
 from robots.robot import Robot
 from robots.shipped import shipped_robot
 
+CLOSED_FORMS = ("panda", "puma560", "ur5", "scara", "pa10")
+"""Shipped robots: one without a closed form, and one of each."""
+
 
 def warm_up() -> bool:
-    """Runs each compiled function once; seconds the first time, a moment with its cache.
+    """Run each compiled function once; a minute the first time, a moment with its cache.
 
     Returns:
         False where there is nothing to compile (Numba is not installed).
     """
     if not COMPILED:
         return False
-    robot = shipped_robot("puma560")
-    pose = fk(robot, np.full(robot.dof, 0.5))[robot.tip_frame]
-    solve_ik(robot, pose)
-    solve_ik_batch(robot, pose[None], options=IKOptions(max_restarts=1))
-    for name in ("panda", "puma560", "ur5", "scara", "pa10"):
-        robot = shipped_robot(name)
-        batch = np.full((2, robot.dof), 0.3)
-        jacobian(robot, batch)
-        pose = fk(robot, batch)[robot.tip_frame][0]
-        solve_ik(robot, pose)
-        all_solutions(robot, pose)
-    _follow_a_path()
+    for half in HALVES:
+        half()
+    mark_full()
     return True
+
+
+def _solve() -> None:
+    """Forward kinematics, Jacobians and inverse kinematics, one and many."""
+    robot = shipped_robot("puma560")
+    batch = np.full((2, robot.dof), 0.5)
+    jacobian(robot, batch)
+    poses = fk(robot, batch)[robot.tip_frame]
+    solve_ik(robot, poses[0])
+    solve_ik_batch(robot, poses[:1], options=IKOptions(max_restarts=1))
+
+
+def _solve_in_closed_form_and_follow_a_path() -> None:
+    for name in CLOSED_FORMS:
+        robot = shipped_robot(name)
+        all_solutions(robot, fk(robot, np.full(robot.dof, 0.3))[robot.tip_frame])
+    _follow_a_path()
 
 
 def _follow_a_path() -> None:
@@ -62,6 +83,10 @@ def _follow_a_path() -> None:
     pair_distance(link[0].copy(), link[1].copy(), ball[0], np.empty(4))
 
 
+HALVES = (_solve, _solve_in_closed_form_and_follow_a_path)
+"""Two parts that take about as long to compile, and share little."""
+
+
 def warm_up_on(robot: Robot) -> None:
     """Computes with a robot once: what is kept of it is made now, not in a request."""
     middle = JointBounds.of(robot).middle()
@@ -70,5 +95,41 @@ def warm_up_on(robot: Robot) -> None:
     solve_ik(robot, pose, options=IKOptions(max_restarts=0, max_iterations=1))
 
 
-if __name__ == "__main__":
+def fill(*options: str, inherited: int | None = None) -> subprocess.Popen[bytes]:
+    """Start a process that fills the cache; its exit status is 0 once the cache is full.
+
+    Args:
+        options: Of ``python -m kinematics.warm``.
+        inherited: A file descriptor that stays open in it.
+    """
+    # The packages that this process runs, whatever the current directory holds.
+    places = (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", ""))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, places))}
+    command = [sys.executable, "-P", "-m", "kinematics.warm", *options]
+    kept = () if inherited is None else (inherited,)
+    return subprocess.Popen(command, stdin=subprocess.DEVNULL, env=environment, pass_fds=kept)
+
+
+def main() -> None:
+    """Fill the cache, as the command line says."""
+    parser = argparse.ArgumentParser(prog="python -m kinematics.warm", description=__doc__)
+    parser.add_argument("--jobs", type=int, choices=(1, 2), default=1, help="processes")
+    parser.add_argument("--half", type=int, choices=(0, 1), help="one of two halves only")
+    parser.add_argument("--nice", type=int, default=0, help="how much lower the priority is")
+    chosen = parser.parse_args()
+    os.nice(chosen.nice)
+    if chosen.half is not None:
+        HALVES[chosen.half]()
+        return
+    if is_full():
+        return
+    if chosen.jobs == 2:
+        halves = [fill("--half", str(half)) for half in range(len(HALVES))]
+        statuses = [half.wait() for half in halves]
+        if any(statuses):
+            sys.exit("the cache is not filled: see above")
     warm_up()
+
+
+if __name__ == "__main__":
+    main()

@@ -37,6 +37,7 @@ from kinematics.inverse import (
     IKResult,
     IKStatus,
     Tolerance,
+    is_compiled,
     solve_ik,
     solve_ik_batch,
 )
@@ -210,7 +211,7 @@ def _options_of(request: IKRequest, context: Context) -> tuple[IKOptions, IKOpti
 
 def _attempt(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
     """Return the answer for a single target if half a millisecond is enough for it."""
-    if request.target is None or request.choose is not None:
+    if request.target is None or request.choose is not None or not is_compiled():
         return None
     if robot.dof > LIGHT_DOF or request.max_iterations > QUICK_ITERATIONS:
         return None

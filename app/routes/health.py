@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import msgspec
 from anyio.to_thread import run_sync
 from fastapi import APIRouter, Request, Response
@@ -11,9 +13,8 @@ from app.http.negotiation import HTML, JSON, TEXT, wanted_type
 from app.http.problems import ProblemType, RequestProblem
 from app.http.rendering import ALL_TYPES
 from app.http.responses import respond
-from app.page import Page
+from app.page import Page, waiting
 from app.readiness import Check, Readiness, WritableDirectory
-from kinematics.compiled import COMPILED
 from robots.shipped import shipped_ids
 
 router = APIRouter()
@@ -32,15 +33,20 @@ async def live() -> Response:
     return Response(b'{"status":"live"}', media_type=JSON)
 
 
-def add_checks(readiness: Readiness, services: Services) -> None:
-    """Adds what this service needs, once its kernels are loaded."""
+def add_checks(readiness: Readiness, services: Services, kernels: Callable[[], Check]) -> None:
+    """Adds what this service needs.
+
+    Args:
+        readiness: Where.
+        services: What is checked.
+        kernels: What is said of the machine code of the solvers.
+    """
 
     def library() -> Check:
         services.store.get("planar_2r")
         return Check(status="ok", detail=f"{len(shipped_ids())} robots")
 
-    kernels = Check(status="ok", detail="compiled" if COMPILED else "not compiled: no Numba here")
-    readiness.add("kernels", lambda: kernels)
+    readiness.add("kernels", kernels)
     readiness.add("library", library)
 
     def damaged() -> Check:
@@ -68,9 +74,10 @@ async def index(request: Request) -> Response:
     """The page for browsers; what there is, for people who ask with curl."""
     page = request.app.state.page
     assert isinstance(page, Page)
-    wanted = wanted_type(request, JSON, TEXT, *((HTML,) if page.is_built else ()))
+    wanted = wanted_type(request, JSON, TEXT, HTML)
     if wanted == HTML:
-        return page.index(request)
+        await run_sync(page.refresh)
+        return page.index(request) if page.is_built else waiting()
     base = str(request.base_url).rstrip("/")
     payload = {
         "service": "denavit",

@@ -13,8 +13,14 @@ from app.serving.connections import raise_file_limit
 from app.settings import Settings
 from app.telemetry.logs import LOG, log_form, log_to_stderr
 from app.telemetry.tracing import TracingUnavailable, require_exporters
-from kinematics.warm import warm_up
+from kinematics.kernel_cache import is_full
 from robots.store import RobotStore
+
+LOADING = "Loading the solvers …"
+COMPILING = (
+    "Compiling the solvers in the background, once, for about a minute; until then a request that"
+    " needs one takes seconds longer"
+)
 
 
 def serve(settings: Settings) -> int:
@@ -30,7 +36,7 @@ def serve(settings: Settings) -> int:
     try:
         require_exporters()
         sockets = bound_sockets(settings.host, settings.port)
-        # Once, before the workers start: they share the directory and the compiled code.
+        # Once, before the workers start: they share the directory.
         RobotStore(settings.data_dir)
         written_to(settings.data_dir)
     except (CannotListen, TracingUnavailable) as error:
@@ -42,8 +48,7 @@ def serve(settings: Settings) -> int:
             settings.data_dir, error.strerror or error,
         )  # fmt: skip
         return 1
-    _say(settings, "Loading the solvers (a minute after an update, else a moment) …")
-    warm_up()
+    _say(settings, LOADING if is_full() else COMPILING)
     _say_where(settings, port_of(sockets[0]))
     if settings.workers > 1:
         from app.serving.supervisor import Supervisor

@@ -1,6 +1,7 @@
 """Inverse kinematics: ``solve_ik(robot, target, …) -> IKResult``."""
 
 from kinematics.inverse.api import solve_ik, solve_ik_batch
+from kinematics.inverse.prepared_solver import is_compiled
 from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus, Tolerance
 
 __all__ = [
@@ -9,6 +10,7 @@ __all__ = [
     "IKResult",
     "IKStatus",
     "Tolerance",
+    "is_compiled",
     "solve_ik",
     "solve_ik_batch",
 ]

@@ -214,6 +214,15 @@ def solver_of(robot: Robot, frame: str, task: Task) -> Solver:
     return _made(robot, frame, task.name, task.rows, task.own_axes)
 
 
+def is_compiled() -> bool:
+    """Return whether this process has the machine code: :func:`solve_ik` then compiles nothing."""
+    return bool(solve_one.signatures)
+
+
 @lru_cache(maxsize=KEPT)
 def _made(robot: Robot, frame: str, name: str, rows: tuple[int, ...], own_axes: bool) -> Solver:
-    return Solver(robot, chain_of(robot, frame), Task(name, rows, own_axes))
+    solver = Solver(robot, chain_of(robot, frame), Task(name, rows, own_axes))
+    if not is_compiled():
+        # Compiling takes seconds, which are not to count as those of the first target.
+        solver.solve(np.eye(4), None, IKOptions(max_restarts=0, max_iterations=1))
+    return solver

@@ -21,12 +21,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import msgspec
-from app.operations.base import Context
-
-from app.operations import OPERATIONS, Answer, Operation
+from app import main as application
+from app.http.negotiation import NDJSON
+from app.operations import OPERATIONS, Answer, Context, Operation, Runs
 from app.operations.forward import FK
-from app.routes import compute
 from kinematics.deadline import checkpoint
 from kinematics.symbolic import SymbolicWorkers
 from robots.robot import Robot
@@ -34,10 +32,8 @@ from robots.robot import Robot
 GATE = "TEST_GATE"
 """Environment variable: the file whose presence ends ``endless``."""
 LINES_A_SECOND = 50
-
-
-def never(robot: Robot, request: Any, context: Context) -> None:
-    """Leaves the computation to a thread."""
+NEEDED = "time"
+"""Operations that need a package of their own are not sent as examples at the start."""
 
 
 def gate_is_shut() -> bool:
@@ -65,7 +61,7 @@ def again(operation: Operation) -> Operation:
         while True:
             # Closed forms that were found are kept: by each of these once.
             with closing(SymbolicWorkers()) as symbolic:
-                operation.run(robot, request, msgspec.structs.replace(context, symbolic=symbolic))
+                operation.run(robot, request, replace(context, symbolic=symbolic))
 
     stream = operation.stream
 
@@ -74,16 +70,29 @@ def again(operation: Operation) -> Operation:
         while True:
             yield from stream(robot, request, context)
 
+    runs = Runs.PROCESS if operation.runs is Runs.PROCESS else Runs.THREAD
     return replace(
-        operation, name=f"again/{operation.name}", run=run, quick=never, rehearsed=False,
+        operation,
+        name=f"again/{operation.name}",
+        run=run,
+        runs=runs,
+        needs=NEEDED,
         stream=repeated if stream else None,
-    )  # fmt: skip
+    )
 
 
-ENDLESS = replace(FK, name="endless", run=work, stream=lines, quick=never, rehearsed=False)
+ENDLESS = replace(
+    FK,
+    name="endless",
+    run=work,
+    runs=Runs.THREAD,
+    forms=(*FK.forms, NDJSON),
+    needs=NEEDED,
+    stream=lines,
+)
 
 if __name__ in ("__main__", "__mp_main__"):  # the service, and each of its workers
-    compute.OPERATIONS = (*OPERATIONS, ENDLESS, *map(again, OPERATIONS))
+    application.OPERATIONS = (*OPERATIONS, ENDLESS, *map(again, OPERATIONS))
 
 if __name__ == "__main__":
     from app.cli import main

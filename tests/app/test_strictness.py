@@ -6,7 +6,6 @@ import json
 import socket
 import struct
 
-import msgspec
 import numpy as np
 import pytest
 
@@ -470,5 +469,5 @@ def test_time_budget_of_nothing_and_doubled_frames_are_answered(client):
 
 def test_singularity_reports_are_left_to_a_thread():
     """Milliseconds each: in the event loop, eight at a time would hold up /health/live."""
-    robot, request = shipped_robot("puma560"), SINGULARITY.request(q=msgspec.Raw(b"[0,0,0,0,0,0]"))
-    assert SINGULARITY.run_quickly(robot, request, None) is None
+    robot, request = shipped_robot("puma560"), SINGULARITY.request(q=np.zeros(6))
+    assert SINGULARITY.run_at_once(robot, request, None) is None

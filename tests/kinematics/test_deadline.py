@@ -18,7 +18,7 @@ from kinematics.redundancy.clearance.obstacles import CircleObstacle, encoded
 from kinematics.redundancy.follow import followed
 from kinematics.redundancy.methods import METHODS
 from kinematics.redundancy.path.geometry import Sampling, polyline
-from kinematics.redundancy.problem import PathOptions, Problem
+from kinematics.redundancy.problem import PathOptions, PathProblem
 from kinematics.statics import wrench_of
 from kinematics.symbolic import Quantity, SymbolicRequest, SymbolicWorkers
 from kinematics.task import task_from
@@ -87,7 +87,7 @@ def in_the_plane(method, samples):
     goal[:2, 3] = (1.15, -0.15)
     path = polyline(start, [goal], task, Sampling(samples=samples))
     disc = encoded([CircleObstacle((0.73, 0.22), 0.08)])
-    problem = Problem(Arm.of(robot, None, task), q, path, disc, d_safe=0.02)
+    problem = PathProblem(Arm.of(robot, None, task), q, path, disc, d_safe=0.02)
     return followed(problem, METHODS[method], PathOptions())
 
 

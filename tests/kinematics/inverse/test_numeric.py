@@ -9,7 +9,7 @@ from dh_to_urdf import read_mapping
 from kinematics.errors import InvalidOption, InvalidTarget
 from kinematics.forward import fk
 from kinematics.inverse import IKOptions, IKStatus, Tolerance, solve_ik
-from kinematics.inverse.target import TargetSpec, target_pose
+from kinematics.inverse.target import Targets, target_poses
 from kinematics.task import POSE, TASKS
 from robots.robot import robot_from_table, robot_from_urdf
 from robots.shipped import shipped_robot
@@ -160,7 +160,7 @@ def test_the_answer_is_the_turn_nearest_to_the_seed():
 )
 def test_an_answer_is_never_a_lie(position, rpy, name, task):
     robot, task = shipped_robot(name), TASKS[task]
-    target = target_pose(TargetSpec(position=position, rpy=rpy), task)
+    target = target_poses(Targets(position=[position], rpy=[rpy]), task)[0]
     result = solve_ik(robot, target, task=task, options=IKOptions(max_restarts=2))
     assert within(robot, result.q)
     assert np.isfinite([result.position_error, result.orientation_error]).all()
@@ -184,31 +184,31 @@ def test_options_out_of_range_are_refused(options):
 @pytest.mark.parametrize(
     ("spec", "task", "message"),
     [
-        (TargetSpec(), "pose", "position"),
-        (TargetSpec(position=[0, 0, 0]), "pose", "orientation"),
-        (TargetSpec(position=[0, 0]), "position", "give 3"),
-        (TargetSpec(position=[0, 0, float("nan")]), "position", "finite"),
-        (TargetSpec(position=[0, 0, 0], rpy=[0, 0, 0], phi=1), "pose", "one orientation"),
-        (TargetSpec(matrix=np.eye(4).tolist(), position=[0, 0, 0]), "pose", "one form"),
-        (TargetSpec(matrix=(2 * np.eye(4)).tolist()), "pose", "0 0 0 1"),
-        (TargetSpec(matrix=np.diag([1, 1, -1, 1]).tolist()), "pose", "right-handed"),
-        (TargetSpec(position=[0, 0, 0], quaternion_xyzw=[0, 0, 0, 2]), "pose", "norm"),
+        (Targets(), "pose", "position"),
+        (Targets(position=[[0, 0, 0]]), "pose", "orientation"),
+        (Targets(position=[[0, 0]]), "position", "give 3"),
+        (Targets(position=[[0, 0, float("nan")]]), "position", "finite"),
+        (Targets(position=[[0, 0, 0]], rpy=[[0, 0, 0]], phi=[1]), "pose", "one orientation"),
+        (Targets(matrix=[np.eye(4).tolist()], position=[[0, 0, 0]]), "pose", "one form"),
+        (Targets(matrix=[(2 * np.eye(4)).tolist()]), "pose", "0 0 0 1"),
+        (Targets(matrix=[np.diag([1, 1, -1, 1]).tolist()]), "pose", "right-handed"),
+        (Targets(position=[[0, 0, 0]], quaternion_xyzw=[[0, 0, 0, 2]]), "pose", "norm"),
     ],
 )
 def test_targets_that_are_no_poses_are_refused(spec, task, message):
     with pytest.raises(InvalidTarget, match=message):
-        target_pose(spec, TASKS[task])
+        target_poses(spec, TASKS[task])
 
 
 def test_every_form_of_a_target_is_the_same_pose():
     half = np.sqrt(0.5)
     expected = np.array([[0, -1, 0, 0.1], [1, 0, 0, 0.2], [0, 0, 1, 0.0], [0, 0, 0, 1]])
     forms = [
-        TargetSpec(matrix=expected.tolist()),
-        TargetSpec(position=[0.1, 0.2, 0], rpy=[0, 0, np.pi / 2]),
-        TargetSpec(position=[0.1, 0.2, 0], quaternion_xyzw=[0, 0, half, half]),
-        TargetSpec(position=[0.1, 0.2, 0], euler=("ZXZ", [np.pi / 4, 0, np.pi / 4])),
-        TargetSpec(position=[0.1, 0.2], phi=np.pi / 2),
+        Targets(matrix=[expected.tolist()]),
+        Targets(position=[[0.1, 0.2, 0]], rpy=[[0, 0, np.pi / 2]]),
+        Targets(position=[[0.1, 0.2, 0]], quaternion_xyzw=[[0, 0, half, half]]),
+        Targets(position=[[0.1, 0.2, 0]], euler=("ZXZ", [[np.pi / 4, 0, np.pi / 4]])),
+        Targets(position=[[0.1, 0.2]], phi=[np.pi / 2]),
     ]
     for form in forms:
-        np.testing.assert_allclose(target_pose(form, TASKS["xy_phi"]), expected, atol=1e-15)
+        np.testing.assert_allclose(target_poses(form, TASKS["xy_phi"])[0], expected, atol=1e-15)

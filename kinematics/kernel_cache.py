@@ -1,0 +1,156 @@
+"""The cache of machine code on disk: where it lies, who may write, and whether it is full."""
+
+from __future__ import annotations
+
+import atexit
+import fcntl
+import hashlib
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import numba
+from llvmlite import binding as llvm
+from numba.core.caching import FunctionCache
+
+PACKAGE = Path(__file__).parent
+
+
+def source_digest() -> str:
+    """Return a digest of the sources of this package, 16 hexadecimal digits.
+
+    Numba itself only notices changes in a function's own file, not in those that it calls.
+    """
+    digest = hashlib.sha256()
+    for source in sorted(PACKAGE.rglob("*.py")):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def choose_folder(digest: str) -> Path | None:
+    """Choose where Numba keeps machine code, and tell Numba and child processes.
+
+    ``NUMBA_CACHE_DIR`` if it is set; a read-only one (of an image) is copied to where Numba, which
+    insists on it, may write. Else a folder named after the sources beside them, or, where they are
+    read-only, in the user's cache directory.
+
+    Returns:
+        The folder; None where there is no place to write to.
+    """
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    if given is not None and Path(given).is_dir() and not os.access(given, os.W_OK):
+        folder: Path | None = Path(tempfile.mkdtemp(prefix="denavit-kernels-"))
+        shutil.copytree(given, folder, dirs_exist_ok=True)
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    elif given is not None:
+        folder = _first_writable([Path(given)])
+    else:
+        folder = _first_writable(_places(f"kernels-{digest}"))
+    if folder is not None:
+        # Numba has read the variable when it was imported, and reads it again as it compiles.
+        os.environ["NUMBA_CACHE_DIR"] = numba.config.CACHE_DIR = str(folder)
+    return folder
+
+
+def _places(name: str) -> list[Path]:
+    places = [PACKAGE / "__pycache__" / name]
+    with suppress(RuntimeError):  # a user without a home
+        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        places.append(Path(home) / "denavit" / name)
+    return places
+
+
+def _first_writable(folders: list[Path]) -> Path | None:
+    for folder in folders:
+        with suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            if os.access(folder, os.W_OK):
+                return folder
+    return None
+
+
+DIGEST = source_digest()
+FOLDER = choose_folder(DIGEST)
+
+
+class SharedCache(FunctionCache):
+    """Numba's cache of one function, for processes that fill it at the same time.
+
+    Numba reads the index, chooses a file name that is free in it, and writes index and file. Two
+    processes that save different signatures of one function at the same time could choose the same
+    name, and a third would then run machine code for other arguments: here they take turns.
+    """
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the compiled function of a signature, None where it is not in the cache."""
+        with locked(_lock_file(self)):
+            return super().load_overload(sig, target_context)
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Write the compiled function of a signature into the cache."""
+        with locked(_lock_file(self)):
+            super().save_overload(sig, data)
+
+
+def _lock_file(cache: FunctionCache) -> Path:
+    return (FOLDER or Path(cache.cache_path)) / ".lock"
+
+
+def enable_cache(dispatcher: Any, function: Callable[..., Any]) -> None:
+    """Keep what a dispatcher compiles on disk, where there is a place for it."""
+    with suppress(RuntimeError):  # no place for a cache: compiled anew in every process
+        dispatcher._cache = SharedCache(function)
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Hold the lock of a file that exists for this only; waits for other processes."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+@contextmanager
+def try_to_fill() -> Iterator[int | None]:
+    """Take the lock of who fills the cache, unless another process holds it.
+
+    Yields:
+        The lock's file descriptor, for the process that fills; None where another has it, and
+        where there is no cache.
+    """
+    if FOLDER is None:
+        yield None
+        return
+    with (FOLDER / ".filling").open("w") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            yield None
+        else:
+            yield file.fileno()
+
+
+def mark_full() -> None:
+    """Write down that the cache holds all that :mod:`kinematics.warm` compiles."""
+    if FOLDER is not None:
+        _mark(FOLDER).touch()
+
+
+def is_full() -> bool:
+    """Return whether the cache holds everything, for these sources, this Numba and this CPU."""
+    return FOLDER is not None and _mark(FOLDER).exists()
+
+
+def _mark(folder: Path) -> Path:
+    cpu = numba.config.CPU_NAME or llvm.get_host_cpu_name()
+    features = numba.config.CPU_FEATURES
+    if features is None:
+        features = llvm.get_host_cpu_features().flatten()
+    known = (DIGEST, numba.__version__, sys.implementation.cache_tag, cpu, features)
+    return folder / f"full-{hashlib.sha256(repr(known).encode()).hexdigest()[:16]}"
