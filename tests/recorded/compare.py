@@ -62,9 +62,7 @@ def _of_digests(old: Answer, new: Answer) -> list[str]:
     )
     if same:
         bound = TOLERANCE * (1 + before["sums"][0])
-        if all(
-            abs(a - b) <= bound for a, b in zip(before["sums"], after["sums"], strict=True)
-        ):
+        if all(abs(a - b) <= bound for a, b in zip(before["sums"], after["sums"], strict=True)):
             return []
     named = [name for name in before if before[name] != after.get(name)]
     return [f"long body, {name}: {before[name]} -> {after.get(name)}" for name in named]

@@ -116,7 +116,12 @@ def _record(line: dict[str, Any]) -> Recorded:
         body = b"" if line["base64"] == "=" else base64.b64decode(line["base64"])
     headers = tuple((name, value) for name, value in line.get("headers", ()))
     sent = Sent(
-        line["method"], line["path"], line.get("query", ""), headers, body, what=line.get("what", "")
+        line["method"],
+        line["path"],
+        line.get("query", ""),
+        headers,
+        body,
+        what=line.get("what", ""),
     )
     text = line.get("answer", None if "digest" in line else "")
     answer = Answer(line["status"], line.get("answer_headers", {}), text, line.get("digest"))

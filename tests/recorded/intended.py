@@ -13,9 +13,9 @@ from typing import Any
 
 import orjson
 
-from tests.recorded.bases import BODIES
 from tests.recorded.fixture import Answer, Asked
 from tests.recorded.normalise import LONGEST, text_digest, top_keys
+from tests.recorded.requests.bases import BODIES
 
 _WARNINGS = re.compile(r"^warnings:(?: .*)?\n(?: {2}.*\n)*", re.MULTILINE)
 

@@ -5,6 +5,7 @@ Left out of the headers: ``date``, ``server``, ``x-request-id``, ``content-lengt
 
 - the service's own address: ``http://HOST``;
 - ``request_id`` of problems: an empty text;
+- how many more robots are known, where a robot is not found: ``N``;
 - ``elapsed_ms`` and ``ms_per_point``: 0 in JSON and NDJSON, one blank and 0 in text, with runs of
   blanks in that line made one; 0 in the column of CSV.
 
@@ -31,7 +32,9 @@ from tests.recorded.fixture import Answer
 
 LONGEST = 20_000
 DROPPED = {"date", "server", "x-request-id", "content-length", "transfer-encoding"}
-NUMBER = re.compile(r"(?<![A-Za-z0-9_.])-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![A-Za-z0-9_])")
+_NUMBER = r"(?<![A-Za-z0-9_.])-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![A-Za-z0-9_])"
+NUMBER = re.compile(_NUMBER)
+_PLACE = re.compile(rf" *{_NUMBER}")
 TOP = re.compile(r"^([A-Za-z_]\w*):", re.MULTILINE)
 _NUMBERS = rb"-?[0-9.]+(?:[eE][-+]?[0-9]+)?"
 _IN_JSON = re.compile(rb'"(elapsed_ms|ms_per_point)":(\[[-+0-9.eE,]*\]|' + _NUMBERS + rb")")
@@ -39,6 +42,7 @@ _IN_TEXT = re.compile(
     rb"^(.*\b(?:elapsed_ms|ms_per_point)\b:?)((?: +\[?" + _NUMBERS + rb"\]?)+)(.*)$", re.MULTILINE
 )
 _ID_IN_JSON = re.compile(rb'"request_id":"[^"]*"')
+_KNOWN = re.compile(rb"(known are [^\"\n]* and )\d+( more)")
 _ID_IN_TEXT = re.compile(rb"^request_id: .*$", re.MULTILINE)
 
 
@@ -60,6 +64,8 @@ def normalised(
     }
     kind = headers.get("content-type", "").partition(";")[0]
     content = _steady(kind, body).replace(address.encode(), b"http://HOST")
+    if status == 404:
+        content = _KNOWN.sub(rb"\1N\2", content)
     if kind in ("application/x-npy", "image/png") and body[:1] == b"\x93":
         return Answer(status, kept, None, _array_digest(body)), None
     if kind == "image/png":
@@ -109,8 +115,8 @@ def text_digest(text: str) -> dict[str, Any]:
 
 
 def split(text: str) -> tuple[str, list[str]]:
-    """A text with ``#`` for every number and runs of blanks made one, and its numbers."""
-    return re.sub(r"[ ]+", " ", NUMBER.sub("#", text)), NUMBER.findall(text)
+    """A text with ``#`` for every number, runs of blanks made one, and its numbers."""
+    return re.sub(r" +", " ", _PLACE.sub("#", text)), NUMBER.findall(text)
 
 
 def sums(values: Any) -> list[float]:

@@ -8,12 +8,12 @@ sent to all of them, and what they do not answer alike is left out and told on s
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import time
 from collections import Counter
 
-from tests.recorded import computations, routes
-from tests.recorded.exchange import Session
+from tests.recorded.exchange import Connection, Session
 from tests.recorded.fixture import (
     OPENAPI,
     ROBOTS,
@@ -23,49 +23,75 @@ from tests.recorded.fixture import (
     compressed,
     written,
 )
+from tests.recorded.requests import arms, computations, conversions, odd, others, stored, targets
+from tests.recorded.requests.bases import BODIES
+from tests.recorded.requests.sent import JSON
 from tests.torture.exchange import Sent
 
 
-def asked() -> list[Asked]:
-    """All requests, in order, each once."""
+def asked(address: str) -> list[Asked]:
+    """All requests, in order, each once; the service gives poses that can be reached."""
+    connection = Connection(address)
+
+    def pose(robot: str, q: list[float], frame: str | None = None) -> list[list[float]]:
+        body = json.dumps({"q": q, **({"frames": [frame]} if frame else {})}).encode()
+        sent = Sent("POST", f"/v1/robots/{robot}/fk", "", (JSON,), body)
+        (found,) = json.loads(connection.send(sent)[2])["poses"].values()
+        return found["matrix"]  # type: ignore[no-any-return]
+
     found: dict[tuple[object, ...], Asked] = {}
-    for one in (*routes.asked(), *computations.asked()):
+    for one in stored.setup():
+        connection.send(one.sent)
+    for one in (
+        *stored.setup(),
+        *computations.asked(),
+        *arms.asked(),
+        *targets.asked(pose),
+        *odd.asked(),
+        *conversions.asked(),
+        *others.asked(),
+        *stored.asked(),
+    ):
         sent = one.sent
-        key = (sent.method, sent.target, sent.headers, sent.body)
-        if one.operation in (SETUP, "robots"):
-            key = (len(found),)  # what is stored changes what comes back
+        # What is stored changes what comes back, so that it is asked for again.
+        stateless = one.operation in BODIES
+        key = (sent.method, sent.target, sent.headers, sent.body) if stateless else (len(found),)
         found.setdefault(key, one)
     return list(found.values())
+
+
+def told(text: str) -> None:
+    """Says something beside the fixture, which goes to standard output."""
+    sys.stderr.write(f"{text}\n")
+    sys.stderr.flush()
 
 
 def recorded(addresses: list[str], only: list[str]) -> list[Recorded]:
     """The answers to all requests, of the first service, where all agree."""
     sessions = [Session(address) for address in addresses]
+    requests = asked(addresses[0])
     for session in sessions:
         session.clear()
     kept, seconds = [], Counter[str]()
-    for one in asked():
+    for one in requests:
         if only and one.operation not in (*only, SETUP):
             continue
         started = time.perf_counter()
         try:
             first, *others = [session.ask(one)[0] for session in sessions]
         except OSError as error:
-            print(f"left out: {one.operation}: {one.kind}: {one.sent.shown()}: {error!r}",
-                  file=sys.stderr, flush=True)  # fmt: skip
+            told(f"left out: {one.operation}: {one.kind}: {one.sent.shown()}: {error!r}")
             continue
         spent = time.perf_counter() - started
         seconds[one.operation] += spent  # type: ignore[assignment]
         if spent > len(addresses):
-            print(f"slow: {spent:.1f} s: {one.operation}: {one.sent.what}", file=sys.stderr,
-                  flush=True)  # fmt: skip
+            told(f"slow: {spent:.1f} s: {one.operation}: {one.sent.what}")
         if any(other != first for other in others) or first.status in (500, 503):
-            print(f"left out: {one.operation}: {one.kind}: {one.sent.what}: {first.status}",
-                  file=sys.stderr)  # fmt: skip
+            told(f"left out: {one.operation}: {one.kind}: {one.sent.what}: {first.status}")
             continue
         kept.append(Recorded(one, first))
     for name, spent in seconds.most_common():
-        print(f"{spent:7.1f} s {name}", file=sys.stderr)
+        told(f"{spent:7.1f} s {name}")
     return kept
 
 
@@ -83,9 +109,9 @@ def main() -> None:
                 (OPENAPI, "", "/openapi.json"),
                 (ROBOTS, "page_size=1000", "/v1/robots"),
             ):
-                path.write_bytes(compressed(session.client.send(Sent("GET", target, query)).body))
+                path.write_bytes(compressed(session.connection.send(Sent("GET", target, query))[2]))
     kept = recorded(chosen.address, chosen.only)
-    print(f"{len(kept)} requests", file=sys.stderr)
+    told(f"{len(kept)} requests")
     sys.stdout.buffer.write(written(kept))
 
 

@@ -20,6 +20,7 @@ from tests.recorded.compare import differences
 from tests.recorded.exchange import Session
 from tests.recorded.fixture import SETUP, Recorded, records
 from tests.recorded.intended import adapted
+from tests.recorded.requests.bases import BODIES
 
 
 @dataclass
@@ -48,30 +49,47 @@ class Report:
         for one, found in self.differing[:show]:
             asked = one.asked
             lines.append(f"\n{asked.operation}: {asked.kind}: {asked.sent.what}")
-            lines.append(f"  {asked.sent.shown()}")
+            lines.append(f"  {asked.sent.shown()[:500]}")
             lines += [f"  {line}" for line in found]
         if len(self.differing) > show:
             lines.append(f"\n… and {len(self.differing) - show} more")
         return "\n".join(lines)
 
 
-def replay(
-    address: str, chosen: Iterable[Recorded] | None = None, only: Sequence[str] = ()
-) -> Report:
-    """Sends the records in order and compares.
+def chosen_records(only: Sequence[str] = (), kind: str = "", every: int = 1) -> list[Recorded]:
+    """The records of the fixture that are asked for, besides what they rest on.
+
+    Args:
+        only: Names of operations; none: all.
+        kind: Part of the kind, such as ``refused``.
+        every: Of the refused bodies and queries of a computation, only one of so many.
+    """
+    counts: Counter[str] = Counter()
+    found = []
+    for one in records():
+        operation, name = one.asked.operation, one.asked.kind
+        if operation != SETUP and ((only and operation not in only) or kind not in name):
+            continue
+        if operation in BODIES and name.startswith("refused "):
+            counts[operation] += 1
+            if counts[operation] % every:
+                continue
+        found.append(one)
+    return found
+
+
+def replay(address: str, chosen: Iterable[Recorded]) -> Report:
+    """Sends records in order and compares.
 
     Args:
         address: Of the service.
-        chosen: The records; default all of the fixture.
-        only: Operations to which it is confined, besides what they rest on; none: all.
+        chosen: The records.
     """
     report, started = Report(), time.perf_counter()
     with Session(address) as session:
         session.clear()
-        for one in records() if chosen is None else chosen:
+        for one in chosen:
             asked = one.asked
-            if only and asked.operation not in (*only, SETUP):
-                continue
             before = time.perf_counter()
             new, text = session.ask(asked)
             report.slow[asked.operation] += time.perf_counter() - before  # type: ignore[assignment]
@@ -92,20 +110,26 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("address", nargs="?", help="such as http://127.0.0.1:8000")
     parser.add_argument("--only", action="append", default=[], help="an operation, such as fk")
+    parser.add_argument("--kind", default="", help="a part of the kind, such as refused or form")
+    parser.add_argument(
+        "--every", type=int, default=1, help="of refused bodies and queries one of so many"
+    )
     parser.add_argument("--show", type=int, default=20, help="differences that are shown")
     parser.add_argument("--times", action="store_true", help="seconds by operation")
     chosen = parser.parse_args()
+    wanted = chosen_records(chosen.only, chosen.kind, chosen.every)
     if chosen.address:
-        report = replay(chosen.address, only=chosen.only)
+        report = replay(chosen.address, wanted)
     else:
         with (
             tempfile.TemporaryDirectory() as folder,
             running_server(Path(folder)) as (address, _),
         ):
-            report = replay(address, only=chosen.only)
-    print(report.text(chosen.show))
+            report = replay(address, wanted)
+    sys.stdout.write(report.text(chosen.show) + "\n")
     if chosen.times:
-        print("\n".join(f"{name}: {spent:.1f} s" for name, spent in report.slow.most_common()))
+        for name, spent in report.slow.most_common():
+            sys.stdout.write(f"{spent:7.1f} s {name}\n")
     return 1 if report.differing or not report.count else 0
 
 

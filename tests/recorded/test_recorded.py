@@ -14,7 +14,7 @@ from tests.recorded.replay import replay
 @pytest.mark.slow
 def test_answers_are_what_they_were(tmp_path):
     with running_server(tmp_path) as (address, _):
-        report = replay(address)
+        report = replay(address, records())
     assert report.count > 2000
     assert not report.differing, report.text(20)
 

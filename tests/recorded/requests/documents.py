@@ -27,11 +27,18 @@ TREE: dict[str, Any] = {
     "joints": [
         {"name": "a", "type": "R", "ant": 0, "alpha": 0, "d": 0, "r": 300},
         {"name": "b", "sigma": 0, "ant": 1, "alpha": -90, "d": 100, "r": 0, "gamma": 10, "b": 20},
-        {"name": "c", "type": "P", "ant": 2, "alpha": 90, "d": 0, "theta": 30,
-         "limits": {"lower": 0, "upper": 500}},
+        {
+            "name": "c",
+            "type": "P",
+            "ant": 2,
+            "alpha": 90,
+            "d": 0,
+            "theta": 30,
+            "limits": {"lower": 0, "upper": 500},
+        },
         {"name": "e", "type": "F", "ant": 1, "alpha": 45, "d": 10, "theta": 0, "r": 20},
     ],
-}  # fmt: skip
+}
 YAML = (
     "convention: khalil\nunits: {angle: deg, length: m}\ntool: {xyz: [0, 0, 0.07]}\njoints:\n"
     "  - {type: R, alpha: 0,   d: 0, r: 0.317, limits: {lower: -177, upper: 177}}\n"
