@@ -16,6 +16,7 @@ from app import docs, page
 from app.access.wiring import describe, protect
 from app.admission import thread_pool as admission
 from app.dependencies import Services
+from app.guide import routes as guide
 from app.http import problems
 from app.middleware.request_line import RequestLine
 from app.openapi.document import build_openapi
@@ -87,6 +88,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.page = page.load_page()
     page.install(app, app.state.page)
     docs.install(app)
+    guide.install(app, guide.load_guide())
     problems.install(app)
     app.add_middleware(RequestLine)
     admission.install(app)

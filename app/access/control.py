@@ -11,8 +11,8 @@ from app.access.rates import RateLimits, Standing, network_of
 from app.http.problems import FORBIDDEN, TOO_MANY, UNAUTHORISED, ProblemType, problem_response
 from dh_to_urdf import Problem
 
-OPEN = ("/", "/docs", "/openapi.json", "/favicon.ico")
-OPEN_BELOW = ("/health/", "/docs-assets/", "/assets/", "/problems/")
+OPEN = ("/", "/docs", "/guide", "/openapi.json", "/favicon.ico")
+OPEN_BELOW = ("/health/", "/docs-assets/", "/guide/", "/assets/", "/problems/")
 """Open to everybody: whether the service lives, and documents that tell nothing about robots."""
 UNCOUNTED = ("/health/live", "/health/ready")
 """Asked by load balancers, which must not be turned away."""

@@ -118,7 +118,7 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
     h('nav', { class: 'line', 'aria-label': t.robot }, ...examples.map((one) => one.chip), robots,
       button(t.upload, () => file.click()), file, save, download),
     h('div', { class: 'line end', role: 'group', 'aria-label': t.settings }, undo, redo, share, angle, digits, language, theme,
-      h('a', { href: 'docs' }, 'API')));
+      h('a', { href: 'guide' }, 'Guide'), h('a', { href: 'docs' }, 'API')));
 }
 
 /** The same posture in the other unit. */
