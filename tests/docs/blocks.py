@@ -3,9 +3,13 @@
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
+import time
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from tests.conftest import unused_port
@@ -15,6 +19,9 @@ PAGES = ("README.md", *sorted(str(path.relative_to(ROOT)) for path in ROOT.glob(
 RUN = ("bash", "python")
 OUTPUT = ("text", "json")
 SECONDS = 300
+BUSY = ("/problems/busy", "503 The service has no room")
+TRIES = 8
+"""How often a service that is full is asked again, as it says."""
 
 _BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _VOLATILE = re.compile(r'(elapsed_ms"?: |request_id"?: "?)[\w.-]+')
@@ -43,7 +50,7 @@ def runs_of(page: str) -> list[tuple[Block, Block | None]]:
     found = blocks_of(page)
     return [
         (block, following if following and following.language in OUTPUT else None)
-        for block, following in zip(found, [*found[1:], None], strict=True)
+        for block, following in pairwise([*found, None])
         if block.language in RUN
     ]
 
@@ -55,26 +62,37 @@ def run(block: Block, server: str, folder: Path) -> str:
     command = ["bash", "-euo", "pipefail", "-c", text]
     if block.language == "python":
         command = [sys.executable, "-c", text]
-    # A service that is full says so and when to ask again; curl then does.
-    settings = folder / "curl"
-    settings.mkdir(exist_ok=True)
-    (settings / ".curlrc").write_text("retry = 5\n")
     environment = {
         **os.environ,
         "DENAVIT_DATA_DIR": str(folder / "data"),
-        "CURL_HOME": str(settings),
+        "DENAVIT_PRELOAD": "false",
     }
-    done = subprocess.run(
+    for _ in range(TRIES):
+        printed = _printed(command, environment, folder)
+        if not any(busy in printed for busy in BUSY):
+            break
+        time.sleep(1)
+    return printed
+
+
+def _printed(command: list[str], environment: dict[str, str], folder: Path) -> str:
+    process = subprocess.Popen(
         command,
         cwd=folder,
         env=environment,
-        capture_output=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         text=True,
-        timeout=SECONDS,
-        check=False,
+        start_new_session=True,
     )
-    assert done.returncode == 0, f"{block.text}\n{done.stdout}\n{done.stderr}"
-    return done.stdout
+    try:
+        printed, errors = process.communicate(timeout=SECONDS)
+    finally:
+        # A service that the block has started, and that its time has cut off.
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    assert process.returncode == 0, f"{command[-1]}\n{printed}\n{errors}"
+    return printed
 
 
 def assert_same(printed: str, shown: Block) -> None:

@@ -2,6 +2,7 @@
 
 import re
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import httpx
@@ -79,7 +80,7 @@ def test_a_block_is_run_or_shown_or_named(name):
 def test_an_output_stands_below_its_command():
     for name in PAGES:
         blocks = blocks_of(text_of(name))
-        for before, block in zip([None, *blocks], blocks, strict=False):
+        for before, block in pairwise([None, *blocks]):
             if block.language in OUTPUT:
                 assert before is not None, block.text
                 assert before.language in RUN, block.text

@@ -8,7 +8,7 @@ from tests.docs.blocks import ROOT
 
 SETTING = re.compile(r"^\| `DENAVIT_(\w+)` \| (.*?) ?\| (.+) \|$", re.MULTILINE)
 PROBLEM = re.compile(r"^\| (\d{3}) \| `([\w-]+)` \| (.+) \|$", re.MULTILINE)
-ENDPOINT = re.compile(r"(GET|POST|PUT|DELETE) (/v1[\w/{}.-]*)")
+ENDPOINT = re.compile(r"`(GET|POST|PUT|DELETE) (/v1[\w/{}.-]*)`")
 COMPUTATION = re.compile(r"`([\w/.-]+)`")
 NAMED_VARIABLE = re.compile(r"\bDENAVIT_([A-Z_]*[A-Z])\b")
 IN_WORDS = {"data_dir": "`~/.local/share/denavit`", "compute_threads": "number of cores"}
