@@ -19,9 +19,9 @@ PAGES = ("README.md", *sorted(str(path.relative_to(ROOT)) for path in ROOT.glob(
 RUN = ("bash", "python")
 OUTPUT = ("text", "json")
 SECONDS = 300
-BUSY = ("/problems/busy", "503 The service has no room")
+BUSY = ("/problems/busy", "/problems/out-of-time", "503 The service has no", "422 The computation")
 TRIES = 8
-"""How often a service that is full is asked again, as it says."""
+"""How often a service that is full, or too slow now, is asked again."""
 
 _BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _VOLATILE = re.compile(r'(elapsed_ms"?: |request_id"?: "?)[\w.-]+')
