@@ -32,7 +32,8 @@ COPY web web
 RUN --mount=type=cache,target=/var/cache/npm \
     mkdir app && npm_config_cache=/var/cache/npm python hatch_build.py
 
-COPY LICENSE README.md ./
+COPY LICENSE README.md SECURITY.md CHANGELOG.md ./
+COPY docs docs
 COPY dh_to_urdf dh_to_urdf
 COPY robots robots
 COPY kinematics kinematics

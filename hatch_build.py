@@ -26,6 +26,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 ROOT = Path(__file__).parent
 STAMP = ".sources"
+GUIDE = ("docs", "SECURITY.md", "CHANGELOG.md")
+"""What the guide is made from; in a wheel it lies in ``app/guide/sources``."""
 MIN_NODE = ((20, 19), (22, 12))
 """Vite runs on 20.19 and later of 20, and from 22.12 on."""
 
@@ -42,9 +44,13 @@ class PageBuildHook(BuildHookInterface[Any]):
         extra: list[str] = self.metadata.core.optional_dependencies["page"]
         return extra
 
-    def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002
-        """Builds the page if its sources have changed."""
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Builds the page if its sources have changed, and adds the guide's pages to a wheel."""
         build_page(ROOT)
+        # An editable install reads them where they are.
+        if self.target_name == "wheel" and version == "standard":
+            pages = {str(ROOT / name): f"app/guide/sources/{name}" for name in GUIDE}
+            build_data["force_include"].update(pages)
 
 
 def build_page(root: Path, web: Path | None = None) -> bool:

@@ -15,6 +15,7 @@ from app import docs, page
 from app.access.wiring import describe, protect
 from app.admission import thread_pool as admission
 from app.dependencies import Services
+from app.guide import routes as guide
 from app.http import handlers
 from app.middleware.request_line import RequestLine
 from app.openapi.document import build_openapi
@@ -85,6 +86,7 @@ def create_app(
     app.state.page = page.load_page()
     page.install(app, app.state.page)
     docs.install(app)
+    guide.install(app, guide.load_guide())
     handlers.install(app)
     app.add_middleware(RequestLine)
     admission.install(app)

@@ -405,6 +405,8 @@ run_tests() {
   check "every robot of the library is there and loads" test_library
   check "docs have their assets" answers /docs-assets/swagger-ui-bundle.js
   check "the page is there for browsers" test_page
+  check "the guide" answers /guide/tutorial
+  check "pictures of the guide" answers /guide/methods.svg
   check "meshes that it draws" answers \
     /v1/robots/panda_urdf/meshes/panda_description/meshes/visual/link0.dae
   check "no pip, compiler, header, other mesh or developer's package inside" test_contents

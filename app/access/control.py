@@ -17,8 +17,8 @@ from app.http.problems import (
     problem_response,
 )
 
-OPEN = ("/", "/docs", "/openapi.json", "/favicon.ico")
-OPEN_BELOW = ("/health/", "/docs-assets/", "/assets/", "/problems/")
+OPEN = ("/", "/docs", "/guide", "/openapi.json", "/favicon.ico")
+OPEN_BELOW = ("/health/", "/docs-assets/", "/guide/", "/assets/", "/problems/")
 """Open to everybody: whether the service lives, and documents that tell nothing about robots."""
 UNCOUNTED = ("/health/live", "/health/ready")
 """Asked by load balancers, which must not be turned away."""

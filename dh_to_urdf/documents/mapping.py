@@ -49,7 +49,7 @@ def read_mapping(
     """Reads a table from the mapping that JSON and YAML documents hold.
 
     Args:
-        data: The mapping; README and the OpenAPI schema ``DHTable`` describe it.
+        data: The mapping; docs/tables.md and the OpenAPI schema ``DHTable`` describe it.
         default_name: Name for a table that gives none; None requires one.
         columns: Column names of a CSV document, to tell a missing column from an empty cell.
 

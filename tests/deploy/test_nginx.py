@@ -109,6 +109,17 @@ def test_the_docs_and_what_they_load(client):
     assert {"url": "/denavit"} in client.get("/openapi.json").json()["servers"]
 
 
+def test_the_guide_and_what_it_links(client):
+    for path in ("/guide", "/guide/operate"):
+        page = client.get(path)
+        links = set(re.findall(r'(?:src|href)="([^"#:]+)["#]', page.text))
+        assert len(links) > 8
+        for link in links:
+            address = page.url.join(link)
+            assert address.path.startswith("/denavit/"), link
+            assert client.get(address).status_code == 200, link
+
+
 def test_metrics_are_not_for_strangers(client):
     assert client.get("/metrics").status_code == 404
 

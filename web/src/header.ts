@@ -193,6 +193,7 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
       digits,
       language,
       theme,
+      h('a', { href: 'guide' }, 'Guide'),
       h('a', { href: 'docs' }, 'API'),
     ),
   );

@@ -53,7 +53,8 @@ def test_keys_open_what_their_scope_says(serve, tmp_path):
         put = client.put("/v1/robots/a", json=TABLE, headers=bearer(writer))
         assert put.status_code == 201
         assert client.delete("/v1/robots/a", headers=bearer(writer)).status_code == 204
-        for path in ("/", "/health/live", "/health/ready", "/docs", "/openapi.json"):
+        pages = ("/docs", "/openapi.json", "/guide", "/guide/settings", "/guide/guide.css")
+        for path in ("/", "/health/live", "/health/ready", *pages):
             assert client.get(path).status_code == 200, path
         document = client.get("/openapi.json").json()
         assert set(document["components"]["securitySchemes"]) == {"bearer", "apiKey"}
@@ -228,7 +229,7 @@ def test_named_origins_may_use_the_api_also_where_it_is_refused(serve):
 
 
 @pytest.mark.parametrize("path", [FK, "/", "/nothing", "/docs", "/openapi.json", "/health/live",
-                                  "/v1/robots", FK + "&format=text"])  # fmt: skip
+                                  "/guide", "/v1/robots", FK + "&format=text"])  # fmt: skip
 def test_every_answer_has_safe_headers(client, path):
     headers = client.get(path).headers
     assert headers["x-content-type-options"] == "nosniff"
