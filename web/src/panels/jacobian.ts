@@ -6,8 +6,7 @@ import type { Page } from '../page';
 import { type MatrixView, matrixView } from './matrix';
 import type { Panel } from './panel';
 
-export function jacobianPanel(page: Page): Panel {
-  const { store } = page;
+export function jacobianPanel({ store, history }: Page): Panel<'jacobian'> {
   const reference = select(
     t.referenceFrame,
     [
@@ -16,9 +15,14 @@ export function jacobianPanel(page: Page): Panel {
       ['world', t.world],
     ],
     store.state.reference,
-    (value) => store.set({ reference: value as api.ReferenceFrame }, 'reference'),
+    (value) => history.change({ reference: value as api.ReferenceFrame }, 'reference'),
   );
-  store.listen((state) => (reference.value = state.reference));
+  store.subscribe(
+    (state) => state.reference,
+    (value) => {
+      reference.value = value;
+    },
+  );
   const place = h('div');
   let view: MatrixView | null = null;
   let columns = '';
@@ -33,8 +37,7 @@ export function jacobianPanel(page: Page): Panel {
       h('p', { class: 'note' }, t.jacobianUnits),
     ),
     call: (model, state) => api.jacobian(model.ref, state.q, state.angle, state.reference),
-    show(answer, _model, state) {
-      const found = answer as api.JacobianAnswer;
+    show(found, _model, state) {
       if (!view || columns !== found.columns.join()) {
         columns = found.columns.join();
         view = matrixView('J', found.rows.map(rowName), headings(found.columns), found.columns);

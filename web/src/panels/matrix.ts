@@ -51,16 +51,16 @@ export function matrixView(
   return {
     element,
     show(values, digits) {
-      values.forEach((line, i) =>
-        line.forEach((value, k) => {
+      for (const [i, line] of values.entries()) {
+        for (const [k, value] of line.entries()) {
           const cell = cells[i]?.[k];
-          if (!cell) return;
+          if (!cell) continue;
           const text = Math.abs(value) < 1e-12 ? '0' : fixed(value, digits);
           if (cell.textContent !== text) cell.textContent = text;
           cell.classList.toggle('zero', Number(value.toFixed(digits)) === 0);
           cell.dataset.value = String(value);
-        }),
-      );
+        }
+      }
     },
   };
 }

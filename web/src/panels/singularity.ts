@@ -23,12 +23,16 @@ export function taskOptions(): [string, string][] {
   return TASKS.map((one) => [one, `${one} — ${t.tasks[one]}`]);
 }
 
-export function singularityPanel(page: Page): Panel {
-  const { store } = page;
+export function singularityPanel({ store, history }: Page): Panel<'singularity'> {
   const task = select(t.taskSpace, taskOptions(), store.state.task, (value) =>
-    store.set({ task: value }, 'task'),
+    history.change({ task: value }, 'task'),
   );
-  store.listen((state) => (task.value = state.task));
+  store.subscribe(
+    (state) => state.task,
+    (value) => {
+      task.value = value;
+    },
+  );
   const verdict = h('p', { class: 'verdict' });
   const bars = h('div', { class: 'bars', role: 'list', 'aria-label': t.singularValues });
   const facts = h('dl', { class: 'facts' });
@@ -48,9 +52,7 @@ export function singularityPanel(page: Page): Panel {
       factors,
     ),
     call: (model, state) => api.singularity(model.ref, state.q, state.angle, state.task),
-    show(answer, _model, state) {
-      const found = answer as api.SingularityAnswer;
-      page.answers.singularity = found;
+    show(found, _model, state) {
       const full = Math.min(found.rows.length, found.columns.length);
       const redundant = found.columns.length - found.rank;
       verdict.classList.toggle('bad', found.singular);

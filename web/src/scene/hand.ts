@@ -1,6 +1,7 @@
 /** The pointer in the scene: drags the target and joints, picks frames and ghosts. */
 import { Matrix4, type Object3D, type PerspectiveCamera, Plane, Quaternion, Vector3 } from 'three';
 import type { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { planeNormal } from './plane';
 import type { RobotModel } from './robot';
 import { onScreen, pointerOf, rayAt, rowsOf } from './space';
 import type { SceneCallbacks } from './types';
@@ -12,13 +13,12 @@ const STILL = 4;
 
 /** What the hand acts on, as it is now. */
 export interface Surroundings {
-  readonly model: RobotModel | null;
-  /** The ball that is grabbed, and the pose that it stands for in base axes. */
+  model(): RobotModel | null;
+  /** The ball that is grabbed. */
   readonly handle: Object3D;
-  targetPose(): Matrix4 | null;
-  /** Normal of the plane that the arm moves in, for planar arms. */
-  planeNormal(): Vector3 | null;
-  readonly ghosts: readonly Object3D[];
+  /** The pose that it stands for: of the target, else of the tool; base axes. */
+  target(): Matrix4 | null;
+  ghosts(): readonly RobotModel[];
 }
 
 interface Drag {
@@ -93,11 +93,12 @@ export class Hand {
   /** In the plane of the screen, or of a planar arm; with Shift it turns instead. */
   private grabTarget(event: PointerEvent): Drag | null {
     const { around, callbacks, camera } = this;
-    const start = around.targetPose();
+    const start = around.target();
     if (!start || !this.near(event, around.handle)) return null;
     const centre = new Vector3().setFromMatrixPosition(start);
     const towards = camera.getWorldDirection(new Vector3());
-    const own = around.planeNormal();
+    const model = around.model();
+    const own = model && planeNormal(model);
     const normal = own && Math.abs(own.dot(towards)) > 0.15 ? own : towards;
     const plane = new Plane().setFromNormalAndCoplanarPoint(normal, centre);
     const grabbed = this.hit(event, plane);
@@ -130,7 +131,7 @@ export class Hand {
 
   private grabJoint(event: PointerEvent): Drag | null {
     const index = this.jointAt(event);
-    const { model } = this.around;
+    const model = this.around.model();
     if (index === null || !model) return null;
     const name = model.robot.joints[index]?.name ?? '';
     const joint = model.urdf.joints[name];
@@ -194,7 +195,7 @@ export class Hand {
 
   /** The joint whose moving part is under the pointer; no deeper than the first thing hit. */
   private jointAt(event: PointerEvent): number | null {
-    const { model } = this.around;
+    const model = this.around.model();
     if (!model) return null;
     const ray = rayAt(pointerOf(event, this.canvas), this.camera);
     const hit = ray
@@ -210,9 +211,11 @@ export class Hand {
   }
 
   private pick(event: PointerEvent): void {
-    const { model, ghosts } = this.around;
+    const model = this.around.model();
     const ray = rayAt(pointerOf(event, this.canvas), this.camera);
-    const ghost = ghosts.findIndex((one) => ray.intersectObject(one, true).length > 0);
+    const ghost = this.around
+      .ghosts()
+      .findIndex((one) => ray.intersectObject(one.object, true).length > 0);
     if (ghost >= 0) {
       this.callbacks.onGhostPick(ghost);
       return;

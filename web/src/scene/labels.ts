@@ -64,7 +64,7 @@ export function layOut(
     });
   }
   root.traverseVisible((one) => {
-    const wide: unknown = one.userData['labelWidth'];
+    const wide: unknown = one.userData.labelWidth;
     if (!(one instanceof Sprite) || typeof wide !== 'number') return;
     const size = { x: wide * factor, y: LABEL_HEIGHT * factor };
     one.scale.set(size.x * unit, size.y * unit, 1);

@@ -141,7 +141,7 @@ export function label(text: string, at: Vector3, color: number, dark: boolean): 
   });
   const sprite = new Sprite(material);
   sprite.position.copy(at);
-  sprite.userData['labelWidth'] = width;
+  sprite.userData.labelWidth = width;
   sprite.name = text;
   sprite.renderOrder = 10;
   return sprite;

@@ -72,11 +72,11 @@ export function probeOf(seen: Seen): Probe {
         Object.entries(seen.layers).map(([name, layer]) => [name, layer.children.length]),
       ),
     motion: () => {
-      const moving = seen.layers['motion']?.getObjectByName('moving');
+      const moving = seen.layers.motion?.getObjectByName('moving');
       return moving ? rowsOf(moving.matrix) : null;
     },
     lost: () =>
-      (seen.layers['lost']?.children ?? [])
+      (seen.layers.lost?.children ?? [])
         .filter((one) => one.name === 'linear')
         .map((one) =>
           new Vector3(0, 1, 0).applyQuaternion(one.getWorldQuaternion(new Quaternion())).toArray(),
