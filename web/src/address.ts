@@ -1,4 +1,4 @@
-/** The address of the page: it follows the state, and the state follows it. */
+/** The address of the page, which holds the state: each follows the other. */
 import { fromHash, isIncomplete, toHash } from './link';
 import type { Page } from './page';
 import { type Linked, linkedValues } from './state';

@@ -1,4 +1,4 @@
-/** The head of the page: the robot, undo, link, units, language, theme. */
+/** The header of the page: the robot, undo, link, units, language, theme. */
 import * as api from './api';
 import { button, h, replace, select } from './dom';
 import { EXAMPLES, storedRobot } from './examples';

@@ -1,4 +1,4 @@
-/** One slider and one field a joint, with its limits. */
+/** A slider and a field for each joint, with its limits. */
 import { h, replace } from './dom';
 import { readNumber, typed } from './format';
 import { t } from './i18n';

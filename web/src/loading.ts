@@ -1,4 +1,4 @@
-/** Keeps the robot of the page that of the state. */
+/** Loads the robot that the state names. */
 import * as api from './api';
 import { t } from './i18n';
 import { isAbort, Latest } from './latest';
@@ -11,7 +11,7 @@ import { restingConfiguration } from './units';
 /** A service that did not answer is asked again after this time, ms. */
 const RETRY = 2000;
 
-/** Load the robot, and again whenever another is chosen; the last usable one stays meanwhile. */
+/** Load the robot now, and whenever another is chosen; until then the last usable one stays. */
 export function keepModel({ store, tell }: Page): void {
   const latest = new Latest();
   const classes = document.body.classList;

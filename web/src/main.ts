@@ -1,4 +1,4 @@
-/** The page starts here: its state, its parts, and where they stand. */
+/** Entry of the page: creates its state and its parts, and lays them out. */
 import { keepAddress, readAddress } from './address';
 import { h } from './dom';
 import { storedRobot } from './examples';

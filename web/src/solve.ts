@@ -7,7 +7,7 @@ import type { Model } from './model';
 import type { Page } from './page';
 import type { Solved, State } from './state';
 
-/** Time for an answer while the target is dragged, ms. */
+/** Time budget of the inverse kinematics while the target is dragged, ms. */
 const DRAG_MS = 30;
 const latest = new Latest();
 

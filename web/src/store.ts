@@ -1,6 +1,6 @@
-/** The one place for what changes on the page, and who is called when it does. */
+/** A state, and the listeners that are called when a part of it changes. */
 
-/** An immutable state, replaced as a whole; its parts are compared by identity. */
+/** Holds an immutable state, which is replaced as a whole; parts are compared by identity. */
 export class Store<S extends object> {
   private readonly checks = new Set<() => void>();
 

@@ -1,4 +1,4 @@
-/** Computations at one configuration of a robot, one function an endpoint. */
+/** Computations that the first screen asks for, one function an endpoint. */
 import { type Call, robotPath } from './call';
 import type {
   AngleUnit,

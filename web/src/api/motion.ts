@@ -1,4 +1,4 @@
-/** Computations that move a robot, and its picture: what is asked for after the first screen. */
+/** Computations that are asked for later: inverse kinematics, paths, pictures. */
 import type { Call } from './call';
 import { computation, type Fields } from './computations';
 import type {

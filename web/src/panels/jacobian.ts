@@ -1,10 +1,11 @@
-/** The Jacobian of the tool in the chosen frame of reference. */
+/** The Jacobian of the tool in the chosen reference frame. */
 import * as api from '../api';
 import { h, replace, select } from '../dom';
 import { t } from '../i18n';
 import type { Page } from '../page';
 import { type MatrixView, matrixView } from './matrix';
 import type { Panel } from './panel';
+import { rowName } from './tasks';
 
 export function jacobianPanel({ store, history }: Page): Panel<'jacobian'> {
   const reference = select(
@@ -48,20 +49,7 @@ export function jacobianPanel({ store, history }: Page): Panel<'jacobian'> {
   };
 }
 
-/** Names of joints, or q1 … where they are long. */
+/** Names of the joints; where one is long q1, q2 … */
 function headings(names: readonly string[]): readonly string[] {
   return names.every((one) => one.length <= 4) ? names : names.map((_, k) => `q${k + 1}`);
-}
-
-const NAMES: Record<string, string> = {
-  vx: 'vx',
-  vy: 'vy',
-  vz: 'vz',
-  wx: 'ωx',
-  wy: 'ωy',
-  wz: 'ωz',
-};
-
-export function rowName(name: string): string {
-  return NAMES[name] ?? name;
 }

@@ -1,4 +1,4 @@
-/** A matrix as a table with headings; its cells are written to, not made anew. */
+/** A matrix as a table with headings; new values are written into its cells. */
 import { h } from '../dom';
 import { fixed } from '../format';
 
@@ -8,8 +8,8 @@ export interface MatrixView {
 }
 
 /**
- * @param label What it is, for screen readers.
- * @param rows Headings of the rows, of the columns likewise; none: a 4x4 without.
+ * @param label Its name for screen readers.
+ * @param rows Headings of the rows; without any a 4x4 matrix without headings.
  */
 export function matrixView(
   label: string,

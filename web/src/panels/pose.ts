@@ -1,4 +1,4 @@
-/** Where the tool is: T, position, roll-pitch-yaw, quaternion, both Euler triples. */
+/** The pose of the tool: T, position, roll-pitch-yaw, quaternion, both Euler triples. */
 import * as api from '../api';
 import { h, replace, select } from '../dom';
 import { fixed } from '../format';

@@ -1,27 +1,11 @@
-/** How near to a singularity: rank, singular values, w, κ, lost directions, factors of det J. */
+/** How near the arm is to a singularity: rank, singular values, w, κ, lost directions, factors of det J. */
 import * as api from '../api';
 import { h, replace, select } from '../dom';
 import { brief, fixed } from '../format';
 import { t } from '../i18n';
 import type { Page } from '../page';
-import { rowName } from './jacobian';
 import type { Panel } from './panel';
-
-export const TASKS = [
-  'pose',
-  'position',
-  'orientation',
-  'xy',
-  'xz',
-  'yz',
-  'xy_phi',
-  'xyz_phi',
-  'position_direction',
-] as const;
-
-export function taskOptions(): [string, string][] {
-  return TASKS.map((one) => [one, `${one} — ${t.tasks[one]}`]);
-}
+import { rowName, taskOptions } from './tasks';
 
 export function singularityPanel({ store, history }: Page): Panel<'singularity'> {
   const task = select(t.taskSpace, taskOptions(), store.state.task, (value) =>
@@ -94,7 +78,7 @@ export function singularityPanel({ store, history }: Page): Panel<'singularity'>
       const english = document.documentElement.lang === 'en';
       replace(
         words,
-        // The service explains in English; in other languages the numbers speak.
+        // The service explains in English only: in other languages the numbers are shown instead.
         !english && lost.length > 0 && h('p', { class: 'lead' }, t.lostDirections),
         !english && lost.length > 0 && h('ul', { class: 'mono' }, ...lost),
         !english && moving.length > 0 && h('p', { class: 'lead' }, t.nullLead),
@@ -112,7 +96,7 @@ export function singularityPanel({ store, history }: Page): Panel<'singularity'>
   };
 }
 
-/** Which joints move together, in ratio to the first of them. */
+/** The joints that a motion moves, and their ratios to the first of them. */
 function ratios(motion: readonly number[]): string {
   const largest = Math.max(...motion.map(Math.abs));
   const moving = motion.flatMap((x, k) => (Math.abs(x) > 1e-6 * largest ? [k] : []));

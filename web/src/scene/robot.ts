@@ -77,7 +77,7 @@ export class RobotModel {
     this.object.updateMatrixWorld(true);
     const base = this.urdf.links[this.robot.baseFrame];
     if (!base) return;
-    // The base frame may itself be moved by joints: the URDF's root is placed so that it rests.
+    // Joints may move the base frame: the URDF's root is placed so that the base frame is fixed.
     const seen = new Matrix4().copy(this.urdf.matrixWorld).invert().multiply(base.matrixWorld);
     pose(this.urdf, seen.invert());
     this.object.updateMatrixWorld(true);

@@ -11,7 +11,7 @@ import { Annotations } from './annotations';
 import { Canvas } from './canvas';
 import { Ghosts } from './ghosts';
 import { drawGround } from './ground';
-import { Hand } from './hand';
+import { Interaction } from './interaction';
 import type { Placed } from './labels';
 import { drawCloud, drawEllipsoids, drawLost, drawObstacles, drawPath } from './overlays';
 import type { Scale } from './parts';
@@ -45,7 +45,7 @@ export class View implements Scene {
   private readonly canvas: Canvas;
   private readonly viewpoint: Viewpoint;
   private readonly ghosts: Ghosts;
-  private readonly hand: Hand;
+  private readonly interaction: Interaction;
   private model: RobotModel | null = null;
   private other: RobotModel | null = null;
   private obstaclesKey = '';
@@ -73,7 +73,8 @@ export class View implements Scene {
       target: () => this.annotations.target ?? this.model?.tipPose() ?? null,
       ghosts: () => this.ghosts.models,
     };
-    this.hand = new Hand(element, camera, this.viewpoint.controls, around, callbacks);
+    const { controls } = this.viewpoint;
+    this.interaction = new Interaction(element, camera, controls, around, callbacks);
     const labels = (): readonly Placed[] => this.canvas.labels;
     Object.assign(host, { probe: probeOf({ ...around, canvas: element, camera, layers, labels }) });
   }
@@ -201,7 +202,7 @@ export class View implements Scene {
   }
 
   dispose(): void {
-    this.hand.dispose();
+    this.interaction.dispose();
     this.viewpoint.dispose();
     this.canvas.dispose();
   }

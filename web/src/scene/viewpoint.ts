@@ -50,7 +50,7 @@ export class Viewpoint {
   fit(points: readonly Vector3[], normal: Vector3 | null): void {
     this.isChosen = false;
     const from = normal ?? new Vector3(0.75, -0.85, 0.5).normalize();
-    // Along the camera's up there is no turning: a plane on the ground is seen a little from the side.
+    // The orbit controls cannot look along up: the ground plane is seen slightly from the side.
     if (normal && Math.abs(normal.z) > 0.99) {
       from.set(0, -0.01, Math.sign(normal.z) || 1).normalize();
     }
@@ -72,7 +72,7 @@ export class Viewpoint {
     this.changed();
   }
 
-  /** Whether a point is outside the view; never while a hand holds something in it. */
+  /** Whether a point is outside the view; false during a drag, when the view must not move. */
   isOutside(point: Vector3): boolean {
     if (!this.controls.enabled) return false;
     const { x, y } = point.clone().project(this.camera);

@@ -1,4 +1,4 @@
-/** Keeps what the scene shows that of the state. */
+/** Draws the state in the scene whenever it changes. */
 import { reasonOf } from '../failure';
 import { t } from '../i18n';
 import { Latest } from '../latest';
@@ -19,6 +19,7 @@ export function ghostsOf({ kept, solutions, model }: State): Ghost[] {
   return [...solutions, ...named].filter(({ q }) => q.length === model?.joints.length);
 }
 
+/** Draw now, and after each change of the state. */
 export function drawScene({ store, tell }: Page, scene: Scene): void {
   let shown: Model | null = null;
   const drawCloud = cloudDrawing();

@@ -1,4 +1,4 @@
-/** What a D-H convention is: its columns, its elementary motions, where a joint's variable stands. */
+/** The D-H conventions: columns, elementary motions, the column of a joint's variable. */
 import type { Convention, JointType, TableRow } from '../api';
 
 /** Columns of a convention, in the order of its link matrix. */
@@ -52,7 +52,7 @@ export function typeOf(row: TableRow): JointType {
   return TYPES[(row.type ?? '').toLowerCase()] ?? 'revolute';
 }
 
-/** The column that a joint's variable is in; null for a fixed row. */
+/** The column of a joint's variable; null for a fixed row. */
 export function ownColumn(row: TableRow, convention: Convention): Column | null {
   const type = typeOf(row);
   if (type === 'fixed') return null;

@@ -29,7 +29,7 @@ export function setLimit(
   return withRow(document, index, (row) => ({ ...row, limits: { ...row.limits, [bound]: value } }));
 }
 
-/** Another type of joint: the variable moves to its column and leaves its constant behind. */
+/** Change a joint's type: the variable moves to its column, its constant stays. */
 export function setType(document: TableDocument, index: number, type: JointType): TableDocument {
   return withRow(document, index, (row) => {
     const { convention } = document;
@@ -44,7 +44,7 @@ export function setType(document: TableDocument, index: number, type: JointType)
   });
 }
 
-/** What is left of a cell without its variable: `q2 - pi/2` -> `-pi/2`. */
+/** A cell without its variable: `q2 - pi/2` -> `-pi/2`. */
 export function constantOf(cell: Cell | undefined): string {
   const text = String(cell ?? '')
     .replace(/[+-]?\s*(?:q|θ|theta)_?\d*/i, '')
@@ -72,7 +72,7 @@ export function moveRow(document: TableDocument, from: number, to: number): Tabl
   });
 }
 
-/** Variables are numbered by rows: q3 in row 3. */
+/** Number the variables by rows: q3 in row 3. */
 function renumbered(document: TableDocument): TableDocument {
   return {
     ...document,
@@ -86,15 +86,15 @@ function renumbered(document: TableDocument): TableDocument {
   };
 }
 
-/** A joint as far as its value goes: what it is called, and whether it slides. */
+/** What identifies a joint's value: its name, and whether it is prismatic. */
 interface Named {
   readonly name?: string;
   readonly type?: string;
 }
 
 /**
- * The values of the joints after a change of the table: each keeps its own, wherever its row went;
- * what is new, or slides now and turned before, is at zero.
+ * The values of the joints after a change of the table: a joint keeps its own, wherever its row is;
+ * one that is new, or has become prismatic or revolute, is at zero.
  */
 export function carried(
   before: readonly Named[],
@@ -127,7 +127,7 @@ function withRow(
   return { ...document, joints };
 }
 
-/** The same numbers in another convention: another arm, which is what one may want to see. */
+/** Keep the numbers and read them in another convention: that is another arm. */
 export function readAs(document: TableDocument, convention: Convention): TableDocument {
   const khalil = document.convention === 'khalil';
   if (khalil === (convention === 'khalil')) return { ...document, convention };
@@ -138,7 +138,7 @@ export function readAs(document: TableDocument, convention: Convention): TableDo
   return { ...document, convention, joints };
 }
 
-/** A table to begin with: one joint. */
+/** A new table, with two joints. */
 export function newTable(convention: Convention, angle: AngleUnit): TableDocument {
   const empty: TableDocument = { convention, units: { angle, length: 'm' }, joints: [] };
   return addRow(addRow(empty, -1), 0);

@@ -1,11 +1,11 @@
-/** A table between the form that the service takes and gives and the form that is edited. */
+/** Conversions between the form of a table in the API and the form that is edited. */
 import type { Placement, TableDocument, TableRow } from '../api';
 import { ownColumn } from './convention';
 import { variableCell } from './document';
 
 /**
- * A document as the API gives it -> as it is edited: the variable stands in its own column, with
- * what were `offset` and `sign`, as in a textbook.
+ * Change a document of the API to the form that is edited: the variable is in its own column, with
+ * `offset` and `sign` in its cell, as in a textbook.
  */
 export function editable(document: TableDocument): TableDocument {
   const { residual: _residual, warnings: _warnings, explanation: _explanation, ...kept } = document;
@@ -22,7 +22,7 @@ export function editable(document: TableDocument): TableDocument {
   };
 }
 
-/** A placement without turning is shown as a point. */
+/** A placement without rotation is shown as a point. */
 function placed(name: 'base' | 'tool', given: Placement | undefined): Partial<TableDocument> {
   const matrix = given?.matrix;
   if (!matrix) return given ? { [name]: given } : {};
@@ -31,7 +31,7 @@ function placed(name: 'base' | 'tool', given: Placement | undefined): Partial<Ta
   return { [name]: { xyz: matrix.slice(0, 3).map((row) => row[3] ?? 0), rpy: [0, 0, 0] } };
 }
 
-/** The document as it is sent: without what is empty, for which the API then asks by name. */
+/** Change an edited document to the form of the API: without empty cells, which it then names. */
 export function sendable(document: TableDocument): TableDocument {
   const { name, ...rest } = document;
   return {

@@ -6,7 +6,7 @@ import { t } from '../../i18n';
 import type { Page } from '../../page';
 import { type PathForm, tipPose } from '../../state';
 import { positionOf } from '../../target';
-import { taskOptions } from '../singularity';
+import { taskOptions } from '../tasks';
 
 const METHODS = [
   'pseudo_inverse',
