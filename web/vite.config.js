@@ -30,10 +30,17 @@ function compressed() {
 // DENAVIT_SERVICE is the service that `npm run dev` shows.
 const service = process.env.DENAVIT_SERVICE ?? 'http://localhost:8000';
 
-const LATER =
-  /node_modules|\/scene\/index|\/i18n\/(later\.)?(en|fr)\.|\/src\/(main|stage|solve|target|files|dialog|reproduction)\.|\/panels\/(ik|path|obstacles|reproduce)\.|\/table\/(paste|placements)\./;
-const isShell = (id) =>
-  /\/web\/src\/.*\.ts$/.test(id) && !LATER.test(id) && !/\/scene\/(?!types)/.test(id);
+// Modules of the first screen: all but the entry, what is opened later, and the languages.
+const LATER = [
+  /node_modules/,
+  /\/src\/(main|solve|target|dialog|reproduction|api\/motion|api\/files)\.ts$/,
+  /\/src\/(files|stage|panels\/path)\//,
+  /\/src\/panels\/(ik|reproduce)\.ts$/,
+  /\/src\/table\/(paste|placements)\.ts$/,
+  /\/src\/i18n\/(later\.)?(en|fr)\.ts$/,
+  /\/src\/scene\/(?!types\.ts$)/,
+];
+const isShell = (id) => /\/web\/src\/.*\.ts$/.test(id) && !LATER.some((one) => one.test(id));
 
 export default defineConfig({
   base: './',

@@ -1,4 +1,4 @@
-/** A modal dialog of the browser's own: Escape closes it, the focus stays in it. */
+/** A modal dialog of the browser: Escape closes it, the focus stays in it. */
 import { button, h } from './dom';
 import { t } from './i18n';
 

@@ -1,9 +1,9 @@
-/** Elements without a framework. */
+/** Creation of DOM elements. */
 
 type Child = Node | string | number | null | undefined | false;
 type Attributes = Record<string, string | number | boolean | EventListener | null | undefined>;
 
-/** `h('button', { class: 'x', onclick: f, 'aria-pressed': 'true' }, 'text')`. */
+/** Create an element: `h('button', { class: 'x', onclick: f, 'aria-pressed': 'true' }, 'text')`. */
 export function h<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   attributes: Attributes = {},
@@ -30,12 +30,13 @@ function add(element: HTMLElement, children: Child[]): void {
   }
 }
 
+/** Replace the children of an element. */
 export function replace(element: HTMLElement, ...children: Child[]): void {
   element.replaceChildren();
   add(element, children);
 }
 
-/** A select of [value, text] pairs. */
+/** Create a select of [value, text] pairs. */
 export function select(
   label: string,
   options: readonly (readonly [string, string])[],

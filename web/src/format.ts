@@ -1,12 +1,12 @@
-/** Numbers as the page shows them. */
+/** Numbers as text, and back. */
 
-/** With a fixed number of digits; a true minus sign; what is zero to these digits has no sign. */
+/** Fixed number of decimals, with a true minus sign; zero to these decimals has no sign. */
 export function fixed(value: number, digits: number): string {
   const text = value.toFixed(digits);
   return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
 }
 
-/** With significant digits, for quantities of any size. */
+/** Significant digits, for quantities of any size; null is infinite. */
 export function brief(value: number | null, digits = 4): string {
   if (value === null) return '∞';
   if (value !== 0 && (Math.abs(value) < 1e-4 || Math.abs(value) >= 1e6)) {
@@ -18,12 +18,12 @@ export function brief(value: number | null, digits = 4): string {
   return String(Number(value.toPrecision(digits))).replace('-', '−');
 }
 
-/** For a field that is typed into: all that matters of twelve digits. */
+/** Text of a number in a field: up to twelve significant digits. */
 export function typed(value: number): string {
   return String(Number(value.toPrecision(12)));
 }
 
-/** What was typed as a number: a decimal comma and a true minus are read, too; null for no number. */
+/** Read a typed number, also with a decimal comma or a true minus; null where it is none. */
 export function readNumber(text: string): number | null {
   const plain = text.trim().replace('−', '-').replace(',', '.');
   const value = Number(plain);

@@ -1,36 +1,14 @@
-/** Which robot, undo, link, units, language, colours. */
+/** The header of the page: the robot, undo, link, units, language, theme. */
 import * as api from './api';
 import { button, h, replace, select } from './dom';
+import { EXAMPLES, storedRobot } from './examples';
+import { reasonOf } from './failure';
 import { type Language, opened, t } from './i18n';
 import { isIncomplete } from './link';
 import type { Page } from './page';
-import { START, type State } from './state';
-
-/** Arms that a course begins with; postures in degrees and m. */
-const EXAMPLES: readonly { id: string; name: string; q: readonly number[]; task: string }[] = [
-  { id: 'planar_2r', name: '2R', q: [30, 60], task: 'xy' },
-  { id: 'scara', name: 'SCARA', q: [20, 40, 0.08, 0], task: 'xyz_phi' },
-  { id: 'puma560', name: 'PUMA 560', q: [0, 45, -90, 0, 45, 0], task: 'pose' },
-  { id: 'ur5', name: 'UR5', q: [0, -60, 90, -120, -90, 0], task: 'pose' },
-  { id: 'pa10', name: 'PA10', q: [0, 30, 0, 60, 0, 60, 0], task: 'pose' },
-  { id: 'panda', name: 'Panda', q: [0, -30, 0, -120, 0, 100, 45], task: 'pose' },
-];
-
-/** The state with another robot of the service: its posture, and nothing of the one before. */
-export function withRobot(state: State, id: string): Partial<State> {
-  const example = EXAMPLES.find((one) => one.id === id);
-  const factor = state.angle === 'deg' ? 1 : Math.PI / 180;
-  const slides = id === 'scara' ? 2 : -1;
-  return {
-    source: { kind: 'stored', id, convention: null },
-    q: example ? example.q.map((x, k) => (k === slides ? x : x * factor)) : [],
-    task: example?.task ?? START.task,
-    row: null,
-    target: null,
-    kept: [],
-    path: START.path,
-  };
-}
+import { type Linked, linkedValues, type State } from './state';
+import { switchTheme } from './theme';
+import { converted } from './units';
 
 export interface Choices {
   readonly language: Language;
@@ -38,29 +16,29 @@ export interface Choices {
 }
 
 export function headerView(page: Page, choices: Choices): HTMLElement {
-  const { store } = page;
-  const examples = EXAMPLES.map((one) => {
-    const chip = button(one.name, () => store.set(withRobot(store.state, one.id), 'robot'));
-    return { id: one.id, chip };
-  });
+  const { store, history } = page;
+  const choose = (id: string): void => history.change(storedRobot(id, store.state.angle), 'robot');
+  const examples = EXAMPLES.map(({ id, name }) => ({ id, chip: button(name, () => choose(id)) }));
   const robots = select(t.allRobots, [['', t.allRobots]], '', (id) => {
-    if (id) store.set(withRobot(store.state, id), 'robot');
+    if (id) choose(id);
   });
+  const isListed = (id: string): boolean => [...robots.options].some((one) => one.value === id);
   const file = h('input', {
     type: 'file',
     hidden: true,
     accept: '.urdf,.xml,.yaml,.yml,.json,.csv,.par,.txt,.md,.tex,.m,.py,.tsv',
     onchange: () => {
       const chosen = file.files?.[0];
-      if (chosen) void opened(import('./files')).then(({ openFile }) => openFile(page, chosen));
+      if (chosen)
+        void opened(import('./files/open')).then(({ openFile }) => openFile(page, chosen));
       file.value = '';
     },
   });
-  const undo = button('↶', () => store.undo(), {
+  const undo = button('↶', () => history.undo(), {
     'aria-label': t.undo,
     title: `${t.undo} (Ctrl+Z)`,
   });
-  const redo = button('↷', () => store.redo(), {
+  const redo = button('↷', () => history.redo(), {
     'aria-label': t.redo,
     title: `${t.redo} (Ctrl+Y)`,
   });
@@ -71,13 +49,13 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
       ['rad', 'rad'],
     ],
     store.state.angle,
-    (value) => store.set(withAngle(page, value as api.AngleUnit), 'angle'),
+    (value) => history.change(withAngle(store.state, value as api.AngleUnit), 'angle'),
   );
   const digits = select(
     t.digits,
     [3, 4, 6, 9, 12].map((n) => [String(n), t.digitsShown(n)]),
     String(store.state.digits),
-    (value) => store.set({ digits: Number(value) }, 'digits'),
+    (value) => history.change({ digits: Number(value) }, 'digits'),
   );
   const language = select(
     t.language,
@@ -88,14 +66,15 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
     choices.language,
     (value) => choices.speak(value as Language),
   );
-  const theme = button('◐', () => switchTheme(page), { 'aria-label': t.theme, title: t.theme });
+  const theme = button('◐', () => switchTheme(store), { 'aria-label': t.theme, title: t.theme });
   const download = button(
     t.download,
-    () => void opened(import('./files')).then(({ downloadDialog }) => downloadDialog(page)),
+    () =>
+      void opened(import('./files/download')).then(({ downloadDialog }) => downloadDialog(page)),
   );
   const save = button(
     t.save,
-    () => void opened(import('./files')).then(({ saveDialog }) => saveDialog(page)),
+    () => void opened(import('./files/save')).then(({ saveDialog }) => saveDialog(page)),
   );
   const share = button(t.copyLink, () => {
     if (isIncomplete(location.hash)) page.tell(t.tooLong, true);
@@ -106,12 +85,19 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
       );
   });
 
-  function render(state: State): void {
-    const id = state.source.kind === 'stored' ? state.source.id : '';
+  /** Id of the chosen robot; '' where the service has not stored it. */
+  function chosenId(): string {
+    const { source } = store.state;
+    return source.kind === 'stored' ? source.id : '';
+  }
+
+  function render(): void {
+    const { state } = store;
+    const id = chosenId();
     for (const one of examples) one.chip.setAttribute('aria-pressed', String(one.id === id));
-    if ([...robots.options].some((one) => one.value === id)) robots.value = id;
-    undo.disabled = !store.canUndo;
-    redo.disabled = !store.canRedo;
+    if (isListed(id)) robots.value = id;
+    undo.disabled = !history.canUndo;
+    redo.disabled = !history.canRedo;
     angle.value = state.angle;
     digits.value = String(state.digits);
     save.disabled = state.source.kind === 'stored';
@@ -119,33 +105,17 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
 
   async function list(): Promise<void> {
     try {
-      const answer = await api.json<{ robots: api.RobotLine[] }>(api.listRobots());
-      const group = (label: string, lines: api.RobotLine[]): HTMLElement | false =>
-        lines.length > 0 &&
-        h(
-          'optgroup',
-          { label },
-          ...lines.map((one) => h('option', { value: one.id }, `${one.title} · ${one.dof}`)),
-        );
+      const { robots: lines } = await api.json(api.listRobots());
       replace(
         robots,
         h('option', { value: '' }, t.allRobots),
-        group(
-          t.uploaded,
-          answer.robots.filter((one) => !one.shipped),
-        ),
-        group(
-          t.dhTables,
-          answer.robots.filter((one) => one.shipped && one.kind === 'dh'),
-        ),
-        group(
-          'URDF',
-          answer.robots.filter((one) => one.shipped && one.kind === 'urdf'),
-        ),
+        group(t.uploaded, lines, (one) => !one.shipped),
+        group(t.dhTables, lines, (one) => one.shipped && one.kind === 'dh'),
+        group('URDF', lines, (one) => one.shipped && one.kind === 'urdf'),
       );
-      render(store.state);
-    } catch {
-      page.tell(t.unreachable, true);
+      render();
+    } catch (error) {
+      page.tell(reasonOf(error), true);
     }
   }
 
@@ -153,21 +123,24 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
     if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
     const key = event.key.toLowerCase();
     const field = document.activeElement;
-    // What is typed in a dialog is not of the state yet: there the browser undoes.
+    // Text typed in a dialog is not in the state: there the browser's own undo is left to work.
     if (!'zy'.includes(key) || !(field instanceof HTMLElement) || field.closest('dialog')) return;
     event.preventDefault();
-    // A field that is being typed into keeps its text; it shall show what undo makes of it.
+    // A focused field keeps its text when the state changes: without focus it shows the new value.
     field.blur();
-    if (key === 'z' && !event.shiftKey) store.undo();
-    else store.redo();
+    if (key === 'z' && !event.shiftKey) history.undo();
+    else history.redo();
     field.focus({ preventScroll: true });
   });
-  page.onModel.push(() => {
-    const id = store.state.source.kind === 'stored' ? store.state.source.id : '';
-    if (id && ![...robots.options].some((one) => one.value === id)) void list();
-  });
-  store.listen(render);
-  render(store.state);
+  store.subscribe(linkedValues, render);
+  store.subscribe(
+    ({ model }) => model,
+    () => {
+      const id = chosenId();
+      if (id && !isListed(id)) void list();
+    },
+  );
+  render();
   void list();
   return h(
     'header',
@@ -199,43 +172,33 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
   );
 }
 
-/** The same posture in the other unit. */
-function withAngle(page: Page, angle: api.AngleUnit): Partial<State> {
-  const { state } = page.store;
-  if (angle === state.angle) return {};
-  const factor = angle === 'deg' ? 180 / Math.PI : Math.PI / 180;
-  const turned = (q: readonly number[]): number[] =>
-    q.map((x, k) =>
-      page.model?.joints[k]?.type === 'prismatic' ? x : Number((x * factor).toPrecision(12)),
-    );
-  return { angle, q: turned(state.q), kept: state.kept.map(turned), target: null };
+function group(
+  label: string,
+  lines: readonly api.RobotLine[],
+  belongs: (one: api.RobotLine) => boolean,
+): HTMLElement | false {
+  const found = lines.filter(belongs);
+  return (
+    found.length > 0 &&
+    h(
+      'optgroup',
+      { label },
+      ...found.map((one) => h('option', { value: one.id }, `${one.title} · ${one.dof}`)),
+    )
+  );
 }
 
-export function isDark(): boolean {
-  const chosen = document.documentElement.dataset.theme;
-  return chosen ? chosen === 'dark' : matchMedia('(prefers-color-scheme: dark)').matches;
-}
-
-function switchTheme(page: Page): void {
-  const theme = isDark() ? 'light' : 'dark';
-  document.documentElement.dataset.theme = theme;
-  remember('theme', theme);
-  for (const tell of page.onNumbers) tell();
-}
-
-/** A choice that outlives the page; a browser may refuse to keep it. */
-export function remember(name: string, value: string): void {
-  try {
-    localStorage.setItem(`denavit.${name}`, value);
-  } catch {
-    // Private windows keep nothing; the choice then lasts as long as the page.
-  }
-}
-
-export function remembered(name: string): string | null {
-  try {
-    return localStorage.getItem(`denavit.${name}`);
-  } catch {
-    return null;
-  }
+/** The change to the other unit of angles: the same configurations, without a target. */
+function withAngle(
+  { model, angle: before, q, kept }: State,
+  angle: api.AngleUnit,
+): Partial<Linked> {
+  if (angle === before) return {};
+  const joints = model?.joints ?? [];
+  return {
+    angle,
+    q: converted(joints, q, angle),
+    kept: kept.map((one) => converted(joints, one, angle)),
+    target: null,
+  };
 }

@@ -1,10 +1,10 @@
-/** One slider and one field a joint, with its limits. */
+/** A slider and a field for each joint, with its limits. */
 import { h, replace } from './dom';
 import { readNumber, typed } from './format';
 import { t } from './i18n';
-import { shown } from './model';
 import type { Page } from './page';
 import type { SceneJoint } from './scene/types';
+import { fromRadians } from './units';
 
 interface Line {
   readonly slider: HTMLInputElement;
@@ -15,13 +15,13 @@ interface Line {
 }
 
 export function jointsView(page: Page): HTMLElement {
-  const { store } = page;
+  const { store, history } = page;
   const list = h('div', { class: 'joints' });
   let lines: Line[] = [];
   let built = '';
 
   function put(k: number, value: number): void {
-    store.set({ q: store.state.q.with(k, value) }, `q${k}`);
+    history.change({ q: store.state.q.with(k, value) }, `q${k}`);
   }
 
   function line(joint: SceneJoint, k: number): Line {
@@ -29,10 +29,10 @@ export function jointsView(page: Page): HTMLElement {
     const turns = joint.type !== 'prismatic';
     const half = turns ? (angle === 'deg' ? 180 : Math.PI) : 1;
     const limited = joint.lower !== null && joint.upper !== null && joint.type !== 'continuous';
-    const lower = limited ? shown(joint, joint.lower ?? 0, angle) : -half;
-    const upper = limited ? shown(joint, joint.upper ?? 0, angle) : half;
+    const lower = limited ? fromRadians(joint, joint.lower ?? 0, angle) : -half;
+    const upper = limited ? fromRadians(joint, joint.upper ?? 0, angle) : half;
     const unit = turns ? (angle === 'deg' ? '°' : 'rad') : 'm';
-    // A hundredth of a short range can still be told from the next.
+    // So many digits that a hundredth of the range is still a step.
     const range = limited && upper > lower ? upper - lower : 1;
     const digits = Math.max(turns && angle === 'deg' ? 1 : 3, 2 - Math.floor(Math.log10(range)));
     const slider = h('input', {
@@ -84,7 +84,7 @@ export function jointsView(page: Page): HTMLElement {
   }
 
   function render(): void {
-    const joints = page.model?.joints ?? [];
+    const joints = store.state.model?.joints ?? [];
     const { q, angle } = store.state;
     const shape = JSON.stringify([joints, angle]);
     if (shape !== built) {
@@ -97,13 +97,12 @@ export function jointsView(page: Page): HTMLElement {
       one.slider.value = String(value);
       if (one.field !== document.activeElement) one.field.value = typed(value);
       const beyond = value < one.lower - 1e-9 || value > one.upper + 1e-9;
-      one.element.classList.toggle('beyond', beyond && page.model?.joints[k]?.lower !== null);
+      one.element.classList.toggle('beyond', beyond && joints[k]?.lower !== null);
       one.field.title = beyond ? t.beyondLimit : '';
     });
   }
 
-  store.listen(render);
-  page.onModel.push(render);
+  store.subscribe(({ model, q, angle }) => [model, q, angle], render);
   render();
   return list;
 }

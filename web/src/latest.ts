@@ -1,6 +1,6 @@
-/** The latest request wins: one at a time, and of those that came meanwhile only the last. */
+/** Runs one task at a time, and of those that wait only the last. */
 
-/** A request under way for longer than this is given up for a newer one, ms. */
+/** A task that runs for longer than this is aborted for a newer one, ms. */
 const PATIENCE = 150;
 
 export class Latest {
@@ -8,7 +8,7 @@ export class Latest {
   private next: ((signal: AbortSignal) => Promise<void>) | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** Runs the task now, or after the one under way; a task still waiting is dropped. */
+  /** Run a task now, or after the one that runs; a task that still waits is dropped. */
   run(task: (signal: AbortSignal) => Promise<void>): void {
     if (this.running) {
       this.next = task;
@@ -22,12 +22,6 @@ export class Latest {
         if (!isAbort(error)) throw error;
       })
       .finally(() => this.done(controller));
-  }
-
-  /** Ends what is under way and drops what waits. */
-  cancel(): void {
-    this.next = null;
-    this.running?.abort();
   }
 
   private giveUp(): void {

@@ -1,8 +1,8 @@
-/** The state in the URL's hash, and back: readable where it is short, compressed where it is not. */
+/** Between the state and the URL's hash: short values readable, documents compressed. */
 import type { AngleUnit, Convention, ReferenceFrame, TableDocument } from './api';
-import { type Section, START, type State, type View } from './state';
+import { type Linked, type Section, START, type View } from './state';
 
-/** Longest compressed document that a link carries; longer ones are to be saved first. */
+/** Longest compressed document in a link, characters; a longer one must be stored first. */
 const MAX_DOCUMENT = 12_000;
 
 const LEFT_OUT = 'left-out';
@@ -12,8 +12,8 @@ export function isIncomplete(hash: string): boolean {
   return new URLSearchParams(hash.replace(/^#/, '')).has(LEFT_OUT);
 }
 
-/** The hash of a state, without '#'; what is as at the start is left out. */
-export async function toHash(state: State): Promise<string> {
+/** Write a state as a hash, without '#'; values of START are left out. */
+export async function toHash(state: Linked): Promise<string> {
   const parts: [string, string][] = [];
   const put = (name: string, value: string, start: string): void => {
     if (value !== start) parts.push([name, value]);
@@ -42,12 +42,12 @@ export async function toHash(state: State): Promise<string> {
   return parts.map(([name, value]) => `${name}=${readable(value)}`).join('&');
 }
 
-/** The state of a hash; what is missing or cannot be read is as at the start. */
-export async function fromHash(hash: string): Promise<State> {
+/** Read the state of a hash; what is missing or cannot be read is that of START. */
+export async function fromHash(hash: string): Promise<Linked> {
   const given = new URLSearchParams(hash.replace(/^#/, '').replaceAll('+', '%2B'));
   const text = (name: string): string => given.get(name) ?? '';
-  let state: State = START;
-  const put = (change: Partial<State>): void => {
+  let state: Linked = START;
+  const put = (change: Partial<Linked>): void => {
     state = { ...state, ...change };
   };
   if (text('robot')) {
@@ -76,9 +76,9 @@ export async function fromHash(hash: string): Promise<State> {
   if (text('view')) put({ view: readView(text('view')) });
   const kept = text('kept') ? text('kept').split(';').map(numbers) : [];
   put({ kept: kept.filter((one) => one !== null) });
-  const target = await unpack<State['target']>(text('target'));
+  const target = await unpack<Linked['target']>(text('target'));
   if (target && Object.values(target).every(Array.isArray)) put({ target });
-  const path = await unpack<State['path']>(text('path'));
+  const path = await unpack<Linked['path']>(text('path'));
   if (path && Array.isArray(path.obstacles)) put({ path: { ...START.path, ...path } });
   return state;
 }

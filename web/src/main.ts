@@ -1,38 +1,38 @@
-/** The page starts here: its parts, and how the state becomes a robot and a link. */
-import * as api from './api';
+/** Entry of the page: creates its state and its parts, and lays them out. */
+import { keepAddress, readAddress } from './address';
 import { h } from './dom';
-import { headerView, remember, remembered, withRobot } from './header';
+import { storedRobot } from './examples';
+import { headerView } from './header';
+import { History } from './history';
 import { type Language, opened, preferred, speak, t } from './i18n';
 import { jointsView } from './joints';
-import { isAbort, Latest } from './latest';
-import { fromHash, isIncomplete, toHash } from './link';
-import { atRest, resolve, taskOf } from './model';
+import { isIncomplete } from './link';
+import { keepModel } from './loading';
 import type { Page } from './page';
+import { remember, remembered } from './preferences';
 import { sectionsView } from './sections';
-import { START, type State, Store } from './state';
+import { newSession, START, type State, tipPose } from './state';
+import { Store } from './store';
 import { tableView } from './table/view';
+import { followBrowserTheme, isDark, restoreTheme } from './theme';
 
-/** The state of the address; a robot too long for it is in the entry of the browser's history. */
-async function present(): Promise<State> {
-  const state = await fromHash(location.hash);
-  const { source } = (history.state ?? {}) as { source?: State['source'] };
-  return source && isIncomplete(location.hash) ? { ...state, source } : state;
-}
-
-const theme = remembered('theme');
-if (theme) document.documentElement.dataset.theme = theme;
+/** A screen reader is told the numbers once they have rested for this time, ms. */
+const REST = 900;
+const PASSING = { success: 3000, error: 8000 };
 
 function languageOf(text: string | null): Language {
   return text === 'en' || text === 'fr' ? text : preferred();
 }
 
+restoreTheme();
 const language = languageOf(remembered('language'));
-const [first] = await Promise.all([present(), speak(language)]);
-const store = new Store(
-  first.q.length || first.source !== START.source
-    ? first
-    : { ...first, ...withRobot(first, 'puma560') },
-);
+const [linked] = await Promise.all([readAddress(), speak(language)]);
+const isEmpty = linked.q.length === 0 && linked.source === START.source;
+const store = new Store<State>({
+  ...linked,
+  ...(isEmpty && storedRobot('puma560', linked.angle)),
+  ...newSession(isDark()),
+});
 
 const status = h('p', { class: 'hidden', role: 'status', 'aria-live': 'polite' });
 const toast = h('p', { class: 'toast', role: 'alert', hidden: true });
@@ -40,118 +40,38 @@ let toastTimer: ReturnType<typeof setTimeout>;
 
 const page: Page = {
   store,
-  model: null,
-  calls: new Map(),
-  answers: { fk: null, singularity: null },
+  history: new History(store),
   say(words) {
     status.textContent = words;
   },
-  tell(words, bad = false) {
+  tell(words, isError = false) {
     clearTimeout(toastTimer);
     toast.hidden = !words;
-    // Words that are there already are not said again.
+    // Setting the same text would make a screen reader repeat it.
     if (toast.textContent !== words) toast.textContent = words;
-    toast.classList.toggle('bad', bad);
-    toastTimer = setTimeout(() => (toast.hidden = true), bad ? 8000 : 3000);
+    toast.classList.toggle('bad', isError);
+    toastTimer = setTimeout(() => (toast.hidden = true), PASSING[isError ? 'error' : 'success']);
   },
-  onModel: [],
-  onNumbers: [],
-  onExtras: [],
 };
 
-const table = tableView(page);
 const stage = h('section', { class: 'stage', id: 'stage', 'aria-label': t.scene });
-const models = new Latest();
-/** After this time a service that did not answer is asked again, ms. */
-const AGAIN = 2000;
+const writeAddress = keepAddress(page);
+followBrowserTheme(store);
 
-/** The robot of the state; while a table cannot be used, the last one that could stays. */
-function load(): void {
-  models.run(async (signal) => {
-    const { state } = store;
-    try {
-      const model = await resolve(state.source, state.angle, signal);
-      // What was asked for meanwhile is on its way; this one's posture is no longer there.
-      if (store.state.source !== state.source) return;
-      page.model = model;
-      table.showErrors([]);
-      if (document.body.classList.contains('stale')) page.tell('');
-      document.body.classList.remove('stale');
-      document.title = model.title ? `${model.title} · Denavit` : 'Denavit';
-      const { q, angle, task } = store.state;
-      if (q.length !== model.joints.length) {
-        store.set({
-          q: atRest(model.joints, angle),
-          ...(task === START.task ? { task: taskOf(model) } : {}),
-        });
-      }
-      for (const tell of page.onModel) tell();
-    } catch (error) {
-      if (isAbort(error)) throw error;
-      document.body.classList.add('stale');
-      if (api.willPass(error)) {
-        page.tell(error instanceof api.Refusal ? error.detail : t.unreachable, true);
-        // Where the user has gone on meanwhile, that is on its way itself.
-        setTimeout(() => {
-          if (store.state.source === state.source && document.body.classList.contains('stale'))
-            load();
-        }, AGAIN);
-      } else if (error instanceof api.Refusal) {
-        table.showErrors(
-          error.errors.length ? error.errors : [{ pointer: '', message: error.detail }],
-        );
-        if (state.source.kind !== 'table') page.tell(error.detail, true);
-      } else throw error;
-    }
-  });
-}
-
-/** What a screen reader is told once the numbers rest. */
 let speaking: ReturnType<typeof setTimeout>;
-page.onNumbers.push(() => {
-  clearTimeout(speaking);
-  speaking = setTimeout(() => {
-    const pose = Object.values(page.answers.fk?.poses ?? {})[0];
-    const rank = page.answers.singularity;
-    const place = pose ? `${t.position} ${pose.position.map((x) => x.toFixed(3)).join(', ')}` : '';
-    page.say([place, rank ? `${t.rank} ${rank.rank}` : ''].filter(Boolean).join('; '));
-  }, 900);
-});
-
-let linking: ReturnType<typeof setTimeout>;
-let hash = location.hash;
-let entry = entryOf(store.state);
-store.listen((state, before) => {
-  const shown = state.source.kind !== 'table' && state.angle !== before.angle;
-  if (state.source !== before.source || shown) load();
-  clearTimeout(linking);
-  linking = setTimeout(() => void link(state), 250);
-});
-
-/** Another robot is another entry of the browser's history; whatever else changes is not. */
-function entryOf({ source }: State): string {
-  return source.kind === 'stored' ? source.id : source.kind;
-}
-
-async function link(state: State): Promise<void> {
-  const next = `#${await toHash(state)}`;
-  if (store.state !== state) return;
-  const before = entry;
-  hash = next;
-  entry = entryOf(state);
-  const kept = isIncomplete(hash) ? { source: state.source } : null;
-  if (entry === before) history.replaceState(kept, '', hash);
-  else history.pushState(kept, '', hash);
-}
-
-addEventListener('hashchange', () => {
-  if (location.hash === hash) return;
-  hash = location.hash;
-  void present().then((state) => {
-    entry = entryOf(state);
-    store.set(state, 'link');
-  });
-});
+store.subscribe(
+  (state) => state.answers,
+  () => {
+    clearTimeout(speaking);
+    speaking = setTimeout(() => {
+      const { singularity } = store.state.answers;
+      const tip = tipPose(store.state);
+      const place = tip ? `${t.position} ${tip.position.map((x) => x.toFixed(3)).join(', ')}` : '';
+      const rank = singularity ? `${t.rank} ${singularity.rank}` : '';
+      page.say([place, rank].filter(Boolean).join('; '));
+    }, REST);
+  },
+);
 
 document.body.prepend(
   h(
@@ -170,7 +90,7 @@ document.body.prepend(
     language,
     speak(chosen) {
       remember('language', chosen);
-      void link(store.state).then(() => location.reload());
+      void writeAddress().then(() => location.reload());
     },
   }),
   h(
@@ -179,7 +99,7 @@ document.body.prepend(
     h(
       'div',
       { class: 'column model' },
-      table.element,
+      tableView(page),
       h(
         'section',
         { class: 'card', 'aria-labelledby': 'joints-title' },
@@ -193,12 +113,13 @@ document.body.prepend(
   status,
   toast,
 );
-load();
-if (isIncomplete(location.hash) && !history.state) page.tell(t.tooLong, true);
-// The view comes after the first numbers, which need less than it does.
-let staged = false;
-page.onNumbers.push(() => {
-  if (staged) return;
-  staged = true;
-  void opened(import('./stage')).then(({ stageView }) => stageView(page, stage));
-});
+keepModel(page);
+if (isIncomplete(location.hash) && !window.history.state) page.tell(t.tooLong, true);
+// The first numbers come before the view, which takes longer to load.
+const stop = store.subscribe(
+  (state) => state.answers,
+  () => {
+    stop();
+    void opened(import('./stage')).then(({ stageView }) => stageView(page, stage));
+  },
+);

@@ -1,8 +1,8 @@
-/** A call as a command for a terminal, and as a program. What runs is what the page has sent. */
+/** A call as a command for a terminal and as a program: it sends what the page has sent. */
 import { type Call, urlOf } from './api';
 
-/** JSON in ASCII, so that no terminal's encoding can spoil it. */
-export function ascii(value: unknown): string {
+/** JSON in ASCII, which every terminal's encoding can print. */
+function ascii(value: unknown): string {
   return JSON.stringify(value).replace(
     /[\u007f-\uffff]/g,
     (one) => `\\u${one.charCodeAt(0).toString(16).padStart(4, '0')}`,
@@ -18,7 +18,7 @@ export function asCurl(call: Call): string {
   return parts.join(' ');
 }
 
-/** In single quotes, for sh, bash and zsh. */
+/** Quote a text for sh, bash and zsh. */
 function shell(text: string): string {
   return `'${text.replaceAll("'", String.raw`'\''`)}'`;
 }

@@ -1,72 +1,51 @@
-/** The sections of numbers: folded or open, asked for only while open. */
+/** The sections of numbers: folded or open, computed only while they are needed. */
 import * as api from './api';
 import { button, h, replace } from './dom';
+import { reasonOf } from './failure';
 import { opened, t } from './i18n';
 import { Latest } from './latest';
 import type { Model } from './model';
 import type { Page } from './page';
 import { jacobianPanel } from './panels/jacobian';
 import { linksPanel } from './panels/links';
-import type { Panel } from './panels/panel';
+import type { AnyPanel } from './panels/panel';
 import { posePanel } from './panels/pose';
 import { singularityPanel } from './panels/singularity';
-import type { Section, State } from './state';
+import type { Answers, Section, State } from './state';
 
+/** Sections whose code is loaded when they are opened first. */
 const LAZY = {
   ik: async () => (await import('./panels/ik')).ikPanel,
   path: async () => (await import('./panels/path')).pathPanel,
   reproduce: async () => (await import('./panels/reproduce')).reproducePanel,
 };
 
-/** After this time numbers that did not come are asked for again, ms. */
-const AGAIN = 2000;
-
-/** What asks for other numbers than those on the page. */
-const INPUTS: readonly (keyof State)[] = [
-  'q',
-  'angle',
-  'euler',
-  'reference',
-  'task',
-  'open',
-  'view',
-  'digits',
-  'row',
-];
+/** Numbers that did not arrive are asked for again after this time, ms. */
+const RETRY = 2000;
 
 export function sectionsView(page: Page): HTMLElement {
   const { store } = page;
-  const panels = [posePanel(page), linksPanel(page), jacobianPanel(page), singularityPanel(page)];
-  const lines = new Map<Section, HTMLDetailsElement>();
-  const live = new Latest();
+  const panels: readonly AnyPanel[] = [
+    posePanel(page),
+    linksPanel(page),
+    jacobianPanel(page),
+    singularityPanel(page),
+  ];
+  const folds = new Map<Section, HTMLDetailsElement>();
+  const latest = new Latest();
   let again: ReturnType<typeof setTimeout>;
-  let failing = false;
+  let isFailing = false;
 
-  function section(id: Section, title: string, body: HTMLElement, copies: boolean): HTMLElement {
-    const copy =
-      copies &&
-      button(
-        '‹›',
-        () => {
-          store.set({ open: [...new Set<Section>([...store.state.open, 'reproduce'])] });
-          page.calls.delete('reproduce');
-          const call = page.calls.get(id);
-          if (call) page.calls.set('reproduce', call);
-          reproduced = id;
-          for (const tell of page.onNumbers) tell();
-          lines.get('reproduce')?.scrollIntoView({ block: 'nearest' });
-        },
-        { class: 'copy', title: t.showRequest, 'aria-label': `${t.showRequest}: ${title}` },
-      );
-    const details = h(
+  function section(id: Section, title: string, body: HTMLElement): HTMLElement {
+    const fold = h(
       'details',
       {
         class: 'fold',
         id: `section-${id}`,
         ontoggle: () => {
           const open = new Set(store.state.open);
-          if (details.open === open.has(id)) return;
-          if (details.open) open.add(id);
+          if (fold.open === open.has(id)) return;
+          if (fold.open) open.add(id);
           else open.delete(id);
           store.set({ open: [...open] });
         },
@@ -74,9 +53,24 @@ export function sectionsView(page: Page): HTMLElement {
       h('summary', {}, h('h2', {}, title)),
       body,
     );
-    lines.set(id, details);
-    return h('section', { class: 'card', 'aria-label': title }, details, copy);
+    folds.set(id, fold);
+    const copy =
+      id !== 'reproduce' &&
+      button('‹›', () => reproduce(id), {
+        class: 'copy',
+        title: t.showRequest,
+        'aria-label': `${t.showRequest}: ${title}`,
+      });
+    return h('section', { class: 'card', 'aria-label': title }, fold, copy);
   }
+
+  function reproduce(id: Section): void {
+    const open = [...new Set<Section>([...store.state.open, 'reproduce'])];
+    store.set({ open, reproduced: id });
+    folds.get('reproduce')?.scrollIntoView({ block: 'nearest' });
+  }
+
+  const places = { ik: h('div'), path: h('div'), reproduce: h('div') };
 
   async function fill(id: keyof typeof LAZY, place: HTMLElement): Promise<void> {
     if (place.childElementCount) return;
@@ -84,85 +78,90 @@ export function sectionsView(page: Page): HTMLElement {
     if (!place.childElementCount) replace(place, make(page));
   }
 
-  const places = { ik: h('div'), path: h('div'), reproduce: h('div') };
-
-  function fold(state: State): void {
-    for (const [id, details] of lines) details.open = state.open.includes(id);
+  function unfold(open: readonly Section[]): void {
+    for (const [id, fold] of folds) fold.open = open.includes(id);
     for (const id of Object.keys(places) as (keyof typeof places)[]) {
-      if (state.open.includes(id)) void fill(id, places[id]);
+      if (open.includes(id)) void fill(id, places[id]);
     }
   }
 
-  function wanted(state: State): Panel[] {
-    return panels.filter(
-      ({ id }) =>
-        state.open.includes(id) ||
-        (id === 'singularity' && (state.view.lost || state.view.ellipsoid !== 'none')) ||
-        (id === 'pose' && state.open.some((one) => one === 'ik' || one === 'path')),
-    );
+  async function ask(
+    panel: AnyPanel,
+    call: api.Call<Answers[keyof Answers]>,
+    model: Model,
+    state: State,
+    signal: AbortSignal,
+  ): Promise<{ answer?: unknown; isFailed: boolean }> {
+    const fold = folds.get(panel.id)?.classList;
+    try {
+      const answer = await api.json(call, signal);
+      fold?.remove('stale');
+      panel.show(answer, model, state);
+      return { answer, isFailed: false };
+    } catch (error) {
+      page.tell(reasonOf(error), true);
+      fold?.add('stale');
+      return { isFailed: api.isTemporary(error) };
+    }
   }
 
   function refresh(): void {
-    const { model } = page;
-    if (!model) return;
-    live.run(async (signal) => {
+    latest.run(async (signal) => {
       const { state } = store;
-      const now = page.model;
-      let failed = false;
-      if (!now || state.q.length !== now.joints.length || isOfAnother(now, state)) return;
-      const asked = wanted(state).map(async (panel) => {
-        const call = panel.call(now, state);
-        const details = lines.get(panel.id);
-        details?.parentElement?.toggleAttribute('hidden', call === null);
-        if (!call) return;
-        page.calls.set(panel.id, call);
-        try {
-          const answer = await api.json(call, signal);
-          details?.classList.remove('stale');
-          panel.show(answer, now, state);
-        } catch (error) {
-          if (!(error instanceof api.Refusal || error instanceof api.Unreachable)) throw error;
-          details?.classList.add('stale');
-          failed ||= api.willPass(error);
-          page.tell(error instanceof api.Refusal ? error.detail : t.unreachable, true);
-        }
+      const { model } = state;
+      if (!model || state.q.length !== model.joints.length || isOfAnother(model, state)) return;
+      const asked = panels.flatMap((panel) => {
+        if (!isNeeded(panel.id, state)) return [];
+        const call = panel.call(model, state);
+        folds.get(panel.id)?.parentElement?.toggleAttribute('hidden', call === null);
+        return call ? [{ panel, call }] : [];
       });
-      await Promise.all(asked);
+      const calls = Object.fromEntries(asked.map(({ panel, call }) => [panel.id, call]));
+      store.set({ calls: { ...store.state.calls, ...calls } });
+      const found = await Promise.all(
+        asked.map(({ panel, call }) => ask(panel, call, model, state, signal)),
+      );
       clearTimeout(again);
-      if (failed) again = setTimeout(refresh, AGAIN);
-      else if (failing) page.tell('');
-      failing = failed;
-      for (const tell of page.onNumbers) tell();
+      const hasFailed = found.some((one) => one.isFailed);
+      if (hasFailed) again = setTimeout(refresh, RETRY);
+      else if (isFailing) page.tell('');
+      isFailing = hasFailed;
+      const answers = Object.fromEntries(
+        asked.flatMap(({ panel }, k) => {
+          const answer = found[k]?.answer;
+          return answer === undefined ? [] : [[panel.id, answer]];
+        }),
+      );
+      store.set({ answers: { ...store.state.answers, ...answers } });
     });
   }
 
-  store.listen((state, before) => {
-    fold(state);
-    if (INPUTS.some((name) => state[name] !== before[name])) refresh();
-  });
-  page.onModel.push(refresh);
+  store.subscribe(({ open }) => open, unfold);
+  store.subscribe(
+    (s) => [s.model, s.q, s.angle, s.euler, s.reference, s.task, s.open, s.view, s.digits, s.row],
+    refresh,
+  );
   const element = h(
     'div',
     { class: 'sections' },
-    ...panels.map((one) => section(one.id, one.title, one.body, true)),
-    section('ik', t.ik, places.ik, true),
-    section('path', t.path, places.path, true),
-    section('reproduce', t.reproduce, places.reproduce, false),
+    ...panels.map((one) => section(one.id, one.title, one.body)),
+    section('ik', t.ik, places.ik),
+    section('path', t.path, places.path),
+    section('reproduce', t.reproduce, places.reproduce),
   );
-  fold(store.state);
+  unfold(store.state.open);
   return element;
 }
 
-/** The section whose request "Reproduce" shows. */
-export let reproduced: Section = 'pose';
-
-export function reproduce(id: Section): void {
-  reproduced = id;
+/** Whether a section's numbers are shown: in it, in the view, or in another section. */
+function isNeeded(id: Section, { open, view }: State): boolean {
+  if (open.includes(id)) return true;
+  if (id === 'singularity') return view.lost || view.ellipsoid !== 'none';
+  return id === 'pose' && (open.includes('ik') || open.includes('path'));
 }
 
-/** A robot that was just chosen is on its way: its posture is not for the one before. */
+/** Whether another robot was chosen, which is being loaded: the configuration is not for this one. */
 function isOfAnother({ ref }: Model, { source }: State): boolean {
-  return source.kind === 'stored'
-    ? !('id' in ref) || ref.id !== source.id
-    : 'id' in ref && source.kind === 'urdf';
+  if (source.kind === 'stored') return !('id' in ref) || ref.id !== source.id;
+  return 'id' in ref && source.kind === 'urdf';
 }

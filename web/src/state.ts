@@ -1,12 +1,21 @@
-/** One store. Everything that is on the page follows from the state; all of it is in the link. */
-import type { AngleUnit, Convention, Obstacle, ReferenceFrame, TableDocument, Target } from './api';
-import type { FramesShown } from './scene/types';
-
-/** Where the robot comes from: stored on the service, or only in this page. */
-export type Source =
-  | { readonly kind: 'stored'; readonly id: string; readonly convention: Convention | null }
-  | { readonly kind: 'table'; readonly table: TableDocument }
-  | { readonly kind: 'urdf'; readonly name: string; readonly urdf: string };
+/** The state of the page. Everything on it follows from here. */
+import type {
+  AngleUnit,
+  Call,
+  FieldError,
+  FKAnswer,
+  IKAnswer,
+  IKSolutionsAnswer,
+  JacobianAnswer,
+  MatricesAnswer,
+  Obstacle,
+  Pose,
+  ReferenceFrame,
+  SingularityAnswer,
+  Target,
+} from './api';
+import type { Model, Source } from './model';
+import type { FramesShown, ScenePath } from './scene/types';
 
 export type Section = 'pose' | 'links' | 'jacobian' | 'singularity' | 'ik' | 'path' | 'reproduce';
 
@@ -16,7 +25,7 @@ export interface View {
   readonly ellipsoid: 'none' | 'velocity' | 'force' | 'both';
   readonly lost: boolean;
   readonly cloud: boolean;
-  /** A second robot to compare, by id. */
+  /** Id of a second robot to compare; '' for none. */
   readonly other: string;
 }
 
@@ -26,7 +35,7 @@ export interface PathForm {
   readonly point: readonly number[];
   readonly plane: 'xy' | 'xz' | 'yz';
   readonly turns: number;
-  /** '': that of the page, or of the position where that is the whole pose. */
+  /** '' for that of the page, and for the position where that is the whole pose. */
   readonly task: string;
   readonly methods: readonly string[];
   readonly timeLaw: string;
@@ -37,10 +46,11 @@ export interface PathForm {
   readonly obstacles: readonly Obstacle[];
 }
 
-export interface State {
+/** What the link holds, and undo restores. */
+export interface Linked {
   readonly source: Source;
   readonly angle: AngleUnit;
-  /** In the shown unit: degrees or rad for joints that turn, m for those that slide. */
+  /** In the shown unit: degrees or rad for revolute joints, m for prismatic ones. */
   readonly q: readonly number[];
   readonly euler: string;
   readonly reference: ReferenceFrame;
@@ -48,11 +58,12 @@ export interface State {
   readonly digits: number;
   readonly open: readonly Section[];
   readonly view: View;
-  /** Row of the table whose motions are shown, and how many of the four are done. */
+  /** Row of the table whose elementary motions are shown. */
   readonly row: number | null;
+  /** How many of its four motions are done. */
   readonly step: number;
   readonly target: Target | null;
-  /** Postures kept to compare, in the shown unit. */
+  /** Configurations kept to compare, in the shown unit. */
   readonly kept: readonly (readonly number[])[];
   readonly path: PathForm;
 }
@@ -72,7 +83,8 @@ export const NO_PATH: PathForm = {
   obstacles: [],
 };
 
-export const START: State = {
+/** What a link without parameters shows. */
+export const START: Linked = {
   source: { kind: 'stored', id: 'puma560', convention: null },
   angle: 'deg',
   q: [],
@@ -96,75 +108,77 @@ export const START: State = {
   path: NO_PATH,
 };
 
-type Listener = (state: State, before: State) => void;
+/** The last answers of the service, by the section that shows them. */
+export interface Answers {
+  readonly pose: FKAnswer;
+  readonly links: MatricesAnswer;
+  readonly jacobian: JacobianAnswer;
+  readonly singularity: SingularityAnswer;
+}
 
-const HISTORY = 200;
-/** Changes of one kind within this time are undone together, ms. */
-const TOGETHER = 800;
+/** What became of the last inverse kinematics. */
+export interface Solved {
+  readonly answer: IKAnswer | IKSolutionsAnswer | null;
+  /** Why there is no answer; '' where there is one. */
+  readonly error: string;
+}
 
-/** The state, who listens to it, and what undo goes back to. */
-export class Store {
-  private listeners: Listener[] = [];
-  private past: State[] = [];
-  private future: State[] = [];
-  private last = { kind: '', at: 0 };
+/** A configuration shown beside the arm, in the shown unit. */
+export interface Ghost {
+  readonly q: readonly number[];
+  readonly label: string;
+}
 
-  constructor(private now: State) {}
+/** What belongs to this visit only. */
+export interface Session {
+  /** The last robot that could be used; null before the first. */
+  readonly model: Model | null;
+  /** What the service refused of the robot being edited. */
+  readonly errors: readonly FieldError[];
+  /** The last request of each section. */
+  readonly calls: Readonly<Partial<Record<Section, Call>>>;
+  /** Replaced each time that all sections have their answers. */
+  readonly answers: Readonly<Partial<Answers>>;
+  /** The section whose request "Reproduce" shows. */
+  readonly reproduced: Section;
+  readonly solved: Solved | null;
+  /** All solutions of the inverse kinematics, to choose from. */
+  readonly solutions: readonly Ghost[];
+  /** The path that was followed last. */
+  readonly followed: ScenePath | null;
+  readonly dark: boolean;
+}
 
-  get state(): State {
-    return this.now;
-  }
+export interface State extends Linked, Session {}
 
-  get canUndo(): boolean {
-    return this.past.length > 0;
-  }
+/** A visit as it begins. */
+export function newSession(dark: boolean): Session {
+  return {
+    model: null,
+    errors: [],
+    calls: {},
+    answers: {},
+    reproduced: 'pose',
+    solved: null,
+    solutions: [],
+    followed: null,
+    dark,
+  };
+}
 
-  get canRedo(): boolean {
-    return this.future.length > 0;
-  }
+const LINKED = Object.keys(START) as (keyof Linked)[];
 
-  listen(listener: Listener): void {
-    this.listeners.push(listener);
-  }
+/** The part of the state that the link holds. */
+export function linkedOf(state: Linked): Linked {
+  return Object.fromEntries(LINKED.map((name) => [name, state[name]])) as unknown as Linked;
+}
 
-  /**
-   * Changes the state.
-   *
-   * @param kind Name of the change for undo; '' is not undone by itself (what the service answers).
-   */
-  set(change: Partial<State>, kind = ''): void {
-    const before = this.now;
-    if (kind) {
-      const at = performance.now();
-      if (kind !== this.last.kind || at - this.last.at > TOGETHER) {
-        this.past.push(before);
-        if (this.past.length > HISTORY) this.past.shift();
-      }
-      this.last = { kind, at };
-      this.future = [];
-    }
-    this.go({ ...before, ...change });
-  }
+/** Its values in a fixed order, to be compared. */
+export function linkedValues(state: Linked): readonly unknown[] {
+  return LINKED.map((name) => state[name]);
+}
 
-  undo(): void {
-    const back = this.past.pop();
-    if (!back) return;
-    this.future.push(this.now);
-    this.last = { kind: '', at: 0 };
-    this.go(back);
-  }
-
-  redo(): void {
-    const forth = this.future.pop();
-    if (!forth) return;
-    this.past.push(this.now);
-    this.last = { kind: '', at: 0 };
-    this.go(forth);
-  }
-
-  private go(next: State): void {
-    const before = this.now;
-    this.now = next;
-    for (const listener of this.listeners) listener(next, before);
-  }
+/** The tip's pose as the service last answered it. */
+export function tipPose({ answers }: State): Pose | undefined {
+  return Object.values(answers.pose?.poses ?? {})[0];
 }

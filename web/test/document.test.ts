@@ -4,14 +4,13 @@ import {
   addRow,
   carried,
   constantOf,
-  editable,
   moveRow,
   readAs,
   removeRow,
-  sendable,
   setType,
   variableCell,
 } from '../src/table/document';
+import { editable, sendable } from '../src/table/exchange';
 
 const TABLE: TableDocument = {
   convention: 'standard',

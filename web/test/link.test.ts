@@ -1,8 +1,8 @@
 import { describe, expect, it } from 'vitest';
 import { fromHash, isIncomplete, toHash } from '../src/link';
-import { START, type State } from '../src/state';
+import { type Linked, START } from '../src/state';
 
-const FULL: State = {
+const FULL: Linked = {
   ...START,
   source: {
     kind: 'table',
@@ -48,7 +48,7 @@ describe('a link', () => {
   });
 
   it('holds a URDF', async () => {
-    const urdf: State = {
+    const urdf: Linked = {
       ...START,
       source: { kind: 'urdf', name: 'é', urdf: '<robot name="é"/>' },
     };

@@ -1,4 +1,4 @@
-/** The page's languages. A dictionary that lacks a word does not compile. */
+/** The languages of the page. A missing translation does not compile. */
 import type { First, Later, Words } from './words';
 
 export type Language = 'en' | 'fr';
@@ -20,24 +20,25 @@ const LOADERS: Record<Language, Loaders> = {
   },
 };
 
-/** The present dictionary; those who are loaded by `opened` find all of it. */
+/** The dictionary in use; its later words are there once a part was loaded by `opened`. */
 export let t: Words;
 let spoken: Language = 'en';
 
+/** Use a language. */
 export async function speak(language: Language): Promise<void> {
   spoken = language;
   t = (await LOADERS[language].first()) as Words;
   document.documentElement.lang = language;
 }
 
-/** A part of the page that is loaded when it is opened, together with its words. */
+/** Load a part of the page together with its words. */
 export async function opened<T>(part: Promise<T>): Promise<T> {
   const [loaded, words] = await Promise.all([part, LOADERS[spoken].later()]);
   t = { ...t, ...words };
   return loaded;
 }
 
-/** French where the browser prefers it to English. */
+/** The first of the browser's languages that the page has; else English. */
 export function preferred(): Language {
   const first = navigator.languages.find((one) => /^(en|fr)\b/i.test(one));
   return first?.toLowerCase().startsWith('fr') ? 'fr' : 'en';

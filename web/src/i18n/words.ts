@@ -1,8 +1,8 @@
-/** What a language must say: what English says, with the same arguments. */
+/** The words of a language: those of English, with the same arguments. */
 import type { en } from './en';
 import type { later } from './later.en';
 
-/** Texts are texts and functions take the same arguments, all the way down. */
+/** Texts for texts, functions with the same arguments for functions, at any depth. */
 type Same<T> = T extends string
   ? string
   : T extends (...given: infer G) => string

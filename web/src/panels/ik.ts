@@ -4,15 +4,19 @@ import { button, h, replace } from '../dom';
 import { brief, fixed, readNumber, typed } from '../format';
 import { t } from '../i18n';
 import type { Page } from '../page';
-import { findAll, follow, forget, onSolved } from '../solve';
+import { findAll, follow } from '../solve';
+import { type Solved, tipPose } from '../state';
+import { positionOf } from '../target';
 
-/** Typing rests for this long before the arm moves, ms. */
+/** The arm follows a typed number once typing has rested for this time, ms. */
 const PAUSE = 350;
+/** Most solutions that are listed. */
+const MOST = 32;
+const NAMES = ['x', 'y', 'z', 'roll', 'pitch', 'yaw'];
 
 export function ikPanel(page: Page): HTMLElement {
-  const { store } = page;
-  const names = ['x', 'y', 'z', 'roll', 'pitch', 'yaw'];
-  const fields = names.map((name, k) => {
+  const { store, history } = page;
+  const fields = NAMES.map((name, k) => {
     const field = h('input', {
       type: 'text',
       inputmode: 'decimal',
@@ -32,14 +36,12 @@ export function ikPanel(page: Page): HTMLElement {
   const units = h('span', { class: 'note' });
   let typing: ReturnType<typeof setTimeout>;
 
-  /** Position and roll-pitch-yaw of the target; of one that was dragged those of the arm's tool. */
+  /** Position and roll-pitch-yaw of the target; the angles of a dragged one are the tool's. */
   function values(): (number | null)[] {
     const { target } = store.state;
-    const pose = Object.values(page.answers.fk?.poses ?? {})[0];
-    const position =
-      target?.position ?? target?.matrix?.slice(0, 3).map((row) => row[3] ?? 0) ?? [];
-    const rpy = target?.rpy ?? (target?.matrix ? (pose?.rpy ?? []) : []);
-    return names.map((_, k) => (k < 3 ? position[k] : rpy[k - 3]) ?? null);
+    const position = positionOf(target) ?? [];
+    const rpy = target?.rpy ?? (target?.matrix ? (tipPose(store.state)?.rpy ?? []) : []);
+    return NAMES.map((_, k) => (k < 3 ? position[k] : rpy[k - 3]) ?? null);
   }
 
   function put(k: number, field: HTMLInputElement): void {
@@ -49,19 +51,19 @@ export function ikPanel(page: Page): HTMLElement {
     const now = values()
       .with(k, value)
       .map((one) => one ?? 0);
-    store.set({ target: { position: now.slice(0, 3), rpy: now.slice(3) } }, `target${k}`);
-    // "0.5" begins with "0": the arm waits until the number is there.
+    history.change({ target: { position: now.slice(0, 3), rpy: now.slice(3) } }, `target${k}`);
+    // A number is typed digit by digit, "0" before "0.5": the arm does not go to each.
     clearTimeout(typing);
     typing = setTimeout(() => follow(page, true), PAUSE);
   }
 
-  function take(): void {
-    const pose = Object.values(page.answers.fk?.poses ?? {})[0];
-    if (pose) store.set({ target: { position: pose.position, rpy: pose.rpy } }, 'target');
+  function takePose(): void {
+    const pose = tipPose(store.state);
+    if (pose) history.change({ target: { position: pose.position, rpy: pose.rpy } }, 'target');
   }
 
   function render(): void {
-    const { target, angle, q } = store.state;
+    const { target, angle } = store.state;
     const now = values();
     fields.forEach((field, k) => {
       const value = now[k];
@@ -69,93 +71,67 @@ export function ikPanel(page: Page): HTMLElement {
       if (field !== document.activeElement && field.value !== text) field.value = text;
     });
     units.textContent = `m, ${angle === 'deg' ? '°' : 'rad'}`;
-    clear.disabled = !target;
-    solve.disabled = !target;
-    all.disabled = !target;
+    for (const one of [clear, solve, all]) one.disabled = !target;
+    renderChosen();
+  }
+
+  function renderChosen(): void {
+    const { q } = store.state;
     for (const item of list.querySelectorAll<HTMLButtonElement>('button')) {
       const one = item.dataset.q?.split(',').map(Number) ?? [];
-      const same = one.every((x, k) => Math.abs(x - (q[k] ?? 0)) < 1e-9);
-      item.setAttribute('aria-pressed', String(same));
+      const isChosen = one.every((x, k) => Math.abs(x - (q[k] ?? 0)) < 1e-9);
+      item.setAttribute('aria-pressed', String(isChosen));
     }
   }
 
-  function solved(answer: api.IKAnswer | api.IKSolutionsAnswer | null, error: string): void {
-    verdict.classList.toggle(
-      'bad',
-      Boolean(error) || (answer !== null && 'status' in answer && answer.status !== 'converged'),
+  function renderSolved(solved: Solved | null): void {
+    const answer = solved?.answer;
+    const hasFailed = answer
+      ? 'status' in answer && answer.status !== 'converged'
+      : solved !== null;
+    verdict.classList.toggle('bad', hasFailed);
+    verdict.textContent = answer ? wordsOf(answer) : (solved?.error ?? '');
+    // The solutions found before stay beside an error.
+    if (solved?.error) return;
+    const solutions = answer && 'solutions' in answer ? answer.solutions : [];
+    replace(list, ...solutions.slice(0, MOST).map(solutionLine));
+    renderChosen();
+  }
+
+  function solutionLine({ q, posture, within_limits }: api.IKSolution, k: number): HTMLElement {
+    const digits = store.state.angle === 'deg' ? 1 : 3;
+    const words = posture.map((one) => t.postures[one as keyof typeof t.postures] ?? one);
+    return h(
+      'li',
+      {},
+      h(
+        'button',
+        { type: 'button', 'data-q': q.join(','), onclick: () => history.change({ q }, 'solution') },
+        h('b', {}, `${k + 1}`),
+        h('span', { class: 'mono' }, q.map((x) => fixed(x, digits)).join('  ')),
+        h(
+          'span',
+          { class: 'note' },
+          [words.join(', '), within_limits ? '' : t.beyondLimits].filter(Boolean).join(' · '),
+        ),
+      ),
     );
-    if (!answer) {
-      verdict.textContent = error;
-      return;
-    }
-    if ('status' in answer) {
-      replace(list);
-      verdict.textContent = `${t.ikStatus[answer.status]} ${t.ikErrors(brief(answer.position_error, 2), brief(answer.orientation_error, 2))}`;
-      return;
-    }
-    verdict.textContent = t.solutionsFound(
-      answer.solutions.length,
-      answer.method === 'closed_form',
-      answer.complete,
-    );
-    replace(
-      list,
-      ...answer.solutions.slice(0, 32).map((one, k) => {
-        const text = one.q.map((x) => fixed(x, store.state.angle === 'deg' ? 1 : 3)).join('  ');
-        return h(
-          'li',
-          {},
-          h(
-            'button',
-            {
-              type: 'button',
-              'aria-pressed': 'false',
-              'data-q': one.q.join(','),
-              onclick: () => store.set({ q: one.q }, 'solution'),
-            },
-            h('b', {}, `${k + 1}`),
-            h('span', { class: 'mono' }, text),
-            h(
-              'span',
-              { class: 'note' },
-              [
-                one.posture
-                  .map((word) => t.postures[word as keyof typeof t.postures] ?? word)
-                  .join(', '),
-                one.within_limits ? '' : t.beyondLimits,
-              ]
-                .filter(Boolean)
-                .join(' · '),
-            ),
-          ),
-        );
-      }),
-    );
-    render();
   }
 
   const solve = button(t.solve, () => follow(page, true));
   const all = button(t.allSolutions, () => findAll(page));
   const clear = button(t.clear, () => {
-    forget();
-    replace(list);
-    verdict.textContent = '';
-    store.set({ target: null }, 'target');
+    store.set({ solved: null, solutions: [] });
+    history.change({ target: null }, 'target');
   });
-  onSolved.push(solved);
-  store.listen(render);
-  page.onNumbers.push(render);
-  page.onModel.push(() => {
-    forget();
-    replace(list);
-    verdict.textContent = '';
-  });
+  store.subscribe(({ target, angle, q, answers }) => [target, angle, q, answers], render);
+  store.subscribe(({ solved }) => solved, renderSolved);
   render();
   return h(
     'div',
     {},
     h('p', { class: 'note' }, t.ikHelp),
-    h('div', { class: 'line' }, button(t.takePose, take), solve, all, clear, units),
+    h('div', { class: 'line' }, button(t.takePose, takePose), solve, all, clear, units),
     h(
       'div',
       { class: 'six' },
@@ -167,4 +143,13 @@ export function ikPanel(page: Page): HTMLElement {
     verdict,
     list,
   );
+}
+
+function wordsOf(answer: api.IKAnswer | api.IKSolutionsAnswer): string {
+  if ('status' in answer) {
+    const errors = [answer.position_error, answer.orientation_error] as const;
+    return `${t.ikStatus[answer.status]} ${t.ikErrors(brief(errors[0], 2), brief(errors[1], 2))}`;
+  }
+  const { solutions, method, complete } = answer;
+  return t.solutionsFound(solutions.length, method === 'closed_form', complete);
 }

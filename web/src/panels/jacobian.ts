@@ -1,13 +1,13 @@
-/** The Jacobian of the tool in the chosen frame of reference. */
+/** The Jacobian of the tool in the chosen reference frame. */
 import * as api from '../api';
 import { h, replace, select } from '../dom';
 import { t } from '../i18n';
 import type { Page } from '../page';
 import { type MatrixView, matrixView } from './matrix';
 import type { Panel } from './panel';
+import { rowName } from './tasks';
 
-export function jacobianPanel(page: Page): Panel {
-  const { store } = page;
+export function jacobianPanel({ store, history }: Page): Panel<'jacobian'> {
   const reference = select(
     t.referenceFrame,
     [
@@ -16,9 +16,14 @@ export function jacobianPanel(page: Page): Panel {
       ['world', t.world],
     ],
     store.state.reference,
-    (value) => store.set({ reference: value as api.ReferenceFrame }, 'reference'),
+    (value) => history.change({ reference: value as api.ReferenceFrame }, 'reference'),
   );
-  store.listen((state) => (reference.value = state.reference));
+  store.subscribe(
+    (state) => state.reference,
+    (value) => {
+      reference.value = value;
+    },
+  );
   const place = h('div');
   let view: MatrixView | null = null;
   let columns = '';
@@ -33,8 +38,7 @@ export function jacobianPanel(page: Page): Panel {
       h('p', { class: 'note' }, t.jacobianUnits),
     ),
     call: (model, state) => api.jacobian(model.ref, state.q, state.angle, state.reference),
-    show(answer, _model, state) {
-      const found = answer as api.JacobianAnswer;
+    show(found, _model, state) {
       if (!view || columns !== found.columns.join()) {
         columns = found.columns.join();
         view = matrixView('J', found.rows.map(rowName), headings(found.columns), found.columns);
@@ -45,20 +49,7 @@ export function jacobianPanel(page: Page): Panel {
   };
 }
 
-/** Names of joints, or q1 … where they are long. */
+/** Names of the joints; where one is long q1, q2 … */
 function headings(names: readonly string[]): readonly string[] {
   return names.every((one) => one.length <= 4) ? names : names.map((_, k) => `q${k + 1}`);
-}
-
-const NAMES: Record<string, string> = {
-  vx: 'vx',
-  vy: 'vy',
-  vz: 'vz',
-  wx: 'ωx',
-  wy: 'ωy',
-  wz: 'ωz',
-};
-
-export function rowName(name: string): string {
-  return NAMES[name] ?? name;
 }

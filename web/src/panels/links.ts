@@ -6,8 +6,7 @@ import type { Page } from '../page';
 import { matrixView } from './matrix';
 import type { Panel } from './panel';
 
-export function linksPanel(page: Page): Panel {
-  const { store } = page;
+export function linksPanel({ history }: Page): Panel<'links'> {
   const one = matrixView('A', [], []);
   const product = matrixView('0A', [], []);
   const titleOne = h('b');
@@ -28,8 +27,7 @@ export function linksPanel(page: Page): Panel {
     body,
     call: (model, state) =>
       model.kind === 'dh' ? api.dhMatrices(model.ref, state.q, state.angle) : null,
-    show(answer, model, state) {
-      const found = answer as api.MatricesAnswer;
+    show(found, model, state) {
       const count = found.A.length;
       const k = Math.min(state.row ?? count - 1, count - 1);
       replace(
@@ -41,7 +39,7 @@ export function linksPanel(page: Page): Panel {
               type: 'button',
               'aria-pressed': String(i === k),
               'aria-label': `${t.row} ${i + 1}`,
-              onclick: () => store.set({ row: i }, 'row'),
+              onclick: () => history.change({ row: i }, 'row'),
             },
             String(i + 1),
           ),

@@ -1,4 +1,4 @@
-/** A matrix as a table with headings; its cells are written to, not made anew. */
+/** A matrix as a table with headings; new values are written into its cells. */
 import { h } from '../dom';
 import { fixed } from '../format';
 
@@ -8,8 +8,8 @@ export interface MatrixView {
 }
 
 /**
- * @param label What it is, for screen readers.
- * @param rows Headings of the rows, of the columns likewise; none: a 4x4 without.
+ * @param label Its name for screen readers.
+ * @param rows Headings of the rows; without any a 4x4 matrix without headings.
  */
 export function matrixView(
   label: string,
@@ -51,16 +51,16 @@ export function matrixView(
   return {
     element,
     show(values, digits) {
-      values.forEach((line, i) =>
-        line.forEach((value, k) => {
+      for (const [i, line] of values.entries()) {
+        for (const [k, value] of line.entries()) {
           const cell = cells[i]?.[k];
-          if (!cell) return;
+          if (!cell) continue;
           const text = Math.abs(value) < 1e-12 ? '0' : fixed(value, digits);
           if (cell.textContent !== text) cell.textContent = text;
           cell.classList.toggle('zero', Number(value.toFixed(digits)) === 0);
           cell.dataset.value = String(value);
-        }),
-      );
+        }
+      }
     },
   };
 }

@@ -1,4 +1,4 @@
-/** Where the tool is: T, position, roll-pitch-yaw, quaternion, both Euler triples. */
+/** The pose of the tool: T, position, roll-pitch-yaw, quaternion, both Euler triples. */
 import * as api from '../api';
 import { h, replace, select } from '../dom';
 import { fixed } from '../format';
@@ -9,8 +9,7 @@ import type { Panel } from './panel';
 
 const SEQUENCES = ['ZXZ', 'ZYZ', 'ZYX', 'XYZ', 'YXZ', 'XYX', 'xyz', 'zyx', 'zxz'];
 
-export function posePanel(page: Page): Panel {
-  const { store } = page;
+export function posePanel({ store, history }: Page): Panel<'pose'> {
   const matrix = matrixView('T', [], []);
   const facts = h('dl', { class: 'facts' });
   const euler = h('output', { class: 'mono' });
@@ -19,9 +18,14 @@ export function posePanel(page: Page): Panel {
     t.eulerSequence,
     SEQUENCES.map((one) => [one, one]),
     store.state.euler,
-    (value) => store.set({ euler: value }, 'euler'),
+    (value) => history.change({ euler: value }, 'euler'),
   );
-  store.listen((state) => (sequence.value = state.euler));
+  store.subscribe(
+    (state) => state.euler,
+    (value) => {
+      sequence.value = value;
+    },
+  );
   return {
     id: 'pose',
     title: t.pose,
@@ -35,9 +39,7 @@ export function posePanel(page: Page): Panel {
       note,
     ),
     call: (model, state) => api.fk(model.ref, state.q, state.euler, state.angle),
-    show(answer, model, state) {
-      page.answers.fk = answer as api.FKAnswer;
-      const { poses } = answer as api.FKAnswer;
+    show({ poses }, model, state) {
       const pose = poses[model.tipFrame] ?? Object.values(poses)[0];
       if (!pose) return;
       const { digits } = state;

@@ -1,34 +1,22 @@
-/** How near to a singularity: rank, singular values, w, κ, lost directions, factors of det J. */
+/** How near the arm is to a singularity: rank, singular values, w, κ, lost directions, factors of det J. */
 import * as api from '../api';
 import { h, replace, select } from '../dom';
 import { brief, fixed } from '../format';
 import { t } from '../i18n';
 import type { Page } from '../page';
-import { rowName } from './jacobian';
 import type { Panel } from './panel';
+import { rowName, taskOptions } from './tasks';
 
-export const TASKS = [
-  'pose',
-  'position',
-  'orientation',
-  'xy',
-  'xz',
-  'yz',
-  'xy_phi',
-  'xyz_phi',
-  'position_direction',
-] as const;
-
-export function taskOptions(): [string, string][] {
-  return TASKS.map((one) => [one, `${one} — ${t.tasks[one]}`]);
-}
-
-export function singularityPanel(page: Page): Panel {
-  const { store } = page;
+export function singularityPanel({ store, history }: Page): Panel<'singularity'> {
   const task = select(t.taskSpace, taskOptions(), store.state.task, (value) =>
-    store.set({ task: value }, 'task'),
+    history.change({ task: value }, 'task'),
   );
-  store.listen((state) => (task.value = state.task));
+  store.subscribe(
+    (state) => state.task,
+    (value) => {
+      task.value = value;
+    },
+  );
   const verdict = h('p', { class: 'verdict' });
   const bars = h('div', { class: 'bars', role: 'list', 'aria-label': t.singularValues });
   const facts = h('dl', { class: 'facts' });
@@ -48,9 +36,7 @@ export function singularityPanel(page: Page): Panel {
       factors,
     ),
     call: (model, state) => api.singularity(model.ref, state.q, state.angle, state.task),
-    show(answer, _model, state) {
-      const found = answer as api.SingularityAnswer;
-      page.answers.singularity = found;
+    show(found, _model, state) {
       const full = Math.min(found.rows.length, found.columns.length);
       const redundant = found.columns.length - found.rank;
       verdict.classList.toggle('bad', found.singular);
@@ -92,7 +78,7 @@ export function singularityPanel(page: Page): Panel {
       const english = document.documentElement.lang === 'en';
       replace(
         words,
-        // The service explains in English; in other languages the numbers speak.
+        // The service explains in English only: in other languages the numbers are shown instead.
         !english && lost.length > 0 && h('p', { class: 'lead' }, t.lostDirections),
         !english && lost.length > 0 && h('ul', { class: 'mono' }, ...lost),
         !english && moving.length > 0 && h('p', { class: 'lead' }, t.nullLead),
@@ -110,7 +96,7 @@ export function singularityPanel(page: Page): Panel {
   };
 }
 
-/** Which joints move together, in ratio to the first of them. */
+/** The joints that a motion moves, and their ratios to the first of them. */
 function ratios(motion: readonly number[]): string {
   const largest = Math.max(...motion.map(Math.abs));
   const moving = motion.flatMap((x, k) => (Math.abs(x) > 1e-6 * largest ? [k] : []));

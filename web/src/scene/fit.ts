@@ -1,4 +1,4 @@
-/** Where the camera stands so that given points fill the view. */
+/** Where the camera stands for given points to fill the view. */
 import { Matrix4, type PerspectiveCamera, Vector3 } from 'three';
 
 /** Room for labels at the edges, CSS pixels. */
@@ -13,7 +13,7 @@ export interface Standpoint {
 }
 
 /**
- * The nearest standpoint from which all points are seen, looking along a given direction.
+ * Return the nearest standpoint from which all points are seen, looking along a given direction.
  *
  * @param from Unit vector from the points to the camera; not along the camera's up.
  * @param width Of the view, CSS pixels, like its height.

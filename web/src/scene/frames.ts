@@ -5,12 +5,13 @@ import type { RobotModel } from './robot';
 import { clear } from './space';
 import type { FramesShown } from './types';
 
+/** Most frames that are drawn. */
 const MOST = 40;
 
 export class Frames {
   private readonly made: Object3D[] = [];
 
-  /** Draws anew. */
+  /** Draw the axes anew. */
   show(
     model: RobotModel,
     shown: FramesShown | readonly string[],

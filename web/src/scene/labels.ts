@@ -1,4 +1,4 @@
-/** Where labels stand on the screen: of one size, inside the view, and none upon another. */
+/** Places labels on the screen: of one size, inside the view, without overlap. */
 import { type Object3D, type PerspectiveCamera, Sprite, Vector3 } from 'three';
 
 /** Height of a label's picture, CSS pixels, in a view that is high enough. */
@@ -9,10 +9,10 @@ const SMALLEST = 0.8;
 const RINGS = 14;
 const STEP = 7;
 const BALL = 7;
-/** What of a label's picture is empty: its halo. */
+/** The part of a label's picture that may overlap another: its halo, CSS pixels. */
 const HALO = { x: 6, y: 7 };
 
-/** Where a label stands, CSS pixels from the lower left corner of the view. */
+/** The place of a label, CSS pixels from the lower left corner of the view. */
 export interface Placed extends Box {
   readonly text: string;
 }
@@ -35,11 +35,11 @@ const OFFSETS: readonly (readonly [number, number])[] = Array.from({ length: RIN
 ).flat();
 
 /**
- * Gives every visible label its size and moves it, on the screen only, to where it can be read.
+ * Give every visible label its size, and move it on the screen to the nearest free place.
  *
  * @param root What the labels are in; its world matrices are up to date.
  * @param width Of the view, CSS pixels, like its height.
- * @param ball What is grabbed: no label hides it.
+ * @param ball What is dragged: no label hides it.
  * @returns The labels that have a place.
  */
 export function layOut(
@@ -64,7 +64,7 @@ export function layOut(
     });
   }
   root.traverseVisible((one) => {
-    const wide: unknown = one.userData['labelWidth'];
+    const wide: unknown = one.userData.labelWidth;
     if (!(one instanceof Sprite) || typeof wide !== 'number') return;
     const size = { x: wide * factor, y: LABEL_HEIGHT * factor };
     one.scale.set(size.x * unit, size.y * unit, 1);
@@ -84,7 +84,7 @@ export function layOut(
       taken.push(place);
       placed.push({ ...place, text: one.name });
     }
-    // Where there is no room left, one word less is better than two upon each other.
+    // Without a free place it is not drawn: two that overlap could not be read.
     else one.scale.set(0, 0, 1);
   });
   return placed;

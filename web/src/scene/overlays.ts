@@ -1,4 +1,4 @@
-/** What is laid over the robot: ellipsoids, arrows, obstacles, a path, a cloud. */
+/** What is drawn with the robot: ellipsoids, lost directions, obstacles, a path, a cloud. */
 import {
   BoxGeometry,
   BufferGeometry,
@@ -26,7 +26,7 @@ import type { LostDirection, SceneEllipsoid, ScenePath } from './types';
 const LARGEST = 3.2;
 const FLAT = 0.012;
 
-/** Semi-axes are shown so that the largest bounded one is some axis lengths; the rest is cut. */
+/** Draw ellipsoids, scaled so that the largest bounded semi-axis has a fixed length. */
 export function drawEllipsoids(
   group: Group,
   ellipsoids: readonly SceneEllipsoid[],
@@ -42,7 +42,7 @@ export function drawEllipsoids(
       return Math.min(Math.max(length, FLAT * scale.axis), 2 * LARGEST * scale.axis);
     });
     const columns = axes.map(vector);
-    // In a plane there are two axes: the third is across them, and flat.
+    // In a plane there are two axes: the third is normal to them, and short.
     while (columns.length < 3) {
       columns.push(
         columns.length === 2
@@ -81,7 +81,7 @@ function across(one: Vector3): Vector3 {
 const LINEAR = 0xd6186b;
 const ANGULAR = 0x8e24aa;
 
-/** A straight double arrow for a lost translation; for a lost rotation a turn about its axis. */
+/** Draw a double arrow for a lost translation, and a turn about its axis for a lost rotation. */
 export function drawLost(
   group: Group,
   directions: readonly LostDirection[],

@@ -1,4 +1,4 @@
-/** Lines, arrows, axes and labels of which the scene is made. */
+/** Lines, arrows, axes and labels. */
 import {
   BufferGeometry,
   CanvasTexture,
@@ -35,7 +35,7 @@ export const COLORS = {
 } as const;
 const UP = new Vector3(0, 1, 0);
 const RESOLUTION = 3;
-/** Colours for a light ground are this much nearer to white on a dark one. */
+/** Part of the way to white that a colour is moved on a dark ground. */
 const LIGHTER = 0.2;
 
 /** How large things are drawn. */
@@ -44,7 +44,7 @@ export interface Scale {
   readonly axis: number;
 }
 
-/** A colour that was chosen for a light ground, on the present one. */
+/** A colour of a light ground, on the present one. */
 export function onGround(color: number, dark: boolean): number {
   return dark ? new Color(color).lerp(new Color(0xffffff), LIGHTER).getHex() : color;
 }
@@ -99,18 +99,18 @@ export function axes(length: number, opacity = 1): Group {
   return group;
 }
 
-/** Draws an object over all that is solid, what is farther away first. */
+/** Draw an object over all that is solid, its farther parts first. */
 export function onTop<T extends Object3D>(object: T, opacity = 1): T {
   object.traverse((one) => {
     if (!(one instanceof Mesh)) return;
-    // Only what is transparent is sorted from the back to the front.
+    // three.js sorts only transparent objects from back to front.
     Object.assign(one.material, { transparent: true, opacity, depthTest: false });
     one.renderOrder = 5;
   });
   return object;
 }
 
-/** A word that always faces the viewer; `layOut` gives it its size and its place. */
+/** A text that faces the viewer; `layOut` gives it its size and its place. */
 export function label(text: string, at: Vector3, color: number, dark: boolean): Sprite {
   const canvas = document.createElement('canvas');
   const font = `600 ${16 * RESOLUTION}px system-ui, "DejaVu Sans", sans-serif`;
@@ -141,13 +141,13 @@ export function label(text: string, at: Vector3, color: number, dark: boolean): 
   });
   const sprite = new Sprite(material);
   sprite.position.copy(at);
-  sprite.userData['labelWidth'] = width;
+  sprite.userData.labelWidth = width;
   sprite.name = text;
   sprite.renderOrder = 10;
   return sprite;
 }
 
-/** A flat ring sector about z from one angle to another: how far a turn goes. */
+/** A flat sector about z from one angle to another, rad: it shows how far a turn goes. */
 export function sector(radius: number, from: number, to: number, color: number): Mesh {
   const steps = Math.max(2, Math.ceil(Math.abs(to - from) / 0.1));
   const points: number[] = [];

@@ -1,4 +1,4 @@
-/** What the scene says of itself, on its host element: for tests and the curious. */
+/** What the scene shows, as data on its host element, for tests. */
 import { Matrix4, type Object3D, type PerspectiveCamera, Quaternion, Vector3 } from 'three';
 import type { Placed } from './labels';
 import type { RobotModel } from './robot';
@@ -10,7 +10,7 @@ interface Pixel {
 }
 
 export interface Probe {
-  /** Pose of every frame in base axes, as the scene has it. */
+  /** Pose of every frame in base axes. */
   poses(): Record<string, number[][]>;
   /** Client pixels of the ball that is dragged; null where there is none. */
   handle(): Pixel | null;
@@ -22,11 +22,11 @@ export interface Probe {
   ghost(index: number, frame: string): Pixel | null;
   /** Number of mesh files that are shown. */
   meshes(): number;
-  /** How many things each layer shows. */
+  /** Number of objects in each layer. */
   shown(): Record<string, number>;
-  /** Pose of the frame that is on its way through the motions of a row. */
+  /** Pose of the frame that has done part of a row's motions. */
   motion(): number[][] | null;
-  /** Directions of the straight arrows of what is lost, in base axes. */
+  /** Directions of the arrows of lost translations, in base axes. */
   lost(): number[][];
   labels(): readonly Placed[];
 }
@@ -44,7 +44,7 @@ interface Seen {
 
 export function probeOf(seen: Seen): Probe {
   const pixel = (point: Vector3): Pixel => {
-    // It may have moved since the last drawing.
+    // The camera may have moved since the last drawing.
     seen.camera.updateMatrixWorld();
     return onScreen(point, seen.camera, seen.canvas);
   };
@@ -72,11 +72,11 @@ export function probeOf(seen: Seen): Probe {
         Object.entries(seen.layers).map(([name, layer]) => [name, layer.children.length]),
       ),
     motion: () => {
-      const moving = seen.layers['motion']?.getObjectByName('moving');
+      const moving = seen.layers.motion?.getObjectByName('moving');
       return moving ? rowsOf(moving.matrix) : null;
     },
     lost: () =>
-      (seen.layers['lost']?.children ?? [])
+      (seen.layers.lost?.children ?? [])
         .filter((one) => one.name === 'linear')
         .map((one) =>
           new Vector3(0, 1, 0).applyQuaternion(one.getWorldQuaternion(new Quaternion())).toArray(),

@@ -1,4 +1,4 @@
-/** What a row of a D-H table means: dimension lines for a and d, and its elementary motions. */
+/** A row of a D-H table: dimension lines for a and d, and its elementary motions. */
 import { type Group, Matrix4, Vector3 } from 'three';
 import type { Convention } from '../api';
 import {
@@ -22,8 +22,8 @@ export interface Motion {
   readonly value: number;
 }
 
-/** The four motions of A_k in their order; in Khalil's trees two more come before. */
-export function motionsOf(convention: Convention, row: SceneRow): Motion[] {
+/** The four motions of A_k in their order; in Khalil's trees two more precede them. */
+function motionsOf(convention: Convention, row: SceneRow): Motion[] {
   const about: Motion[] = [
     { kind: 'Rz', value: row.theta },
     { kind: 'Tz', value: row.d },
@@ -51,7 +51,7 @@ export function matrixOf({ kind, value }: Motion): Matrix4 {
     : new Matrix4().makeTranslation(value, 0, 0);
 }
 
-/** Draws a and d of each row, from the pose of the frame that it starts from. */
+/** Draw a and d of each row, from the pose of the frame that it starts from. */
 export function drawDimensions(
   group: Group,
   convention: Convention,
@@ -75,7 +75,7 @@ export function drawDimensions(
   });
 }
 
-/** Names as the convention has them: Craig's row k holds a_{k-1}; Khalil's d and r. */
+/** The name of a dimension: row k has a_{k-1} in the modified convention, d and r in Khalil's. */
 function nameOf(convention: Convention, kind: Kind, k: number): string {
   if (convention === 'khalil') return `${kind === 'Tx' ? 'd' : 'r'}${subscript(k + 1)}`;
   if (kind === 'Tz') return `d${subscript(k + 1)}`;
@@ -94,7 +94,7 @@ function dimension(
   if (Math.abs(motion.value) < 1e-6) return;
   const color = motion.kind === 'Tx' ? COLORS.a : COLORS.d;
   const ink = onGround(color, dark);
-  // Beside the link, along y of the frame before: parallel to what is measured.
+  // The line is drawn beside the link, moved along y of the frame that the row starts from.
   const aside = new Vector3().setFromMatrixColumn(from, 1).multiplyScalar(0.45 * scale.axis);
   const [p, q] = [from, to].map((one) => new Vector3().setFromMatrixPosition(one)) as [
     Vector3,
@@ -115,7 +115,7 @@ function dimension(
   group.add(label(text, middle.clone().addScaledVector(aside, 0.5), color, dark));
 }
 
-/** A frame on its way from the row's start to its end, `step` motions done, and its trail. */
+/** Draw the first `step` motions of a row, and the frame that has done them. */
 export function drawMotion(
   group: Group,
   convention: Convention,

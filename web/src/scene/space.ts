@@ -1,4 +1,4 @@
-/** Between the API's matrices and three's objects; points of the screen. */
+/** Conversions between matrices of the API, objects of three.js and points of the screen. */
 import {
   Box3,
   type Camera,
@@ -26,19 +26,19 @@ export function vector(values: readonly number[]): Vector3 {
   return new Vector3(values[0] ?? 0, values[1] ?? 0, values[2] ?? 0);
 }
 
-/** Gives an object a fixed pose in its parent. */
+/** Give an object a fixed pose in its parent. */
 export function pose(object: Object3D, matrix: Matrix4): void {
   object.matrixAutoUpdate = false;
   object.matrix.copy(matrix);
   object.matrixWorldNeedsUpdate = true;
 }
 
-/** Turns an object's z axis (or y, for three's cylinders) onto a direction. */
+/** Turn an object's z axis (for cylinders of three.js their y) onto a direction. */
 export function along(object: Object3D, direction: Vector3, own = new Vector3(0, 0, 1)): void {
   object.quaternion.setFromUnitVectors(own, direction.clone().normalize());
 }
 
-/** Where a pointer is, -1 to 1 on both axes. */
+/** The place of a pointer on an element, -1 to 1 on both axes. */
 export function pointerOf(event: PointerEvent, element: HTMLElement): Vector2 {
   const box = element.getBoundingClientRect();
   return new Vector2(
@@ -47,7 +47,7 @@ export function pointerOf(event: PointerEvent, element: HTMLElement): Vector2 {
   );
 }
 
-/** Where a point of the world is on the screen, in client pixels. */
+/** The place of a point of the world on the screen, client pixels. */
 export function onScreen(
   point: Vector3,
   camera: Camera,
@@ -61,7 +61,7 @@ export function onScreen(
   };
 }
 
-/** Corners of the boxes around all that has a size in the world, which labels have not. */
+/** Corners of the boxes around all objects but labels, which have no size in the world. */
 export function cornersOf(object: Object3D): Vector3[] {
   const found: Vector3[] = [];
   object.updateMatrixWorld(true);
@@ -86,7 +86,7 @@ export function rayAt(pointer: Vector2, camera: Camera): Raycaster {
   return ray;
 }
 
-/** Frees what a group holds on the graphics card, and empties it. */
+/** Empty a group, and free what it held on the graphics card. */
 export function clear(group: Object3D): void {
   for (const child of [...group.children]) {
     group.remove(child);

@@ -61,7 +61,7 @@ export interface SceneGhost {
   readonly chosen: boolean;
 }
 
-/** A direction that the frame cannot move in: linear and angular part, at a point. */
+/** A direction in which the frame cannot move: linear and angular part, at a point. */
 export interface LostDirection {
   readonly at: readonly number[];
   readonly linear: readonly number[];
@@ -77,9 +77,9 @@ export interface ScenePath {
 export type FramesShown = 'none' | 'ends' | 'all';
 
 export interface SceneCallbacks {
-  /** A joint was moved in the scene; the page calls `setQ` with what it makes of it. */
+  /** A joint was moved by the pointer; the page answers by `setQ`. */
   onJointChange(index: number, value: number): void;
-  /** The target was dragged; `done` as the pointer is let go. */
+  /** The target was dragged; `done` when the pointer is released. */
   onTargetDrag(pose: Matrix, done: boolean): void;
   /** A frame was picked, or none. */
   onFramePick(frame: string | null): void;
@@ -87,9 +87,9 @@ export interface SceneCallbacks {
   onGhostPick(index: number): void;
 }
 
-/** The 3D part. Every call is cheap to repeat with the same values; null takes a thing away. */
+/** The 3D part. A call with the values that are shown already is cheap; null removes. */
 export interface Scene {
-  /** Shows a robot. What belonged to the one before (ghosts, rows, target) is taken away. */
+  /** Show a robot; the ghosts, rows and target of the one before are removed. */
   setRobot(robot: SceneRobot): void;
   /** One value a joint, in the robot's order; not clamped to limits. */
   setQ(q: readonly number[]): void;
@@ -108,7 +108,7 @@ export interface Scene {
   setLostDirections(directions: readonly LostDirection[]): void;
   /** Points x, y, z, x, y, z … */
   setCloud(points: Float32Array | null): void;
-  /** Moves the camera so that the robot is in view. */
+  /** Move the camera so that the robot is in view. */
   fit(): void;
   setTheme(dark: boolean): void;
   dispose(): void;

@@ -1,15 +1,15 @@
-/** The link matrix as a product of four motions; each shows its part of the chosen row. */
+/** The link matrix as a product of four elementary motions, which show the chosen row. */
 import type { TableDocument } from '../api';
 import { button, h, replace } from '../dom';
 import { t } from '../i18n';
 import type { Page } from '../page';
-import { MOTIONS, SYMBOLS } from './document';
+import { MOTIONS, SYMBOLS } from './convention';
+import { chooseRow } from './editing';
 
-/** @param choose Shows a row of the table, and how many of its motions are done. */
-export function formula(
-  page: Page,
-  choose: (change: { row: number; step: number }) => void,
-): { element: HTMLElement; render(document: TableDocument): void } {
+export function formula(page: Page): {
+  readonly element: HTMLElement;
+  render(document: TableDocument): void;
+} {
   const { store } = page;
   const line = h('span', { class: 'formula', role: 'group', 'aria-label': t.linkMatrix });
   const words = h('p', { class: 'note' });
@@ -41,7 +41,7 @@ export function formula(
               class: `axis-${motion.axis}`,
               'aria-pressed': String(row !== null && i < step),
               title: t.motions[motion.name as keyof typeof t.motions],
-              onclick: () => choose({ row: row ?? 0, step: i + 1 }),
+              onclick: () => chooseRow(page, { row: row ?? 0, step: i + 1 }),
             },
             `${motion.name}(`,
             h('i', {}, SYMBOLS[motion.column]),
@@ -49,7 +49,7 @@ export function formula(
           ),
         ),
         row !== null &&
-          button('⟲', () => choose({ row, step: 0 }), {
+          button('⟲', () => chooseRow(page, { row, step: 0 }), {
             'aria-label': t.stepStart,
             title: t.stepStart,
           }),

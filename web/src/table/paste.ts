@@ -1,18 +1,20 @@
-/** A table out of a handout, a spreadsheet, LaTeX, MATLAB, Markdown; the service reads it. */
+/** A table pasted from a spreadsheet, Markdown, LaTeX, MATLAB or Python; the service reads it. */
 import * as api from '../api';
+import { readPasted } from '../api/files';
 import { dialog } from '../dialog';
 import { button, h, select } from '../dom';
+import { reasonsOf } from '../failure';
 import { t } from '../i18n';
 import type { Page } from '../page';
-import { editable } from './document';
-import { shownTable } from './view';
+import { editable } from './exchange';
+import { shownTable } from './shown';
 
 const EXAMPLE =
   '| i | α_i | a_i | d_i | θ_i       |\n|---|-----|-----|-----|-----------|\n| 1 | 90° | 0   | 0,4 | θ_1       |\n| 2 | 0   | 0.3 | 0   | θ_2 - π/2 |';
 
-/** @param atOnce Whether to read the text without being asked. */
-export function pasteDialog(page: Page, pasted: string, atOnce: boolean): void {
-  const now = shownTable(page);
+/** @param atOnce Whether to read the text without waiting for the button. */
+export function pasteDialog({ store, history }: Page, pasted: string, atOnce: boolean): void {
+  const now = shownTable(store.state);
   const text = h('textarea', {
     rows: 10,
     spellcheck: 'false',
@@ -52,24 +54,19 @@ export function pasteDialog(page: Page, pasted: string, atOnce: boolean): void {
   async function read(): Promise<void> {
     problem.textContent = '';
     try {
-      const table = await api.json<api.TableDocument>(
-        api.readPasted(
-          text.value,
-          convention.value as api.Convention,
-          angle.value as api.AngleUnit | '',
-          length.value as 'm' | 'mm',
-          values.value,
-          columns.value,
-        ),
+      const table = await api.json(
+        readPasted(text.value, {
+          convention: convention.value as api.Convention,
+          angle: angle.value as api.AngleUnit | '',
+          length: length.value as api.LengthUnit,
+          values: values.value,
+          columns: columns.value,
+        }),
       );
-      page.store.set({ source: { kind: 'table', table: editable(table) }, row: null }, 'paste');
+      history.change({ source: { kind: 'table', table: editable(table) }, row: null }, 'paste');
       window.close();
     } catch (error) {
-      if (!(error instanceof api.Refusal || error instanceof api.Unreachable)) throw error;
-      problem.textContent =
-        error instanceof api.Refusal
-          ? error.errors.map((one) => one.message).join('\n') || error.detail
-          : t.unreachable;
+      problem.textContent = reasonsOf(error, '\n');
     }
   }
 

@@ -14,7 +14,7 @@ export interface Placements {
   field(pointer: string): HTMLInputElement | undefined;
 }
 
-export function placements(edit: (document: TableDocument, kind: string) => void): Placements {
+export function placementsView(edit: (document: TableDocument, kind: string) => void): Placements {
   const element = h('div');
   let built = '';
   let document: TableDocument;
@@ -86,7 +86,7 @@ export function placements(edit: (document: TableDocument, kind: string) => void
 
   return {
     element,
-    // The service names the end at fault, `/tool`: its first field that is no number.
+    // The service may name a whole end, `/tool`: its first field that is not a number.
     field: (pointer) =>
       fields.get(pointer.slice(1)) ??
       [...fields].find(

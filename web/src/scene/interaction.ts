@@ -1,24 +1,27 @@
-/** The pointer in the scene: drags the target and joints, picks frames and ghosts. */
+/** What the pointer does in the scene: drag the target and joints, pick frames and ghosts. */
 import { Matrix4, type Object3D, type PerspectiveCamera, Plane, Quaternion, Vector3 } from 'three';
 import type { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { jointMotion } from './joint-motion';
+import { planeNormal } from './plane';
 import type { RobotModel } from './robot';
 import { onScreen, pointerOf, rayAt, rowsOf } from './space';
 import type { SceneCallbacks } from './types';
 
-const NEAR = 16;
-/** A finger is broader than a pointer. */
-const NEAR_FINGER = 32;
+/** Within this distance of a point the pointer is on it, CSS pixels; a finger is less exact. */
+const NEAR = { mouse: 16, touch: 32 };
+/** A press that moves less than this is a click, CSS pixels. */
 const STILL = 4;
+/** Turn of the target for a CSS pixel, rad. */
+const TURN = 0.01;
 
-/** What the hand acts on, as it is now. */
+/** What the pointer acts on, as it is now. */
 export interface Surroundings {
-  readonly model: RobotModel | null;
-  /** The ball that is grabbed, and the pose that it stands for in base axes. */
+  model(): RobotModel | null;
+  /** The ball that is grabbed. */
   readonly handle: Object3D;
-  targetPose(): Matrix4 | null;
-  /** Normal of the plane that the arm moves in, for planar arms. */
-  planeNormal(): Vector3 | null;
-  readonly ghosts: readonly Object3D[];
+  /** The pose that it stands for: of the target, else of the tool; base axes. */
+  target(): Matrix4 | null;
+  ghosts(): readonly RobotModel[];
 }
 
 interface Drag {
@@ -26,7 +29,7 @@ interface Drag {
   end(event: PointerEvent): void;
 }
 
-export class Hand {
+export class Interaction {
   private drag: Drag | null = null;
   private pressed: { x: number; y: number } | null = null;
 
@@ -37,7 +40,7 @@ export class Hand {
     private readonly around: Surroundings,
     private readonly callbacks: SceneCallbacks,
   ) {
-    // Before the controls hear of it, which would turn the camera.
+    // In the capture phase, before the orbit controls, which would turn the camera.
     canvas.addEventListener('pointerdown', this.down, { capture: true });
     canvas.addEventListener('pointermove', this.move);
     canvas.addEventListener('pointerup', this.up);
@@ -90,14 +93,15 @@ export class Hand {
     return Math.hypot(at.x - event.clientX, at.y - event.clientY) < reachOf(event);
   }
 
-  /** In the plane of the screen, or of a planar arm; with Shift it turns instead. */
+  /** The target moves in the plane of the screen, or of a planar arm; with Shift it turns. */
   private grabTarget(event: PointerEvent): Drag | null {
     const { around, callbacks, camera } = this;
-    const start = around.targetPose();
+    const start = around.target();
     if (!start || !this.near(event, around.handle)) return null;
     const centre = new Vector3().setFromMatrixPosition(start);
     const towards = camera.getWorldDirection(new Vector3());
-    const own = around.planeNormal();
+    const model = around.model();
+    const own = model && planeNormal(model);
     const normal = own && Math.abs(own.dot(towards)) > 0.15 ? own : towards;
     const plane = new Plane().setFromNormalAndCoplanarPoint(normal, centre);
     const grabbed = this.hit(event, plane);
@@ -117,7 +121,7 @@ export class Hand {
   private turned(start: Matrix4, now: PointerEvent, before: PointerEvent): Matrix4 {
     const [right, up] = [new Vector3(), new Vector3()];
     this.camera.matrixWorld.extractBasis(right, up, new Vector3());
-    const [dx, dy] = [(now.clientX - before.clientX) * 0.01, (now.clientY - before.clientY) * 0.01];
+    const [dx, dy] = [(now.clientX - before.clientX) * TURN, (now.clientY - before.clientY) * TURN];
     const turn = new Quaternion()
       .setFromAxisAngle(up, dx)
       .multiply(new Quaternion().setFromAxisAngle(right, dy));
@@ -130,71 +134,20 @@ export class Hand {
 
   private grabJoint(event: PointerEvent): Drag | null {
     const index = this.jointAt(event);
-    const { model } = this.around;
+    const model = this.around.model();
     if (index === null || !model) return null;
-    const name = model.robot.joints[index]?.name ?? '';
-    const joint = model.urdf.joints[name];
+    const joint = model.urdf.joints[model.robot.joints[index]?.name ?? ''];
     if (!joint) return null;
-    const origin = joint.getWorldPosition(new Vector3());
-    const axis = joint.axis
-      .clone()
-      .applyQuaternion(joint.getWorldQuaternion(new Quaternion()))
-      .normalize();
     const from = joint.jointValue[0] ?? 0;
-    const value =
-      joint.jointType === 'prismatic'
-        ? this.slide(event, origin, axis)
-        : this.turn(event, origin, axis);
+    const motion = jointMotion(joint, event, this.camera, this.canvas);
     const change = (now: PointerEvent): void =>
-      this.callbacks.onJointChange(index, from + value(now));
+      this.callbacks.onJointChange(index, from + motion(now));
     return { move: change, end: change };
   }
 
-  /** How far the pointer turned about an axis since an event. */
-  private turn(event: PointerEvent, origin: Vector3, axis: Vector3): (now: PointerEvent) => number {
-    const facing = axis.dot(this.camera.getWorldDirection(new Vector3()));
-    if (Math.abs(facing) < 0.2) {
-      // Seen from the side there is no angle to read: across the axis on the screen, 1 rad in 120 px.
-      const [a, b] = [origin, origin.clone().add(axis)].map((p) =>
-        onScreen(p, this.camera, this.canvas),
-      ) as [Pixel, Pixel];
-      const length = Math.hypot(b.x - a.x, b.y - a.y) || 1;
-      const normal = { x: (b.y - a.y) / length, y: -(b.x - a.x) / length };
-      return (now) =>
-        -((now.clientX - event.clientX) * normal.x + (now.clientY - event.clientY) * normal.y) /
-        120;
-    }
-    const middle = onScreen(origin, this.camera, this.canvas);
-    const angle = (one: PointerEvent): number =>
-      Math.atan2(one.clientY - middle.y, one.clientX - middle.x);
-    let [last, sum] = [angle(event), 0];
-    return (now) => {
-      const next = angle(now);
-      sum += Math.atan2(Math.sin(next - last), Math.cos(next - last)) * Math.sign(facing);
-      last = next;
-      return sum;
-    };
-  }
-
-  private slide(
-    event: PointerEvent,
-    origin: Vector3,
-    axis: Vector3,
-  ): (now: PointerEvent) => number {
-    const [a, b] = [origin, origin.clone().addScaledVector(axis, 0.1)].map((p) =>
-      onScreen(p, this.camera, this.canvas),
-    ) as [Pixel, Pixel];
-    const square = (b.x - a.x) ** 2 + (b.y - a.y) ** 2 || 1;
-    return (now) =>
-      (0.1 *
-        ((now.clientX - event.clientX) * (b.x - a.x) +
-          (now.clientY - event.clientY) * (b.y - a.y))) /
-      square;
-  }
-
-  /** The joint whose moving part is under the pointer; no deeper than the first thing hit. */
+  /** The joint that moves the first object under the pointer. */
   private jointAt(event: PointerEvent): number | null {
-    const { model } = this.around;
+    const model = this.around.model();
     if (!model) return null;
     const ray = rayAt(pointerOf(event, this.canvas), this.camera);
     const hit = ray
@@ -210,9 +163,11 @@ export class Hand {
   }
 
   private pick(event: PointerEvent): void {
-    const { model, ghosts } = this.around;
+    const model = this.around.model();
     const ray = rayAt(pointerOf(event, this.canvas), this.camera);
-    const ghost = ghosts.findIndex((one) => ray.intersectObject(one, true).length > 0);
+    const ghost = this.around
+      .ghosts()
+      .findIndex((one) => ray.intersectObject(one.object, true).length > 0);
     if (ghost >= 0) {
       this.callbacks.onGhostPick(ghost);
       return;
@@ -223,7 +178,7 @@ export class Hand {
       if (!frame) continue;
       const at = onScreen(frame.getWorldPosition(new Vector3()), this.camera, this.canvas);
       const distance = Math.hypot(at.x - event.clientX, at.y - event.clientY);
-      // Of frames at one place the later one: it belongs to the row that ends there.
+      // Of frames at one point the last one is picked: it is that of the row which ends there.
       if (distance <= nearest) [best, nearest] = [name, distance];
     }
     this.callbacks.onFramePick(best);
@@ -238,10 +193,5 @@ export class Hand {
 }
 
 function reachOf(event: PointerEvent): number {
-  return event.pointerType === 'touch' ? NEAR_FINGER : NEAR;
-}
-
-interface Pixel {
-  x: number;
-  y: number;
+  return event.pointerType === 'touch' ? NEAR.touch : NEAR.mouse;
 }

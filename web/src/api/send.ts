@@ -1,0 +1,78 @@
+/** Sends a call, and names the ways in which it can fail. */
+import { type Call, urlOf } from './call';
+
+/** One entry of `errors` in a problem document. */
+export interface FieldError {
+  /** JSON pointer to the field. */
+  readonly pointer: string;
+  readonly message: string;
+}
+
+/** The service refused: its problem document (RFC 9457). */
+export class Refusal extends Error {
+  constructor(
+    readonly status: number,
+    readonly detail: string,
+    readonly errors: readonly FieldError[],
+  ) {
+    super(detail);
+  }
+}
+
+/** No answer arrived. */
+export class Unreachable extends Error {}
+
+/** Whether the same request may succeed later: no answer, or a service that is busy or starting. */
+export function isTemporary(error: unknown): boolean {
+  return (
+    error instanceof Unreachable ||
+    (error instanceof Refusal && [429, 502, 503, 504].includes(error.status))
+  );
+}
+
+/**
+ * Send a call.
+ *
+ * @throws Refusal for any status but 2xx; Unreachable without an answer; DOMException AbortError.
+ */
+export async function send(call: Call, signal?: AbortSignal): Promise<Response> {
+  const headers: Record<string, string> = { Accept: call.accept ?? 'application/json' };
+  const init: RequestInit = { method: call.method, headers };
+  if (signal) init.signal = signal;
+  if (call.body !== undefined) {
+    headers['Content-Type'] = call.type ?? 'application/json';
+    init.body = call.type ? (call.body as string) : JSON.stringify(call.body);
+  }
+  let response: Response;
+  try {
+    response = await fetch(urlOf(call), init);
+  } catch (error) {
+    if (error instanceof DOMException) throw error;
+    throw new Unreachable(String(error));
+  }
+  if (!response.ok) throw await refusal(response);
+  return response;
+}
+
+async function refusal(response: Response): Promise<Refusal> {
+  try {
+    const problem = (await response.json()) as { detail?: string; errors?: FieldError[] };
+    return new Refusal(
+      response.status,
+      problem.detail ?? response.statusText,
+      problem.errors ?? [],
+    );
+  } catch {
+    return new Refusal(response.status, response.statusText, []);
+  }
+}
+
+/** Send a call and read its answer as JSON. */
+export async function json<Answer>(call: Call<Answer>, signal?: AbortSignal): Promise<Answer> {
+  return (await (await send(call, signal)).json()) as Answer;
+}
+
+/** Send a call and read its answer as text. */
+export async function text(call: Call<string>, signal?: AbortSignal): Promise<string> {
+  return (await send(call, signal)).text();
+}

@@ -1,0 +1,16 @@
+/** What a request that failed says to the reader. */
+import { Refusal, Unreachable } from './api';
+import { t } from './i18n';
+
+/** The words of a refusal or of a missing answer; any other error is thrown on. */
+export function reasonOf(error: unknown): string {
+  if (error instanceof Refusal) return error.detail;
+  if (error instanceof Unreachable) return t.unreachable;
+  throw error;
+}
+
+/** The same, with what the service says of each field. */
+export function reasonsOf(error: unknown, separator: string): string {
+  const fields = error instanceof Refusal ? error.errors.map((one) => one.message) : [];
+  return fields.join(separator) || reasonOf(error);
+}
