@@ -8,9 +8,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from dh_to_urdf.errors import Location
 from dh_to_urdf.poses import rigid_transform, rigid_transforms
 from kinematics.bounds import MAX_VALUE
-from kinematics.errors import InvalidTarget, Location
+from kinematics.errors import InvalidTarget
 from kinematics.orientation import (
     parse_sequence,
     rotation_from_euler,
@@ -62,11 +63,20 @@ class Targets:
         """Return the same in words: ``targets.3.position``."""
         return ".".join(map(str, self.place(k, *field)))
 
-    def refusal(self, k: int, message: str, *field: str, task: Task | None = None) -> InvalidTarget:
+    def refusal(
+        self,
+        k: int,
+        message: str,
+        *field: str,
+        task: Task | None = None,
+        expected: int | None = None,
+    ) -> InvalidTarget:
         """Return the exception that says what is wrong with a field of target ``k``."""
         argument, *index = self.place(k, *field)
         name = None if task is None else task.name
-        return InvalidTarget(message, argument=str(argument), index=tuple(index), task=name)
+        return InvalidTarget(
+            message, argument=str(argument), index=tuple(index), task=name, expected=expected
+        )
 
 
 def target_poses(targets: Targets, task: Task) -> FloatArray:
@@ -189,7 +199,7 @@ def _positions(targets: Targets, task: Task) -> FloatArray:
                 "3" if sizes == (3,) else f"2, or 3, of which task {task.name} does not look at z"
             )
             message = f"{name} has {len(row)} values; give {wanted}"
-            raise targets.refusal(k, message, "position")
+            raise targets.refusal(k, message, "position", task=task, expected=sizes[0])
         rows[k, : len(row)] = row
     _check_rows(targets, "position", rows)
     return rows
@@ -227,7 +237,7 @@ def _each(
     for k, row in enumerate(given):
         if len(row) != size:
             message = f"{targets.called(k, name)} has {len(row)} values; give {size}"
-            raise targets.refusal(k, message, name)
+            raise targets.refusal(k, message, name, expected=size)
     rows = np.asarray(given, dtype=np.float64)
     _check_rows(targets, name, rows)
 

@@ -20,7 +20,7 @@ from kinematics.errors import (
     WrongVector,
 )
 from kinematics.inverse import IKOptions, Tolerance
-from kinematics.inverse.target import TargetSpec, target_pose, target_poses
+from kinematics.inverse.target import Targets, target_poses
 from kinematics.manipulability_map import manipulability_map
 from kinematics.orientation import analytic_map, parse_sequence
 from kinematics.redundancy.methods import METHODS, method_from
@@ -106,16 +106,25 @@ def test_tasks_and_sequences():
 
 
 def test_targets_are_named_by_their_place():
-    error = raised(InvalidTarget, target_pose, TargetSpec(), TASKS["pose"], "targets", (3,))
-    assert str(error) == "task pose needs a position; give targets.3.position or .matrix"
-    assert (error.location, error.task) == (("targets", 3, "position"), "pose")
-    short = TargetSpec(position=[0, 0, 0], rpy=[0, 0])
-    assert raised(InvalidTarget, target_pose, short, TASKS["pose"]).expected == 3
-    euler = TargetSpec(position=[0, 0, 0], euler=("ZZX", [0, 0, 0]))
-    error = raised(UnknownSequence, target_pose, euler, TASKS["pose"], "target")
+    many = Targets(count=2, location=("targets",), many=True)
+    error = raised(InvalidTarget, target_poses, many, TASKS["pose"])
+    assert str(error) == "task pose needs a position; give targets.0.position or .matrix"
+    assert (error.location, error.task) == (("targets", 0, "position"), "pose")
+    short = Targets(position=[[0, 0, 0]], rpy=[[0, 0]])
+    error = raised(InvalidTarget, target_poses, short, TASKS["pose"])
+    assert (error.location, error.expected) == (("target", "rpy"), 3)
+    euler = Targets(position=[[0, 0, 0]], euler=("ZZX", [[0, 0, 0]]))
+    error = raised(UnknownSequence, target_poses, euler, TASKS["pose"])
     assert error.location == ("target", "euler", "sequence")
-    bad = np.stack((np.eye(4), 2 * np.eye(4)))
-    assert raised(InvalidTarget, target_poses, bad).location == ("targets", "matrix", 1)
+    bad = Targets(
+        matrix=np.stack((np.eye(4), 2 * np.eye(4))),
+        count=2,
+        location=("targets",),
+        many=True,
+        by_field=True,
+    )
+    error = raised(InvalidTarget, target_poses, bad, TASKS["pose"])
+    assert error.location == ("targets", "matrix", 1)
 
 
 @pytest.mark.parametrize(
