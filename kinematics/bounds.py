@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from kinematics.errors import InvalidOption, Location
+from dh_to_urdf.errors import Location
+from kinematics.errors import InvalidOption
 
 MAX_VALUE = 1e6
 """Largest magnitude of a joint value, a coordinate or a velocity, in rad, m, rad/s or m/s."""

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dh_to_urdf.errors import Location
 from kinematics.bounds import MAX_VALUE
-from kinematics.errors import Location, WrongConfiguration
+from kinematics.errors import WrongConfiguration
 from robots.errors import hint
 from robots.robot import FloatArray, Robot
 

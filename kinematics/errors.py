@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias, TypedDict, Unpack
+from typing import TypedDict, Unpack
 
-Location: TypeAlias = tuple[str | int, ...]
-"""Place within an argument: keys and numbers, from the outside in."""
+from dh_to_urdf.errors import Location
 
 
 class ErrorData(TypedDict, total=False):

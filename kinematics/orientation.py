@@ -14,8 +14,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from dh_to_urdf.errors import Location
 from dh_to_urdf.poses import to_rpy
-from kinematics.errors import Location, RepresentationSingularity, UnknownSequence
+from kinematics.errors import RepresentationSingularity, UnknownSequence
 from robots.robot import FloatArray
 
 DEGENERATE = 1e-12

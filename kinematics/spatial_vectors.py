@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dh_to_urdf.errors import Location
 from kinematics.bounds import MAX_VALUE
-from kinematics.errors import Location, WrongVector
+from kinematics.errors import WrongVector
 from robots.robot import FloatArray
 
 TWIST_ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinematics.errors import Location, UnknownTask
+from dh_to_urdf.errors import Location
+from kinematics.errors import UnknownTask
 from robots.errors import hint
 from robots.robot import FloatArray
 

@@ -7,9 +7,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dh_to_urdf.errors import quoted
+from dh_to_urdf.errors import Location, quoted
 from kinematics.configuration import joint_names
-from kinematics.errors import InvalidOption, Location, dotted
+from kinematics.errors import InvalidOption, dotted
 from kinematics.redundancy.arm import Arm
 from robots.errors import hint
 from robots.robot import FloatArray

@@ -165,10 +165,7 @@ def rendered(error: Exception) -> tuple[ProblemType, Sequence[ErrorEntry], dict[
 
 def _pointer(error: Exception) -> str:
     """Return where the value at fault stands: within the document, or within the argument."""
-    pointer = getattr(error, "pointer", None)
-    if isinstance(pointer, str):
-        return pointer
-    if isinstance(error, (robots.InvalidURDF, robots.RobotTooLarge)):
+    if isinstance(error, (robots.InvalidURDF, robots.RobotTooLarge, kinematics.KinematicsError)):
         return json_pointer(error.location)
     argument, index = getattr(error, "argument", ""), getattr(error, "index", ())
     return json_pointer((argument, *index) if argument else index)

@@ -11,9 +11,9 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dh_to_urdf.errors import quoted
+from dh_to_urdf.errors import Location, quoted
 from kinematics.bounds import Bounds
-from kinematics.errors import Location, dotted
+from kinematics.errors import dotted
 from robots.robot import FloatArray
 
 

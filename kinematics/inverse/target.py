@@ -8,9 +8,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from dh_to_urdf.errors import Location
 from dh_to_urdf.poses import rigid_transform, rigid_transforms
 from kinematics.bounds import MAX_VALUE
-from kinematics.errors import InvalidTarget, Location
+from kinematics.errors import InvalidTarget
 from kinematics.orientation import (
     parse_sequence,
     rotation_from_euler,
@@ -198,7 +199,7 @@ def _positions(targets: Targets, task: Task) -> FloatArray:
                 "3" if sizes == (3,) else f"2, or 3, of which task {task.name} does not look at z"
             )
             message = f"{name} has {len(row)} values; give {wanted}"
-            raise targets.refusal(k, message, "position", task=task, expected=sizes[-1])
+            raise targets.refusal(k, message, "position", task=task, expected=sizes[0])
         rows[k, : len(row)] = row
     _check_rows(targets, "position", rows)
     return rows

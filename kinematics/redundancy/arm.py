@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from dh_to_urdf.errors import quoted
+from dh_to_urdf.errors import Location, quoted
 from kinematics.chain import Chain, chain_of
-from kinematics.errors import InvalidOption, Location
+from kinematics.errors import InvalidOption
 from kinematics.redundancy.kernel import task_at, workspace
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot

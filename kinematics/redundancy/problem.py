@@ -10,8 +10,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from dh_to_urdf.errors import Location
 from kinematics.bounds import Bounds
-from kinematics.errors import InvalidOption, Location, WrongConfiguration, dotted
+from kinematics.errors import InvalidOption, WrongConfiguration, dotted
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.link_geometry import LinkGeometry
 from kinematics.redundancy.clearance.links import Links, skeleton

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dh_to_urdf.errors import quoted
+from dh_to_urdf.errors import Location, quoted
 from kinematics.bounds import MAX_VALUE, Bounds
 from kinematics.chain import chain_of
 from kinematics.configuration import configuration
-from kinematics.errors import InvalidOption, Location, RankDeficient, WrongConfiguration
+from kinematics.errors import InvalidOption, RankDeficient, WrongConfiguration
 from kinematics.jacobian import task_jacobian
 from kinematics.redundancy.priority import prioritized_step
 from kinematics.singularity import RANK_TOLERANCE

@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from dh_to_urdf.errors import quoted
+from dh_to_urdf.errors import Location, quoted
 from dh_to_urdf.table import DHTable
-from kinematics.errors import InvalidOption, Location
+from kinematics.errors import InvalidOption
 from kinematics.symbolic.chain import BASE, TOOL, path_to
 from kinematics.symbolic.parameters import lengths_of
 from kinematics.task import Task

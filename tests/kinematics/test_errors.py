@@ -106,18 +106,24 @@ def test_tasks_and_sequences():
 
 
 def test_targets_are_named_by_their_place():
-    fourth = Targets(location=("targets", 3))
-    error = raised(InvalidTarget, target_poses, fourth, TASKS["pose"])
-    assert str(error) == "task pose needs a position; give targets.3.position or .matrix"
-    assert (error.location, error.task) == (("targets", 3, "position"), "pose")
+    many = Targets(count=2, location=("targets",), many=True)
+    error = raised(InvalidTarget, target_poses, many, TASKS["pose"])
+    assert str(error) == "task pose needs a position; give targets.0.position or .matrix"
+    assert (error.location, error.task) == (("targets", 0, "position"), "pose")
     short = Targets(position=[[0, 0, 0]], rpy=[[0, 0]])
-    assert raised(InvalidTarget, target_poses, short, TASKS["pose"]).expected == 3
+    error = raised(InvalidTarget, target_poses, short, TASKS["pose"])
+    assert (error.location, error.expected) == (("target", "rpy"), 3)
     euler = Targets(position=[[0, 0, 0]], euler=("ZZX", [[0, 0, 0]]))
     error = raised(UnknownSequence, target_poses, euler, TASKS["pose"])
     assert error.location == ("target", "euler", "sequence")
-    bad = np.stack((np.eye(4), 2 * np.eye(4)))
-    many = Targets(matrix=bad, count=2, location=("targets",), many=True, by_field=True)
-    error = raised(InvalidTarget, target_poses, many, TASKS["pose"])
+    bad = Targets(
+        matrix=np.stack((np.eye(4), 2 * np.eye(4))),
+        count=2,
+        location=("targets",),
+        many=True,
+        by_field=True,
+    )
+    error = raised(InvalidTarget, target_poses, bad, TASKS["pose"])
     assert error.location == ("targets", "matrix", 1)
 
 

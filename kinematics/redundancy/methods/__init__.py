@@ -6,7 +6,8 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from kinematics.errors import InvalidOption, Location
+from dh_to_urdf.errors import Location
+from kinematics.errors import InvalidOption
 from kinematics.redundancy.methods import (
     damped,
     null_space,
