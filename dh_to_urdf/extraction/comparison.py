@@ -9,19 +9,27 @@ The verdict is measured: with base, tool and zero offsets made equal, both FK ar
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
-from enum import StrEnum
-from itertools import pairwise
+from dataclasses import replace
 
 import numpy as np
 
 from dh_to_urdf.errors import DHError
-from dh_to_urdf.extraction.arrangement import arrange
 from dh_to_urdf.extraction.axes import SerialChain
-from dh_to_urdf.extraction.construction import Construction, construct
+from dh_to_urdf.extraction.comparison_result import (
+    Comparison,
+    Difference,
+    JointComparison,
+    Verdict,
+)
 from dh_to_urdf.extraction.extract import Residual, deviation, random_configurations
 from dh_to_urdf.extraction.gauge import settled, with_slides_centred
+from dh_to_urdf.extraction.standard_form import (
+    StandardForm,
+    standard_form,
+    with_fitting_senses,
+    wrapped,
+    zero_offset,
+)
 from dh_to_urdf.extraction.zeros import fit_axes, with_zeros
 from dh_to_urdf.matrices import link_matrix
 from dh_to_urdf.poses import Matrix
@@ -33,125 +41,6 @@ SNAPS = (1e-3, 1e-7)
 MAX_REVERSED = 16
 FAR_APART = 1e-2
 """Sum of squares of what is left between axes, beyond which two arms have other shapes."""
-
-
-class Verdict(StrEnum):
-    """What the comparison comes to."""
-
-    IDENTICAL = "identical"
-    EQUIVALENT = "equivalent"
-    DIFFERENT = "different"
-
-
-@dataclass(frozen=True, slots=True)
-class Difference:
-    """One parameter that differs.
-
-    Attributes:
-        joint: Number of the joint, from 1.
-        name: Its name in the first chain.
-        parameter: alpha, a, d or theta of the standard row; type; or joints, for their number.
-        first: Value in the first chain, rad or m; the type; the number.
-        second: Value in the second chain.
-        difference: second - first, rad (within ±π) or m; None where it is no number.
-        absorbed_by: ``base`` or ``tool`` where a change of it would hide the difference.
-    """
-
-    joint: int
-    name: str
-    parameter: str
-    first: float | str
-    second: float | str
-    difference: float | None
-    absorbed_by: str | None
-
-
-@dataclass(frozen=True, slots=True)
-class JointComparison:
-    """One joint in both chains.
-
-    Attributes:
-        first: Its name in the first chain.
-        second: Its name in the second chain.
-        is_revolute: True where zero_offset is an angle.
-        zero_offset: What to add to q of the first chain to get q of the second, rad or m.
-        position: Largest distance between the frames after this joint, m, over random q, with
-            frames 0 and zero offsets made equal.
-        orientation: Largest angle between them, rad.
-    """
-
-    first: str
-    second: str
-    is_revolute: bool
-    zero_offset: float
-    position: float
-    orientation: float
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Two chains side by side.
-
-    Attributes:
-        verdict: identical; equivalent, up to base, tool and zero offsets; or different.
-        differences: What differs beyond the tolerances, base first.
-        joints: Joint by joint, as far as both chains have the same kinds of joints.
-        reversed: Joints of the second chain that run the other way, if that is all.
-        residual: Largest deviation of the tips over random q with base, tool and zero offsets
-            made equal; None where the kinds of joints differ.
-    """
-
-    verdict: Verdict
-    differences: tuple[Difference, ...]
-    joints: tuple[JointComparison, ...]
-    reversed: tuple[str, ...]
-    residual: Residual | None
-
-    @property
-    def words(self) -> str:
-        """The verdict in one or two sentences."""
-        if self.verdict is Verdict.IDENTICAL:
-            return "The same arm."
-        said = []
-        if self.reversed:
-            said.append(f"Joint {', '.join(self.reversed)} runs the other way.")
-        if self.differences:
-            said.append(f"They diverge first at {_sentence(self.differences[0])}.")
-            inner = next((d for d in self.differences if d.absorbed_by is None), None)
-            if self.verdict is Verdict.EQUIVALENT and not self.reversed:
-                said.append("Otherwise the same arm" + self._offsets() + ".")
-            elif inner is not None and inner is not self.differences[0]:
-                said.append(f"What neither base nor tool can hide begins at {_sentence(inner)}.")
-        if not said and self.verdict is Verdict.DIFFERENT and self.residual is not None:
-            said.append(
-                "No parameter differs by more than the tolerances, but the tips drift apart by"
-                f" {self.residual.position:.3g} m and {self.residual.orientation:.3g} rad."
-            )
-        if (
-            self.verdict is Verdict.DIFFERENT
-            and sum(not one.is_revolute for one in self.joints) > 1
-        ):
-            said.append(
-                "(Several joints slide: zeros that fit better may exist, and with them a later"
-                " divergence.)"
-            )
-        return " ".join(said) or "The same arm" + self._offsets() + "."
-
-    def _offsets(self) -> str:
-        moved = sum(abs(joint.zero_offset) > 1e-9 for joint in self.joints)
-        return f", with {moved} other zero(s) of the joints" if moved else ""
-
-
-def _sentence(difference: Difference) -> str:
-    what = f"joint {difference.joint} ({difference.name}): {difference.parameter} is"
-    if difference.difference is None:
-        return f"{what} {difference.first} in the first and {difference.second} in the second"
-    unit = "m" if difference.parameter in ("a", "d") else "rad"
-    hidden = f", which another {difference.absorbed_by} hides" if difference.absorbed_by else ""
-    return (
-        f"{what} {difference.first:.9g} {unit} in the first and {difference.second:.9g} {unit} in"
-        f" the second, a difference of {abs(difference.difference):.3g} {unit}{hidden}"
-    )
 
 
 def compare(
@@ -245,13 +134,13 @@ def _compare(
         return Comparison(Verdict.DIFFERENT, (*real, structural), before.joints, (), None)
     first, slid = with_slides_centred(first, snap)
     second, other_slid = with_slides_centred(second, snap)
-    one, two = _made(first, snap), _made(second, snap)
-    two = replace(two, rows=_flipped(one.rows, two.rows, first.size))
+    one, two = standard_form(first, snap), standard_form(second, snap)
+    two = replace(two, rows=with_fitting_senses(one.rows, two.rows, first.size))
     two = replace(two, rows=settled(one.construction, one.rows, two.rows))
     differences = _differences(one, two, length, angle)
     inner = any(difference.absorbed_by is None for difference in differences)
     pairs = list(zip(one.rows, two.rows, strict=True))
-    offsets = np.array([_offset(a, b) for a, b in pairs])
+    offsets = np.array([zero_offset(a, b) for a, b in pairs])
     verdict = Verdict.DIFFERENT if inner else Verdict.EQUIVALENT
     if not differences and float(np.abs(offsets - slid + other_slid).max()) <= max(length, angle):
         verdict = Verdict.IDENTICAL
@@ -288,54 +177,9 @@ def _cut(chain: SerialChain, count: int) -> SerialChain:
     return replace(chain, joints=chain.joints[:count], tip_placement=tip)
 
 
-@dataclass(frozen=True)
-class _Made:
-    """A chain in standard form, and the true angles between its directed axes, 0 to π."""
-
-    construction: Construction
-    angles: tuple[float, ...]
-    rows: tuple[DHRow, ...]
-
-
-def _made(chain: SerialChain, snap: float) -> _Made:
-    tip = chain.poses(np.zeros(len(chain.joints)))
-    axes = chain.lines()
-    lines = arrange(axes, tip, chain.size, snap, bridge=False, from_base=False)
-    made = construct(lines, tip, chain.size, last_at_tip=True)
-    directions = [*(axis.direction for axis in axes), tip[:3, 2]]
-    angles = tuple(
-        math.atan2(float(np.linalg.norm(np.cross(u, v))), float(u @ v))
-        for u, v in pairwise(directions)
-    )
-    return _Made(made, angles, tuple(pair.row for pair in made.pairs))
-
-
-def _flipped(rows: tuple[DHRow, ...], others: tuple[DHRow, ...], size: float) -> tuple[DHRow, ...]:
-    """The other rows with each x turned to the sense that fits the first rows better."""
-    fitted = list(others)
-    for k, (row, other) in enumerate(zip(rows, others, strict=True)):
-        here = abs(other.a - row.a) / size + abs(_wrapped(other.alpha - row.alpha))
-        there = abs(-other.a - row.a) / size + abs(_wrapped(-other.alpha - row.alpha))
-        if there < here - 1e-9:
-            fitted[k] = _turned(replace(fitted[k], a=-other.a, alpha=-other.alpha), math.pi)
-            if k + 1 < len(fitted):
-                fitted[k + 1] = _turned(fitted[k + 1], -math.pi)
-    return tuple(fitted)
-
-
-def _turned(row: DHRow, angle: float) -> DHRow:
-    if row.type.is_revolute:
-        return replace(row, offset=row.offset + angle)
-    return replace(row, theta=row.theta + angle)
-
-
-def _offset(first: DHRow, second: DHRow) -> float:
-    """What to add to q of the first row to get q of the second."""
-    offset = first.offset - second.offset
-    return _wrapped(offset) if first.type.is_revolute else offset
-
-
-def _differences(one: _Made, two: _Made, length: float, angle: float) -> tuple[Difference, ...]:
+def _differences(
+    one: StandardForm, two: StandardForm, length: float, angle: float
+) -> tuple[Difference, ...]:
     found = []
     beside_base = True
     for k, (row, other) in enumerate(zip(one.rows, two.rows, strict=True)):
@@ -346,7 +190,7 @@ def _differences(one: _Made, two: _Made, length: float, angle: float) -> tuple[D
                 a = -one.angles[k] if a < 0.0 else one.angles[k]
                 b = -two.angles[k] if b < 0.0 else two.angles[k]
             is_length = name in ("a", "d")
-            delta = b - a if is_length else _wrapped(b - a)
+            delta = b - a if is_length else wrapped(b - a)
             if abs(delta) <= (length if is_length else angle):
                 continue
             moved_base = beside_base and name in ("d", "theta")
@@ -377,28 +221,19 @@ def _joint_by_joint(
 
 
 def _residual(
-    first: SerialChain, second: SerialChain, one: _Made, two: _Made, offsets: Matrix, q: Matrix
+    first: SerialChain,
+    second: SerialChain,
+    one: StandardForm,
+    two: StandardForm,
+    offsets: Matrix,
+    q: Matrix,
 ) -> Residual:
     """Both FK on the chains themselves, base and tool fitted at q = 0."""
     k = next(
         (k for k, pair in enumerate(one.construction.pairs) if not pair.normal.case.is_parallel),
         len(one.rows) - 1,
     )
-    G = _up_to(one, np.zeros(k + 1)) @ np.linalg.inv(_up_to(two, offsets[: k + 1]))
+    G = one.leading_pose(np.zeros(k + 1)) @ np.linalg.inv(two.leading_pose(offsets[: k + 1]))
     A, B = first.poses(q), G @ second.poses(q + offsets)
     B = B @ np.linalg.inv(B[0]) @ A[0]
     return Residual(*deviation(A, B), len(q))
-
-
-def _up_to(made: _Made, q: Matrix) -> Matrix:
-    """Base, rows before the last of q, and θ and d of that last one."""
-    T = made.construction.base
-    for row, value in zip(made.rows, q, strict=False):
-        cut = replace(row, a=0.0, alpha=0.0) if row is made.rows[len(q) - 1] else row
-        T = T @ link_matrix(cut, Convention.STANDARD, value + row.offset)
-    return T
-
-
-def _wrapped(angle: float) -> float:
-    """An angle within ±π."""
-    return math.remainder(angle, 2 * math.pi)

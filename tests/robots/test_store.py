@@ -18,9 +18,10 @@ from robots.errors import (
     RobotNotFound,
     StorageFull,
 )
+from robots.revisions import ANY
 from robots.robot import robot_from_urdf
 from robots.shipped import shipped_ids
-from robots.store import ANY, RobotStore
+from robots.store import RobotStore
 
 OTHER_PROCESS = """
 import os, sys
