@@ -64,3 +64,14 @@ def refuse_unknown(
                 (*location, str(key)),
                 f"{where} has an unknown field {quoted(key)}; known are {', '.join(known)}",
             )
+
+
+def whole_number(raw: object) -> int | None:
+    """Return an integer from 3, 3.0 or "3"; None for anything else."""
+    if isinstance(raw, str) and re.fullmatch(r"\s*[+-]?[0-9]{1,6}\s*", raw):
+        return int(raw)
+    if isinstance(raw, bool) or not isinstance(raw, (int, float)):
+        return None
+    if isinstance(raw, float) and not raw.is_integer():
+        return None
+    return int(raw) if abs(raw) < 10**6 else None

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from ruamel.yaml import YAML
 
-from dh_to_urdf.documents.rows import LIMIT_FIELDS
+from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.writing import table_to_mapping
 from dh_to_urdf.extraction.explanation import explain
 from dh_to_urdf.extraction.extract import Extraction
@@ -222,5 +222,5 @@ def _short(value: object) -> str:
 def _aligned(rows: list[list[str]], *, right: bool = False) -> list[str]:
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     pad = str.rjust if right else str.ljust
-    return ["  ".join(pad(cell, w) for cell, w in zip(row, widths, strict=True)).rstrip()
-            for row in rows]  # fmt: skip
+    padded = [[pad(cell, w) for cell, w in zip(row, widths, strict=True)] for row in rows]
+    return ["  ".join(cells).rstrip() for cells in padded]

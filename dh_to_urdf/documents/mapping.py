@@ -12,7 +12,8 @@ from typing import Any
 from dh_to_urdf.cells.values import read_values, refuse_unused
 from dh_to_urdf.documents.checks import NAME, NAME_RULE, Report, Units, refuse_unknown
 from dh_to_urdf.documents.placements import read_placement
-from dh_to_urdf.documents.rows import RowReader, check_names, check_tree
+from dh_to_urdf.documents.rows import RowReader
+from dh_to_urdf.documents.topology import check_names, check_tree
 from dh_to_urdf.errors import DHError, quoted
 from dh_to_urdf.table import Convention, DHRow, DHTable
 

@@ -19,8 +19,8 @@ from ruamel.yaml.events import (
     ScalarEvent,
 )
 
+from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.mapping import DEFAULT_NAME, read_mapping
-from dh_to_urdf.documents.rows import LIMIT_FIELDS
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
 from dh_to_urdf.table import DHTable
 

@@ -16,7 +16,8 @@ from dh_to_urdf.cells.values import Values
 from dh_to_urdf.documents.checks import NAME, NAME_RULE, Report, Units, refuse_unknown
 from dh_to_urdf.documents.mapping import DEFAULT_NAME, read_units
 from dh_to_urdf.documents.placements import read_placement, read_vector
-from dh_to_urdf.documents.rows import RowReader, check_names
+from dh_to_urdf.documents.rows import RowReader
+from dh_to_urdf.documents.topology import check_names
 from dh_to_urdf.errors import DHError, Location, quoted
 from dh_to_urdf.extraction.axes import AxisLine, SerialChain, chain_from_lines
 from dh_to_urdf.poses import Matrix

@@ -117,9 +117,9 @@ def _sentences(k: int, finding: PairFinding, extraction: Extraction, previous: M
 
 def _relation(k: int, pair: ConstructedPair, last: bool) -> str:
     first = f"Axis {k} ({pair.first.name})"
-    second = "the tip's z, which stands for the next axis," if last else (
-        f"axis {k + 1} ({pair.second.name})"
-    )  # fmt: skip
+    second = f"axis {k + 1} ({pair.second.name})"
+    if last:
+        second = "the tip's z, which stands for the next axis,"
     case = pair.normal.case
     if case is Case.COINCIDENT:
         return f"{first} and {second} lie on one line: they are coincident."
@@ -183,9 +183,8 @@ def _result(k: int, pair: ConstructedPair, last: bool, extraction: Extraction) -
             f"From frame {k - 1} to frame {k}: {theta} about z_{k - 1}, {d} along it, then a_{k} ="
             f" {length} along x_{k} and α_{k} = {twist} about it."
         )
-    z, a, r = ("r", "d", "khalil") if extraction.table.convention is Convention.KHALIL else (
-        "d", "a", ""
-    )  # fmt: skip
+    khalil = extraction.table.convention is Convention.KHALIL
+    z, a, r = ("r", "d", "khalil") if khalil else ("d", "a", "")
     d = d.replace("d_", f"{z}_", 1) if r else d
     there = "belong to the tool" if last and (row.a or row.alpha) else f"go into row {k + 1}"
     if last and not (row.a or row.alpha):

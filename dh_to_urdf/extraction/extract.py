@@ -107,9 +107,12 @@ def extract(
     tip = chain.poses(np.zeros(len(chain.joints)))
     arrangement = arrange(chain.lines(), tip, size, snap, bridge=bridge)
     made = construct(
-        arrangement, tip, size,
-        last_at_tip=convention is Convention.STANDARD, positive_a=positive_a,
-    )  # fmt: skip
+        arrangement,
+        tip,
+        size,
+        last_at_tip=convention is Convention.STANDARD,
+        positive_a=positive_a,
+    )
     warnings = [*chain.warnings]
     rows = tuple(pair.row for pair in made.pairs)
     standard = DHTable(chain.name, Convention.STANDARD, rows, made.base, made.tool)

@@ -10,9 +10,9 @@ from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
 MAX_PAR_LENGTH = 500_000
 GEOMETRY = ("ant", "sigma", "b", "d", "r", "gamma", "alpha", "mu", "theta")
 DYNAMICS = (
-    "XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M",
-    "IA", "FV", "FS", "FX", "FY", "FZ", "CX", "CY", "CZ",
-)  # fmt: skip
+    *("XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M"),
+    *("IA", "FV", "FS", "FX", "FY", "FZ", "CX", "CY", "CZ"),
+)
 MOTION = ("eta", "k", "QP", "QDP", "GAM", "GAMMA", "W0", "WP0", "V0", "VP0", "G", "Z")
 SCALARS = ("NF", "NL", "NJ", "Type", "is_mobile", "is_floating")
 _STATEMENT = re.compile(r"\s*([A-Za-z_]\w{0,31})[ \t]*=\s*(?:\{([^{}=]*)\}|([^\s{}=][^\n{}=]*))")

@@ -12,20 +12,26 @@ import unicodedata
 MAX_DEPTH = 20
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}$^_~`]|[^\\{}$^_~`]", re.DOTALL)
 _GREEK = ("alpha", "beta", "gamma", "theta", "sigma", "mu", "pi", "phi", "varphi", "psi", "delta")
-_WORDS = {name: name for name in (*_GREEK, "sin", "cos", "tan")} | {
-    "vartheta": "theta", "cdot": "*", "times": "*", "div": "/", "circ": "°", "degree": "°",
-    "textdegree": "°", "star": "*", "ast": "*", "radian": "rad", "metre": "m", "meter": "m",
-    "milli": "m", "centi": "c", "pm": "±",
-}  # fmt: skip
+_WORDS = {
+    **{name: name for name in (*_GREEK, "sin", "cos", "tan")},
+    **dict.fromkeys(("circ", "degree", "textdegree"), "°"),
+    **dict.fromkeys(("cdot", "times", "star", "ast"), "*"),
+    **dict.fromkeys(("metre", "meter", "milli"), "m"),
+    "vartheta": "theta",
+    "div": "/",
+    "radian": "rad",
+    "centi": "c",
+    "pm": "±",
+}
 _WRAPPERS = {
-    "text", "mathrm", "mathbf", "mathit", "mathsf", "textbf", "textit", "textrm", "texttt",
-    "textnormal", "boldsymbol", "bm", "operatorname", "ensuremath", "mbox", "num", "unit", "si",
-    "underline", "textsc", "emph",
-}  # fmt: skip
+    *("text", "mathrm", "mathbf", "mathit", "mathsf", "textbf", "textit", "textrm", "texttt"),
+    *("textnormal", "boldsymbol", "bm", "operatorname", "ensuremath", "mbox", "num", "unit", "si"),
+    *("underline", "textsc", "emph"),
+}
 _SPACES = {
-    "left", "right", "displaystyle", "textstyle", "quad", "qquad", "bfseries", "itshape", "big",
-    "Big", "bigl", "bigr", "small", "centering", "limits", "rm", "bf", "it",
-}  # fmt: skip
+    *("left", "right", "displaystyle", "textstyle", "quad", "qquad", "bfseries", "itshape", "big"),
+    *("Big", "bigl", "bigr", "small", "centering", "limits", "rm", "bf", "it"),
+}
 _FRACTIONS = {"frac", "dfrac", "tfrac", "cfrac", "nicefrac", "sfrac"}
 _QUANTITIES = {"SI", "qty"}
 _MARKS, _THIN = "_%&#*|", ",;:!>/()[]"
@@ -34,11 +40,16 @@ _BARE = re.compile(r"[\w.]+")
 _CHARACTERS = {
     **{ord("₀") + n: str(n) for n in range(10)},
     **{ord(c): plain for c, plain in zip("ᵢⱼₖₙ₋", "ijkn-", strict=True)},
-    ord("º"): "°", ord("˚"): "°", ord("⁰"): "°",
-    ord("⁄"): "/", ord("⍺"): "α", ord("‐"): "-", ord("‑"): "-",
-    ord("‒"): "-", ord("∗"): "*", ord("\u202f"): " ", ord("\u2009"): " ", ord("\u00a0"): " ",
-    ord("π"): "pi", ord("ϑ"): "θ", ord("√"): "sqrt",
-}  # fmt: skip
+    **dict.fromkeys(map(ord, "º˚⁰"), "°"),
+    **dict.fromkeys(map(ord, "‐‑‒"), "-"),
+    **dict.fromkeys(map(ord, "\u202f\u2009\u00a0"), " "),
+    ord("⁄"): "/",
+    ord("⍺"): "α",
+    ord("∗"): "*",
+    ord("π"): "pi",
+    ord("ϑ"): "θ",
+    ord("√"): "sqrt",
+}
 _STARRED = re.compile(r"((?:theta|th|θ|q|d|r|t)_?\d*)\s*\*(?=\s*(?:$|[-+−)]))")
 _FOOTNOTE = re.compile("(?<=[0-9.])(?=[₀-₉])")
 """Between a number and a subscript, which is no digit of it."""
