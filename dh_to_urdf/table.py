@@ -39,7 +39,7 @@ class JointType(StrEnum):
 
     @property
     def is_revolute(self) -> bool:
-        """True where the joint variable is an angle."""
+        """Return True where the joint variable is an angle."""
         return self in (JointType.REVOLUTE, JointType.CONTINUOUS)
 
 
@@ -138,17 +138,17 @@ class DHTable:
 
     @property
     def moving_rows(self) -> tuple[int, ...]:
-        """Indices of the rows that have a joint variable, in the order of q."""
+        """Return the indices of the rows that have a joint variable, in the order of q."""
         return tuple(k for k, row in enumerate(self.rows) if row.type is not JointType.FIXED)
 
     @property
     def dof(self) -> int:
-        """Number of joint variables."""
+        """Return the number of joint variables."""
         return len(self.moving_rows)
 
     @property
     def tip_row(self) -> int:
-        """Number of the frame that carries the tool: the leaf of the longest chain, 0 if empty.
+        """Return the number of the frame that carries the tool (leaf of the longest chain).
 
         Of several longest chains, the one whose leaf stands last in the document.
         """

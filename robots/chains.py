@@ -11,7 +11,7 @@ from robots.urdf import read_urdf
 
 
 def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None) -> SerialChain:
-    """The chain between two frames of a robot.
+    """Return the chain between two frames of a robot.
 
     Args:
         robot: The robot.
@@ -31,7 +31,7 @@ def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None
 def chain_of_urdf(
     text: str | bytes, base: str | None = None, tip: str | None = None
 ) -> SerialChain:
-    """The chain between two links of a URDF, which is checked in full before.
+    """Return the chain between two links of a URDF, which is checked in full before.
 
     Args:
         text: The URDF.

@@ -22,7 +22,7 @@ _ALONG_AXIS = {
 
 
 def build_model(description: URDFDescription) -> Any:
-    """The model: one joint with one value a moving joint, one body frame a link.
+    """Build the model: one joint with one value a moving joint, one body frame a link.
 
     The parent of a link's frame is that of its parent link; the root's is the universe. Fixed
     joints make no joints of the model. A continuous joint takes its angle, not (cos, sin).
@@ -65,7 +65,7 @@ def _motion(joint: URDFJoint) -> Any:
 
 
 def _limits(joint: URDFJoint) -> tuple[Any, ...]:
-    """Effort, speed, lower and upper, as Pinocchio takes them."""
+    """Return effort, speed, lower and upper, as Pinocchio takes them."""
     effort, velocity = (np.inf if v is None else v for v in (joint.effort, joint.velocity))
     lower = -np.inf if joint.lower is None else joint.lower
     upper = np.inf if joint.upper is None else joint.upper

@@ -68,7 +68,7 @@ class Cell:
 
     @property
     def name(self) -> str:
-        """The joint variable as it is written in the cell, such as ``D3``."""
+        """Return the joint variable as it is written in the cell, such as ``D3``."""
         words = re.findall(r"[^\W\d_]\w*", self.text)
         return next((word for word in words if variable_of(word.lower())), "")
 
@@ -80,7 +80,7 @@ def parse_cell(
     values: Lookup | None = None,
     angle: float = 1.0,
 ) -> Cell:
-    """Reads one cell of a table.
+    """Read one cell of a table.
 
     Args:
         raw: A number, a text as described at the head of this module, or a cell already read.
@@ -109,7 +109,7 @@ def parse_cell(
 
 
 def ascii_numbers(text: str) -> str:
-    """A text with signs in ASCII and decimal points for commas, for ``parse_sum``.
+    """Write signs in ASCII and decimal commas as points, for ``parse_sum``.
 
     Raises:
         CellError: A number in it can be read in two ways.

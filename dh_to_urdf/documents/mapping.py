@@ -47,7 +47,7 @@ def read_mapping(
     default_name: str | None = DEFAULT_NAME,
     columns: tuple[str, ...] | None = None,
 ) -> DHTable:
-    """Reads a table from the mapping that JSON and YAML documents hold.
+    """Read a table from the mapping that JSON and YAML documents hold.
 
     Args:
         data: The mapping; README and the OpenAPI schema ``DHTable`` describe it.
@@ -112,7 +112,7 @@ def _says_angle_unit(units: object) -> bool:
 
 
 def _wide_angles(rows: Sequence[DHRow]) -> list[str]:
-    """A warning where an angle is over a turn, as degrees without a word of it are."""
+    """Warn of an angle over a turn in a table that names no unit of angles."""
     for row in rows:
         angles = {"alpha": row.alpha, "theta": row.theta, "gamma": row.gamma}
         if row.type.is_revolute:
@@ -139,7 +139,7 @@ def _convention(data: Mapping[Any, Any], report: Report) -> Convention | None:
 
 
 def read_units(raw: object, report: Report) -> Units:
-    """Reads ``{"angle": "rad" | "deg", "length": "m" | "mm"}``; faults go to the report."""
+    """Read ``{"angle": "rad" | "deg", "length": "m" | "mm"}``; faults go to the report."""
     if raw is None:
         return Units()
     if not isinstance(raw, Mapping):

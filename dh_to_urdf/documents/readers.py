@@ -38,7 +38,7 @@ _NO_NUMBER = re.compile(
 
 
 def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHTable:
-    """Reads a table from JSON.
+    """Read a table from JSON.
 
     Args:
         text: The JSON text, UTF-8 if bytes.
@@ -77,7 +77,7 @@ def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
 
 
 def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHTable:
-    """Reads a table from YAML 1.2; duplicate keys, tags and several documents are refused.
+    """Read a table from YAML 1.2; duplicate keys, tags and several documents are refused.
 
     Args:
         text: The YAML text.
@@ -107,7 +107,7 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
 
 
 def _refuse_costly_yaml(text: str) -> None:
-    """Refuses what takes the parser exponential time and no table needs: aliases, deep nesting.
+    """Refuse YAML that takes exponential time to parse: aliases, deep nesting.
 
     The events are read one by one, so that a deep text is given up where it becomes too deep.
     """
@@ -129,7 +129,7 @@ def _refuse_costly_yaml(text: str) -> None:
 
 
 def _refuse_other_yaml(event: object) -> None:
-    """Refuses what another version of YAML reads as another table."""
+    """Refuse what another version of YAML reads as another table."""
     if isinstance(event, DocumentStartEvent) and event.version not in (None, (1, 2)):
         raise DHSyntaxError.single(
             (), "the text says that it is YAML 1.1, but YAML 1.2 is read here; remove %YAML 1.1"
@@ -157,7 +157,7 @@ def read_csv(
     length: str = "m",
     values: Mapping[str, Any] | None = None,
 ) -> DHTable:
-    """Reads a table from CSV with a header line and one line a joint.
+    """Read a table from CSV with a header line and one line a joint.
 
     Columns: ``name,type,alpha,a,d,theta,offset,sign,lower,upper,velocity,effort``; in khalil
     ``ant,sigma,mu,gamma,b,alpha,d,theta,r``. Separated by commas, semicolons or tabs.
@@ -214,7 +214,7 @@ def read_csv(
 
 
 def _records(lines: Mapping[int, str]) -> list[list[str]]:
-    """The cells of each line; a quoted cell that goes on in the next one would hide a row."""
+    """Split the lines into cells; refuse a quoted cell that goes on in the next line."""
     numbers, texts = list(lines), list(lines.values())
     separator = max(",;\t", key=texts[0].count)
     reader = csv.reader(texts, delimiter=separator, strict=True, skipinitialspace=True)

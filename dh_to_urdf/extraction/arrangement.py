@@ -47,7 +47,7 @@ def arrange(
     bridge: bool = True,
     from_base: bool = True,
 ) -> Arrangement:
-    """Makes the lines of a chain fit for the construction.
+    """Prepare the lines of a chain for the construction.
 
     Args:
         axes: The axes at q = 0, in base axes.
@@ -81,7 +81,7 @@ def arrange(
 def _snap(
     lines: tuple[AxisLine, ...], snap: float
 ) -> tuple[tuple[AxisLine, ...], tuple[float, ...]]:
-    """Turns each line that is nearly parallel to the one before it into a parallel one."""
+    """Turn each line that is nearly parallel to the one before it into a parallel one."""
     found, tilts = [lines[0]], [0.0]
     for line in lines[1:]:
         tilt = tilt_of(found[-1].direction, line.direction)
@@ -97,7 +97,7 @@ def _parallel_to(before: AxisLine, line: AxisLine) -> AxisLine:
 
 
 def _align_tip(lines: tuple[AxisLine, ...], size: float) -> tuple[tuple[AxisLine, ...], float]:
-    """Takes the tip's z for parallel where its normal would stand far away.
+    """Make the tip's z parallel where its common normal would be far away.
 
     That costs nothing: the tool carries what is left, exactly.
 
@@ -113,7 +113,7 @@ def _align_tip(lines: tuple[AxisLine, ...], size: float) -> tuple[tuple[AxisLine
 def _place_prismatic(
     lines: tuple[AxisLine, ...], size: float, from_base: bool
 ) -> tuple[AxisLine, ...]:
-    """Draws the line of each prismatic joint through the origin on the next line."""
+    """Put the line of each prismatic joint through the origin on the next line."""
     placed = list(lines)
     for k in range(len(lines) - 2, -1, -1):
         if lines[k].type is JointType.PRISMATIC:
@@ -129,7 +129,7 @@ Z = np.array([0.0, 0.0, 1.0])
 
 
 def _origin_on(lines: list[AxisLine], k: int, size: float) -> Matrix:
-    """Where a frame stands on line k: at its common normal with the next one.
+    """Return the origin of the frame on line k, m: at its common normal with the next line.
 
     Where these are parallel, beside the origin on the next line; at the end, in the tip.
     """
@@ -146,7 +146,7 @@ def _origin_on(lines: list[AxisLine], k: int, size: float) -> Matrix:
 
 
 def _is_far(before: AxisLine, line: AxisLine, size: float) -> bool:
-    """True where the common normal stands far outside the robot."""
+    """Return True where the common normal lies far outside the robot."""
     normal = common_normal(before, line, size)
     if normal.case.is_parallel:
         return False
@@ -154,7 +154,7 @@ def _is_far(before: AxisLine, line: AxisLine, size: float) -> bool:
 
 
 def _bridge(before: AxisLine, line: AxisLine, size: float, names: set[str]) -> AxisLine | None:
-    """The line from one axis at right angles through the point of the next, where it is needed."""
+    """Return a fixed line at right angles between two axes, None where none is needed."""
     if common_normal(before, line, size).case is Case.PARALLEL or not _is_far(before, line, size):
         return None
     u = before.direction

@@ -29,7 +29,7 @@ _FIELDS = ("name", "units", "joints", "tip", "title", "description", "source")
 
 
 def read_axes(data: object) -> SerialChain:
-    """Reads a document of joint axes.
+    """Read a document of joint axes.
 
     Args:
         data: The mapping. ``point`` in the document's length unit; ``direction`` of any length
@@ -126,7 +126,7 @@ def _vector(
 
 
 def _default_tip(line: AxisLine) -> Matrix:
-    """The last point, z along the last axis, x as near to the base's x (else y) as can be."""
+    """Return the last point with z along the last axis, x nearest to the base's x (else y)."""
     z = line.direction
     helper = np.eye(3)[0 if abs(z[0]) < 0.9 else 1]
     x = helper - (helper @ z) * z

@@ -46,7 +46,7 @@ FAR_APART = 1e-2
 def compare(
     first: SerialChain, second: SerialChain, *, length: float = 1e-6, angle: float = 1e-6
 ) -> Comparison:
-    """Compares two chains joint by joint, in their order from the base.
+    """Compare two chains joint by joint, from the base on.
 
     Args:
         first: The chain to compare with.
@@ -77,7 +77,7 @@ def compare(
 def _compare_at_common_zeros(
     first: SerialChain, second: SerialChain, length: float, angle: float, found: Comparison
 ) -> Comparison:
-    """The comparison after the zeros of slides, which rows do not fix, were fitted to the axes."""
+    """Compare again with the zeros of prismatic joints fitted to the axes."""
     fit = fit_axes(first, second, np.array([joint.zero_offset for joint in found.joints]))
     if fit.left > FAR_APART:
         return found
@@ -106,7 +106,7 @@ def _reverse(chain: SerialChain, k: int) -> SerialChain:
 def _compare_tilted(
     first: SerialChain, second: SerialChain, length: float, angle: float
 ) -> Comparison:
-    """The comparison that makes the chains equal, or as equal as can be."""
+    """Compare with each of ``SNAPS``; return the comparison with the smallest deviation."""
     tried = [_compare(first, second, length, angle, SNAPS[0])]
     for snap in SNAPS[1:]:
         residual = tried[-1].residual
@@ -158,7 +158,7 @@ def _compare(
 
 
 def _structure(first: SerialChain, second: SerialChain) -> Difference | None:
-    """The first joint that turns in one chain and slides in the other, or is missing."""
+    """Return the first joint that differs in kind, or is missing; None where none does."""
     for k, (a, b) in enumerate(zip(first.joints, second.joints, strict=False), start=1):
         if a.type.is_revolute != b.type.is_revolute:
             return Difference(k, a.name, "type", a.type.value, b.type.value, None, None)
@@ -171,7 +171,7 @@ def _structure(first: SerialChain, second: SerialChain) -> Difference | None:
 
 
 def _cut(chain: SerialChain, count: int) -> SerialChain:
-    """The first joints of a chain; its tip on the axis of the joint after them."""
+    """Return the first joints of a chain, with the tip on the axis of the joint after them."""
     following = chain.joints[count] if count < len(chain.joints) else None
     tip = chain.tip_placement if following is None else following.placement
     return replace(chain, joints=chain.joints[:count], tip_placement=tip)
@@ -207,7 +207,7 @@ def _joint_by_joint(
     q: Matrix,
     told: Matrix,
 ) -> tuple[JointComparison, ...]:
-    """How far the frames drift apart along the chain, from a common frame 0."""
+    """Measure how far the frames drift apart along the chain, from a common frame 0."""
     A = B = np.broadcast_to(np.eye(4), (len(q), 4, 4))
     found = []
     for k, (row, other) in enumerate(pairs):
@@ -228,7 +228,7 @@ def _residual(
     offsets: Matrix,
     q: Matrix,
 ) -> Residual:
-    """Both FK on the chains themselves, base and tool fitted at q = 0."""
+    """Measure the deviation of both FK, base and tool fitted at q = 0."""
     k = next(
         (k for k, pair in enumerate(one.construction.pairs) if not pair.normal.case.is_parallel),
         len(one.rows) - 1,

@@ -82,7 +82,7 @@ class Comparison:
 
     @property
     def words(self) -> str:
-        """The verdict in one or two sentences."""
+        """Return the verdict in one or two sentences."""
         if self.verdict is Verdict.IDENTICAL:
             return "The same arm."
         said = []

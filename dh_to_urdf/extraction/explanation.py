@@ -42,7 +42,7 @@ class Step:
 
 
 def explain(extraction: Extraction) -> tuple[Step, ...]:
-    """The steps of a construction, frame 0 first."""
+    """Return the steps of a construction, frame 0 first."""
     steps = [_frame_zero(extraction)]
     previous = extraction.frame_zero
     for k, finding in enumerate(extraction.findings, start=1):

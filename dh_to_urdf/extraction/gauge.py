@@ -25,7 +25,7 @@ REACH = 1e-3
 
 
 def with_slides_centred(chain: SerialChain, snap: float) -> tuple[SerialChain, Matrix]:
-    """A chain whose slides are at zero where the origin behind them is nearest the axis before.
+    """Shift the zeros of prismatic joints so that origins are nearest to the axes before.
 
     Slides before the first joint that turns stay: there is no axis before them.
 
@@ -59,7 +59,7 @@ def with_slides_centred(chain: SerialChain, snap: float) -> tuple[SerialChain, M
 
 
 def _runs(chain: SerialChain) -> list[tuple[int, int]]:
-    """Slides in a row, as ranges of joints, each behind a joint that turns."""
+    """Return runs of prismatic joints as ranges, each behind a revolute joint."""
     found: list[tuple[int, int]] = []
     k, joints = 0, chain.joints
     while k < len(joints):
@@ -75,7 +75,7 @@ def _runs(chain: SerialChain) -> list[tuple[int, int]]:
 def settled(
     made: Construction, rows: tuple[DHRow, ...], others: tuple[DHRow, ...]
 ) -> tuple[DHRow, ...]:
-    """The other rows, sharing out d and θ along common directions as the first rows do.
+    """Distribute d and θ along common directions in the other rows as in the first rows.
 
     Args:
         made: The construction of the first rows; it says which axes are parallel.
@@ -95,7 +95,7 @@ def _share(
     column: str,
     takes: Callable[[DHRow], bool],
 ) -> tuple[DHRow, ...]:
-    """Moves the constants of a column within linked rows into the offset of one that moves so."""
+    """Move the constants of a column in linked rows into the offset of a joint that moves so."""
     fitted = list(others)
     start = 0
     while start < len(rows):

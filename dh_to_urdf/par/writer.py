@@ -19,7 +19,7 @@ _IDENTITY = np.eye(4)
 
 
 def table_to_par(table: DHTable) -> str:
-    """Writes the ``.par`` file of a table.
+    """Write the ``.par`` file of a table.
 
     A tool becomes one or two fixed frames (sigma = 2) after the last. Links without known inertia
     get SYMORO's own symbols (``XX1`` …). Names and limits stand in comments.
@@ -111,7 +111,7 @@ def _dynamics(k: int, row: DHRow, tool: bool) -> dict[str, str]:
 
 
 def _tool_rows(table: DHTable) -> tuple[DHRow, ...]:
-    """The tool as fixed khalil rows: a translation, then a rotation.
+    """Return the tool as fixed khalil rows: a translation, then a rotation.
 
     ``Rz(γ) Tz(b) Tx(d) Rz(θ)`` with ``θ = -γ`` is any translation, and ``Rz(γ) Rx(α) Rz(θ)`` any
     rotation. One row could hold both, but badly where α is small.
@@ -132,7 +132,7 @@ def _tool_rows(table: DHTable) -> tuple[DHRow, ...]:
 
 
 def _euler_zxz(R: Matrix) -> tuple[float, float, float]:
-    """γ, α, θ of ``R = Rz(γ) Rx(α) Rz(θ)``; γ = 0 where α is 0 or π.
+    """Return γ, α, θ (rad) of ``R = Rz(γ) Rx(α) Rz(θ)``; γ = 0 where α is 0 or π.
 
     α and θ are read off R with γ taken out, so that near α = 0 the product is still R.
     """

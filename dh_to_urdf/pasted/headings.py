@@ -82,7 +82,7 @@ class Heading:
 
 
 def read_heading(text: str, *, khalil: bool = False) -> Heading | None:
-    """The column that a heading names, None for an unknown one.
+    """Return the column that a heading names, None for an unknown one.
 
     Args:
         text: The heading.
@@ -114,7 +114,7 @@ def read_heading(text: str, *, khalil: bool = False) -> Heading | None:
 
 
 def heading_problem(headings: list[Heading], convention: str) -> tuple[str, str]:
-    """What is wrong between the headings and the convention, and a warning; empty if nothing."""
+    """Return a fault between headings and convention, and a warning; empty if none."""
     for heading in headings:
         if heading.key in ("a", "alpha") and heading.subscript == "i-1":
             if convention == "standard":

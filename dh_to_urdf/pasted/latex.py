@@ -59,7 +59,7 @@ _GENERIC = re.compile(r"(?<![^\W_])(theta|θ|q|d|r)_[ijk](?!\w)")
 
 
 def plain_cell(text: str) -> str:
-    """A typeset cell as plain text; linear in its length, which the caller bounds."""
+    """Return a typeset cell as plain text, in time linear in its length."""
     text = _FOOTNOTE.sub("_", text).translate(_CHARACTERS)
     text = "".join(_plain_letter(c) for c in text)
     converted, _ = _Converter(_TOKEN.findall(text)).group(0)
@@ -69,7 +69,7 @@ def plain_cell(text: str) -> str:
 
 
 def _plain_letter(character: str) -> str:
-    """𝜃 and other mathematical alphabets as plain letters."""
+    """Replace 𝜃 and other mathematical alphabets by plain letters."""
     if 0x1D400 <= ord(character) <= 0x1D7FF:
         return unicodedata.normalize("NFKC", character)
     return character
@@ -81,7 +81,7 @@ class _Converter:
         self.depth = 0
 
     def group(self, position: int) -> tuple[str, int]:
-        """Text from here up to the closing brace of this group, and the position after it."""
+        """Read up to the closing brace of this group; return its text and the next position."""
         parts: list[str] = []
         self.depth += 1
         if self.depth > MAX_DEPTH:
@@ -97,7 +97,7 @@ class _Converter:
         return "".join(parts), position
 
     def item(self, position: int) -> tuple[str, int]:
-        """One token with its arguments."""
+        """Read one token with its arguments."""
         token = self.tokens[position]
         position += 1
         if token == "{":
@@ -119,7 +119,7 @@ class _Converter:
         return token, position
 
     def command(self, name: str, position: int) -> tuple[str, int]:
-        """A command with its arguments."""
+        """Read a command with its arguments."""
         if name in _WORDS:
             word = _WORDS[name]
             apart = word.isalpha() and len(word) > 1 and self.follows_letter(position)
@@ -151,7 +151,7 @@ class _Converter:
         return f"\\{name}", position
 
     def argument(self, position: int) -> tuple[str, int]:
-        """A group in braces without them, or one token."""
+        """Read a group in braces, without them, or one token."""
         while position < len(self.tokens) and self.tokens[position].isspace():
             position += 1
         if position >= len(self.tokens) or self.tokens[position] in ("}", "$"):

@@ -34,7 +34,7 @@ def read_pasted(
     columns: str | None = None,
     default_name: str | None = DEFAULT_NAME,
 ) -> DHTable:
-    r"""Reads a table that was copied from a paper, a script or a spreadsheet.
+    r"""Read a table that was copied from a paper, a script or a spreadsheet.
 
     Joint variables may stand in their cells (``\theta_1``, ``q2 - 90°``, ``d3``) and then tell
     revolute joints from prismatic ones; so does a column ``type`` or ``σ``.
@@ -100,7 +100,7 @@ def _decoded(text: str | bytes) -> str:
 
 
 def _with_assigned(given: Values, assigned: Sequence[tuple[str, str]]) -> Values:
-    """The values, and those that the text itself gives; the former win.
+    """Return the values and those that the text itself gives; the former win.
 
     A name that the text gives two values stands for none: which one holds where is not known.
     """

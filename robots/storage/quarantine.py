@@ -50,7 +50,7 @@ class Quarantine:
         self._folder = folder
 
     def files(self) -> tuple[QuarantinedFile, ...]:
-        """All files that were moved aside, by id and time.
+        """Return all files that were moved aside, by id and time.
 
         Raises:
             OSError: The folder cannot be read.
@@ -67,11 +67,11 @@ class Quarantine:
         )
 
     def of(self, robot_id: str) -> tuple[QuarantinedFile, ...]:
-        """The files that were moved aside from one id, the last one last."""
+        """Return the files that were moved aside from one id, oldest first."""
         return tuple(file for file in self.files() if file.robot_id == robot_id)
 
     def take(self, path: Path, robot_id: str, reason: str) -> None:
-        """Moves a file aside, whatever it is, durably.
+        """Move a file aside durably, whatever it is.
 
         Raises:
             OSError: It cannot be moved.
@@ -90,7 +90,7 @@ class Quarantine:
         _log.warning("robot %s: its file was moved to quarantine/%s", robot_id, target.name)
 
     def settle(self, robot_id: str) -> None:
-        """Removes what was moved aside from an id.
+        """Remove what was moved aside from an id.
 
         Raises:
             OSError: It cannot be removed.

@@ -77,7 +77,7 @@ class FileHead:
 
 
 def encode(robot: Robot) -> bytes:
-    """The file of a robot.
+    """Write the content of a robot's file.
 
     Raises:
         RobotTooLarge: The file would be larger than any that is read.
@@ -96,7 +96,7 @@ def encode(robot: Robot) -> bytes:
 
 
 def read_file(path: Path) -> tuple[bytes, Signature] | None:
-    """Content and identity of a regular file; None where there is none.
+    """Read content and identity of a regular file; None where there is none.
 
     Whatever lies there (a pipe, a device, a link, something huge) is neither followed nor waited
     for.
@@ -128,12 +128,12 @@ def read_file(path: Path) -> tuple[bytes, Signature] | None:
 
 
 def signature_of(status: os.stat_result) -> Signature:
-    """The identity of a file's content."""
+    """Return the identity of a file's content."""
     return status.st_ino, status.st_mtime_ns, status.st_size
 
 
 def read_head(content: bytes) -> FileHead | None:
-    """What a list shows; None for a file of format 1, which does not say it.
+    """Read what a list shows; None for a file of format 1, which does not hold it.
 
     Raises:
         BrokenFile: It fails its checksum.
@@ -144,7 +144,7 @@ def read_head(content: bytes) -> FileHead | None:
 
 
 def decode(content: bytes) -> Robot:
-    """The robot of a file.
+    """Read the robot of a file.
 
     Raises:
         BrokenFile: It fails its checksum.

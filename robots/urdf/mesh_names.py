@@ -16,7 +16,7 @@ _UNSAFE = re.compile(r"""[\\:%~$`|<>"'*?#&;{}]""")
 
 
 def portable_name(filename: str) -> str | None:
-    """The name where it is ``package://…`` or a relative path downwards, else None.
+    """Return the name where it is ``package://…`` or a relative path downwards, else None.
 
     ``package:///arm/a.stl``, which some exporters write, loses its third slash: programs that cut
     off ``package://`` would open ``/arm/a.stl``.

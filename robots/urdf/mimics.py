@@ -16,7 +16,7 @@ from robots.urdf.values import Element, number
 
 
 def read_mimics(joints: Sequence[URDFJoint], elements: Sequence[Element]) -> tuple[str, ...]:
-    """Checks the ``<mimic>`` of each joint.
+    """Check the ``<mimic>`` of each joint.
 
     Args:
         joints: The joints.

@@ -56,7 +56,7 @@ _XACRO = "http://www.ros.org/wiki/xacro"
 
 
 def check_structure(robot: etree._Element) -> tuple[str, ...]:
-    """Refuses what stands in a wrong place, twice, or is misspelt.
+    """Refuse elements that are in a wrong place, twice, or misspelt.
 
     Args:
         robot: The root element.
@@ -98,7 +98,7 @@ def check_structure(robot: etree._Element) -> tuple[str, ...]:
 
 
 def _walk(element: etree._Element, where: str) -> Iterator[tuple[etree._Element, str]]:
-    """The elements that are read, each with the link or joint that it stands in."""
+    """Iterate over the elements that are read, each with its link or joint."""
     yield element, where
     known = _CHILDREN.get(str(element.tag), {})
     for child in element:
@@ -145,7 +145,7 @@ def _check_left_out(child: etree._Element, parent: str, where: str) -> None:
 
 
 def _check_unknown(child: etree._Element, parent: str, where: str) -> None:
-    """Refuses an unknown element that could have been meant to be read."""
+    """Refuse an unknown element that could have been meant to be read."""
     namespace, _, name = str(child.tag).removeprefix("{").rpartition("}")
     shown = shown_tag(child)
     if namespace.startswith(_XACRO) or namespace.endswith("/xacro"):
@@ -167,7 +167,7 @@ def _check_unknown(child: etree._Element, parent: str, where: str) -> None:
 
 @lru_cache(256)
 def _meant(name: str, parent: str) -> str | None:
-    """The child of an element that a name looks like."""
+    """Return the child of an element that a name looks like."""
     if len(name) > 32:
         return None
     close = difflib.get_close_matches(name.lower(), _CHILDREN.get(parent, ()), 1, 0.7)
@@ -175,6 +175,6 @@ def _meant(name: str, parent: str) -> str | None:
 
 
 def _is_zero_origin(child: etree._Element, parent: str) -> bool:
-    """An <origin> in a <link>, which URDF does not know, where it would change nothing anyway."""
+    """Return True for an <origin> in a <link> (unknown to URDF) that changes nothing."""
     digits = "".join(map(str, child.values()))
     return parent == "link" and child.tag == "origin" and not set(digits) & set("123456789")

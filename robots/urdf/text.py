@@ -39,7 +39,7 @@ _DOCTYPE = re.compile(r"(?:[ \t\r\n]++|<!--(?s:.*?)-->|<\?(?s:.*?)\?>)*+<!(?!--)
 
 
 def decode(document: str | bytes) -> str:
-    """The text of a document without its XML declaration.
+    """Decode a document and remove its XML declaration.
 
     Bytes are UTF-8 unless a byte order mark or the declaration says otherwise; UTF-16 needs the
     mark.
