@@ -1,4 +1,4 @@
-"""The D-H side by itself: link matrices A_k, partial products 0A_k and T, without any URDF."""
+"""Link matrices A_k, partial products 0A_k and T of a table, without a URDF."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dh_to_urdf.table import Convention, DHRow, DHTable, JointType
 
 @dataclass(frozen=True)
 class DHMatrices:
-    """Everything that a table says at one q or a batch of them.
+    """Link matrices and products at one q or a batch of them.
 
     Attributes:
         A: Link matrices, shape (..., n, 4, 4); n is the number of rows, fixed ones included.

@@ -1,4 +1,4 @@
-"""Rigid placements as 4x4 matrices: checked on the way in, xyz and rpy on the way out."""
+"""Rigid placements as 4x4 matrices: check, and conversion from and to xyz and rpy."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ Matrix: TypeAlias = NDArray[np.float64]
 GIMBAL = 3e-16
 """cos(pitch) below which only roll ± yaw is determined; yaw is then 0."""
 ROUNDING = 1e-5
-"""Largest entry of RᵀR - I that is taken for rounding and mended."""
+"""Largest entry of RᵀR - I that counts as rounding and is removed."""
 
 
 def rigid_transform(matrix: ArrayLike) -> Matrix:
     """Check a 4x4 homogeneous matrix and remove its rounding.
 
-    Entries rounded to six digits or so are accepted; the nearest rotation is taken then.
+    Entries rounded to about six digits are accepted; the nearest rotation is returned then.
 
     Args:
         matrix: 4x4, rotation and translation in m.
@@ -46,7 +46,7 @@ def rigid_transform(matrix: ArrayLike) -> Matrix:
     with np.errstate(invalid="ignore", over="ignore"):
         deviation = float(np.abs(R.T @ R - np.eye(3)).max())
         proper = float(np.linalg.det(R)) > 0
-    # Products of huge numbers may be NaN, which is neither above nor below anything.
+    # Products of huge numbers may be NaN, for which every comparison is False.
     if not (deviation <= ROUNDING and proper):
         raise ValueError(
             "has no rotation in its upper left 3x3 block: its columns must be orthonormal to 1e-5"
@@ -113,7 +113,7 @@ def to_rpy(R: Matrix) -> tuple[float, float, float]:
     """Return URDF's roll, pitch, yaw of a rotation, rad, exact at every pitch.
 
     Pitch by ``atan2(-R31, hypot(R11, R21))``: the arcsine loses half the digits near ±90°. Roll
-    and yaw are read off ``R`` with yaw taken out, so that near ±90° the product is still ``R``.
+    and pitch are computed from ``R`` without yaw, so that the product is ``R`` near ±90° too.
     """
     return rows_to_rpy(R.tolist())
 

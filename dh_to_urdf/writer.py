@@ -19,7 +19,7 @@ from dh_to_urdf.poses import Matrix, from_xyz_rpy, to_rpy
 from dh_to_urdf.table import Convention, DHRow, DHTable, JointType, Limits
 
 UNBOUNDED = 1e6
-"""What stands for "no limit" in URDF, which demands numbers (m, m/s, rad/s, N, N m)."""
+"""Value for "no limit" in URDF, which requires numbers (m, m/s, rad/s, N, N m)."""
 
 BASE_LINK, TOOL_LINK = "base_link", "tool"
 _COLOURS = {"a": "0.90 0.45 0.10 1", "d": "0.15 0.35 0.65 1", "joint": "0.25 0.25 0.28 1"}
@@ -28,7 +28,7 @@ _COLOURS = {"a": "0.90 0.45 0.10 1", "d": "0.15 0.35 0.65 1", "joint": "0.25 0.2
 def table_to_urdf(table: DHTable, *, visuals: bool = True) -> str:
     """Write the URDF of a table.
 
-    Revolute joints without limits become ``continuous``, which is URDF's word for them.
+    Revolute joints without limits are ``continuous`` in URDF.
 
     Args:
         table: The table.

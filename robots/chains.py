@@ -1,4 +1,4 @@
-"""Serial chains of robots, and of URDF texts from anyone, as joint axes."""
+"""Serial chains of robots, and of untrusted URDF texts, as joint axes."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def chain_of_urdf(
 
     Raises:
         InvalidURDF: See :func:`robots.urdf.read_urdf`; or no joint moves between the two.
-        RobotTooLarge: More links, joints or bytes than the service computes with.
+        RobotTooLarge: More links, joints or bytes than are computed with.
         UnknownFrame: base or tip is no link.
     """
     description = read_urdf(text)

@@ -1,7 +1,7 @@
-"""The mesh files of shipped robots, for pages that draw them.
+"""The mesh files of shipped robots.
 
 Only files that the robot's own URDF names and that are installed with the library; an upload has
-none, whatever it names.
+none.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Mesh:
 
     Attributes:
         filename: How the URDF names it.
-        name: Its path below the robot's meshes in the API.
+        name: Its path below example-robot-data's ``robots`` folder.
         path: Where it lies.
         size: Bytes.
         media_type: Of the file.

@@ -1,4 +1,4 @@
-"""Robot: what is known of one robot, immutable and safe to share between threads."""
+"""Robot: joints, frames and model of one robot, immutable and safe to share between threads."""
 
 from __future__ import annotations
 
@@ -53,11 +53,11 @@ class Robot:
     Attributes:
         name: Name in the document.
         kind: What it was made from.
-        revision: SHA-256 of everything that matters, hexadecimal.
+        revision: SHA-256 of kind, frames and URDF, hexadecimal.
         model: Pinocchio's model; not to be changed.
         joints: The entries of q.
         base_frame: Frame in whose axes results are given.
-        tip_frame: Frame taken where a request names none.
+        tip_frame: Frame to compute for where none is named.
         frames: All frame (link) names in the order of the document.
         urdf: Canonical URDF text.
         table: The D-H table, for robots made from one.
@@ -199,12 +199,12 @@ def robot_from_urdf(
     Args:
         text: The URDF.
         base: Frame in whose axes results are given; default the root link.
-        tip: Frame taken where a request names none; default the leaf of the longest chain.
+        tip: Frame to compute for where none is named; default the leaf of the longest chain.
         warnings: Warnings of an earlier reading, kept with a canonical text.
 
     Raises:
         InvalidURDF: See :func:`robots.urdf.read_urdf`.
-        RobotTooLarge: More links, joints or bytes than the service computes with.
+        RobotTooLarge: More links, joints or bytes than are computed with.
         UnknownFrame: base or tip is no link of the robot.
     """
     description = read_urdf(text)

@@ -25,7 +25,7 @@ _ID = re.compile(r"[a-z0-9_]{1,64}")
 
 @dataclass(frozen=True, slots=True)
 class ShippedFile:
-    """What a library file says besides the geometry.
+    """Content of a library file besides the geometry.
 
     Attributes:
         title: Name for people.

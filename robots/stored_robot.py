@@ -1,4 +1,4 @@
-"""What a store hands out: a robot under its id, and a line of a list."""
+"""A robot under its id, and a line of a list of robots."""
 
 from __future__ import annotations
 

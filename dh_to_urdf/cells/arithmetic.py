@@ -1,4 +1,4 @@
-"""Sums and products of a cell: a tokenizer and a recursive descent, never ``eval``."""
+"""Sums and products of a cell, parsed by recursive descent (no ``eval``)."""
 
 from __future__ import annotations
 

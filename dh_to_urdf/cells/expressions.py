@@ -2,7 +2,7 @@
 
 A cell is a number, or a short text with numbers, ``+ - * /``, parentheses, ``sqrt``, ``sin``,
 ``cos``, ``tan``, ``atan2``, ``pi`` (or ``π``), unit suffixes (``deg``, ``°``, ``rad``, ``m``,
-``cm``, ``mm``), names that were given a value, and at most one joint variable with coefficient ±1.
+``cm``, ``mm``), names with a given value, and at most one joint variable with coefficient ±1.
 A plain number is in the units of its table; ``pi`` and suffixed numbers carry their own unit
 whatever the table says.
 """
@@ -139,7 +139,7 @@ def _checked(cell: Cell, raw: object) -> Cell:
         raise CellError("is infinite; give a finite number")
     if abs(cell.value) > MAX_MAGNITUDE:
         raise CellError(f"is {quoted(raw)}, beyond ±{MAX_MAGNITUDE:g}; check its unit")
-    # -0.0 would not survive being written as nothing at all.
+    # -0.0 becomes 0.0, which a writer that omits zeros gives back unchanged.
     return replace(cell, value=cell.value + 0.0)
 
 

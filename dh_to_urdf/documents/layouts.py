@@ -1,4 +1,4 @@
-"""Tables for people and files: YAML, CSV and aligned text."""
+"""Writers of tables: YAML, CSV and aligned text."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def _fixed_rows(T: Matrix, convention: Convention, name: str, names: set[str]) -
     across = math.hypot(T[0, 2], T[1, 2])
     first = math.atan2(T[0, 2], -T[1, 2]) if across else 0.0
     tilt = math.atan2(across, T[2, 2])
-    # The last angle from what the others leave: exact also where z is hardly tilted.
+    # Computed from the remaining rotation, so that it is exact for a small tilt of z too.
     cos, sin = math.cos(first), math.sin(first)
     x = np.array([cos, sin, 0.0])
     y = np.array([-sin * math.cos(tilt), cos * math.cos(tilt), math.sin(tilt)])

@@ -1,6 +1,6 @@
 """The mapping that JSON, YAML and CSV documents hold -> :class:`DHTable`.
 
-Every refusal carries the location of the cell, the joint's name and what to write instead.
+Every fault carries the location of the cell, the joint's name and what to write instead.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _LENGTH_UNITS = {"m": 1.0, "mm": 1e-3}
 _TABLE_FIELDS = ("name", "convention", "units", "base", "tool", "joints", "values")
 _NOTE_FIELDS = ("title", "description", "source")
 _FINDING_FIELDS = ("residual", "warnings", "explanation")
-"""What a table that was worked out says of itself; not read, so that it can be sent back."""
+"""Fields that an extraction adds; accepted and not read, so that its table can be sent back."""
 
 
 def read_mapping(

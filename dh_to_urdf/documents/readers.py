@@ -1,4 +1,4 @@
-"""Texts -> :class:`DHTable`: JSON, YAML 1.2 and CSV."""
+"""Readers of JSON, YAML 1.2 and CSV -> :class:`DHTable`."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _NO_NUMBER = re.compile(
     r"(?:0b[01_]+|0o[0-7_]+|0x[0-9a-f_]+|[0-9][0-9_]*(?:\.[0-9_]*)?(?:e[-+]?[0-9_]+)?)",
     re.IGNORECASE,
 )
-"""What the parser takes for a number as in YAML 1.1, and is none in 1.2: 1_000, 0b11."""
+"""Numbers of YAML 1.1 that the parser accepts and YAML 1.2 does not have: 1_000, 0b11."""
 
 
 def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHTable:
@@ -101,7 +101,7 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
         place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         problem = _printable((error.problem or "malformed").splitlines()[0])[:120]
         raise DHSyntaxError.single((), f"the text is not YAML: {place}{problem}") from None
-    except Exception:  # tags and escapes make the constructor raise whatever int() or chr() do
+    except Exception:  # tags and escapes raise any error of int() and chr()
         raise DHSyntaxError.single((), "the text is not YAML of plain keys and values") from None
     return read_mapping(data, default_name)
 
@@ -109,7 +109,7 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
 def _refuse_costly_yaml(text: str) -> None:
     """Refuse YAML that takes exponential time to parse: aliases, deep nesting.
 
-    The events are read one by one, so that a deep text is given up where it becomes too deep.
+    Events are read one by one, so that reading stops where the text becomes too deep.
     """
     if len(text) > MAX_YAML_BYTES:
         raise DHError.single((), f"the YAML text is longer than {MAX_YAML_BYTES} characters")

@@ -1,4 +1,4 @@
-"""What the rows of a table must be together: joints with names of their own, and a tree."""
+"""Checks across the rows of a table: unique names of joints, and a tree."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""DHTable -> the mapping of a document, with all digits, in rad and m: the reverse of reading."""
+"""DHTable -> the mapping of a document, with all digits, in rad and m."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
-"""Axis lines as given -> lines that a D-H table can hold: points chosen, near-parallel ones mended.
+"""Axis lines -> lines that a D-H table can hold: points of prismatic joints, nearly parallel axes.
 
-A prismatic joint has a direction only; its line is drawn through the next origin (Paul 1981,
-*Robot Manipulators*, section 2.9), so that the row after it needs no length. Nearly parallel axes
-have their common normal far away, at a distance ~ 1/tilt: below ``snap`` they are taken as
-parallel, which costs accuracy; above, where the normal would stand far outside the robot, a fixed
-line that meets both at right angles is put between, which costs a fixed row and no accuracy.
+A prismatic joint has a direction only; its line is put through the next origin (Paul 1981,
+*Robot Manipulators*, section 2.9), so that the row after it needs no length. The common normal of
+nearly parallel axes is far away, at a distance ~ 1/tilt. Axes tilted by less than ``snap`` are
+taken as parallel, which costs accuracy; for others whose normal would lie far outside the robot, a
+fixed line at right angles to both is inserted, which costs a fixed row and no accuracy.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import JointType
 
 FAR = 20.0
-"""Distance of a common normal, in sizes of the robot, beyond which a fixed line is put between."""
+"""Distance of a common normal, in sizes of the robot, beyond which a fixed line is inserted."""
 
 
 @dataclass(frozen=True)

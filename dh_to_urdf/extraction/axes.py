@@ -1,4 +1,4 @@
-"""A serial chain as its joint axes: what URDF files and drawings give, before any D-H frame."""
+"""A serial chain as its joint axes, as URDF files and drawings give it."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class SerialChain:
         tip: Name of the tip frame.
         joints: The moving joints, base first.
         tip_placement: Placement of the tip in the last joint, 4x4.
-        warnings: What a reader had to assume, in words.
+        warnings: Assumptions of the reader, as sentences.
     """
 
     name: str

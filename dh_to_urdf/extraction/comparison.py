@@ -1,10 +1,10 @@
-"""Two serial chains side by side: where they diverge, up to base, tool and zero offsets.
+"""Comparison of two serial chains up to base, tool and zero offsets.
 
-Both are written as standard tables by the same construction. What the joint axes fix by
-themselves (angle and distance of successive axes, distances along an axis between its two common
-normals) is then compared row by row. Zero offsets are free; so is what a move of the base or
-another tool would hide, which is reported with that remark. The rest is an arm of another shape.
-The verdict is measured: with base, tool and zero offsets made equal, both FK are compared.
+Both chains are written as standard tables by the same construction. The parameters that the joint
+axes determine (angle and distance of successive axes, distances along an axis between its two
+common normals) are compared row by row. Zero offsets may differ. A difference that a change of the
+base or the tool would hide is reported with that remark; any other is an arm of another shape. The
+verdict is measured: with base, tool and zero offsets made equal, both FK are compared.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ from dh_to_urdf.table import Convention, DHRow
 
 CONFIGURATIONS = 50
 SNAPS = (1e-3, 1e-7)
-"""Tilts below which axes count as parallel, tried in turn: rounded angles, then meant ones."""
+"""Tilts (rad) below which axes count as parallel, tried in turn: rounded angles, exact ones."""
 MAX_REVERSED = 16
 FAR_APART = 1e-2
-"""Sum of squares of what is left between axes, beyond which two arms have other shapes."""
+"""Sum of squared differences of axes beyond which two arms differ in shape."""
 
 
 def compare(
@@ -83,7 +83,7 @@ def _compare_at_common_zeros(
         return found
     origin = np.zeros(len(first.joints))
     moved = with_zeros(second, fit.zeros)
-    # With the first chain's tip: where lines of slides run, depends on it.
+    # With the first chain's tip, on which the lines of prismatic joints depend.
     tip = np.linalg.solve(fit.placement @ moved.poses(origin), first.poses(origin))
     moved = replace(moved, tip_placement=moved.tip_placement @ tip)
     again = _compare_tilted(first, moved, length, angle)
@@ -149,7 +149,7 @@ def _compare(
     residual = _residual(first, second, one, two, offsets, q)
     drift = max(residual.position / (10 * first.size), residual.orientation / 10)
     if inner and residual.position <= length and residual.orientation <= angle:
-        # The FK has the last word: what is left is how slides share out their constants.
+        # The measured FK decides: what differs is the distribution of prismatic constants.
         differences = tuple(d for d in differences if d.absorbed_by is not None)
         verdict = Verdict.EQUIVALENT
     elif drift > len(pairs) * max(angle, length / first.size):

@@ -1,4 +1,4 @@
-"""What the comparison of two chains gives: verdict, differences, joints, and a sentence of them."""
+"""Result of a comparison of two chains: verdict, differences, joints, and their wording."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dh_to_urdf.extraction.extract import Residual
 
 
 class Verdict(StrEnum):
-    """What the comparison comes to."""
+    """Verdict of a comparison."""
 
     IDENTICAL = "identical"
     EQUIVALENT = "equivalent"
@@ -63,7 +63,7 @@ class JointComparison:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two chains side by side.
+    """Result of a comparison of two chains.
 
     Attributes:
         verdict: identical; equivalent, up to base, tool and zero offsets; or different.

@@ -3,7 +3,7 @@
 Rows are made in the standard convention, frame k on axis k + 1 (Paul 1981; Spong, Hutchinson and
 Vidyasagar, *Robot Modeling and Control*, section 3.2); ``conversion`` gives the others, whose
 parameters are the same. Each parameter is measured from the frame that the ones before it really
-make, so that rounding does not add up.
+make, so that rounding does not accumulate.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class ConstructedPair:
     Attributes:
         first: The line of the row's joint.
         second: The next line; the tip's z in the last pair.
-        normal: How they lie to each other.
+        normal: Their common normal.
         x: Direction of the frame's x axis in base axes.
         foot_on_first: Where the normal meets the first line, in base axes, m.
         foot_on_second: Where it meets the second line.
@@ -144,7 +144,7 @@ def _x_target(
     if tip is not None:
         return tip[:3, 0]
     if lines[k].type.is_revolute and not lines[k + 1].type.is_revolute:
-        # The turn before a slide along the same axis belongs to the joint that turns.
+        # The angle before a prismatic joint on the same axis belongs to the revolute joint.
         for later in normals[k + 1 :]:
             if later.direction is not None:
                 return _nearer(later.direction, previous)

@@ -1,8 +1,8 @@
-"""Tables between conventions: the same axes and common normals, written down one place further.
+"""Conversion of tables between conventions, whose axes and common normals are the same.
 
 ``Rz(θ_k) Tz(d_k) Tx(a_k) Rx(α_k)`` is row k of a standard table. A modified table has the same
-product, cut elsewhere: its row k is ``Tx(a_{k-1}) Rx(α_{k-1}) Rz(θ_k) Tz(d_k)``. So a and α move
-by one row, the last ones into the tool, and nothing is computed (Craig, *Introduction to
+product, split elsewhere: its row k is ``Tx(a_{k-1}) Rx(α_{k-1}) Rz(θ_k) Tz(d_k)``. So a and α
+move by one row, the last ones into the tool, without computation (Craig, *Introduction to
 Robotics*, section 3.4; Khalil and Dombre, *Modeling, Identification and Control of Robots*,
 section 3.2).
 """

@@ -1,4 +1,4 @@
-"""What the construction of a table found and did, pair by pair, in words for students."""
+"""Explanation of the construction of a table in words, one step a pair of axes."""
 
 from __future__ import annotations
 

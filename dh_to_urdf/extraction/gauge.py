@@ -1,8 +1,8 @@
-"""What the rows of a table share out among themselves without any change of the arm.
+"""Parameters of a table that can change without a change of the arm, fixed for a comparison.
 
-Slides choose their zero, and with it where the lines before them run; along parallel axes only the
-sum of the d is fixed, along coincident ones only the sum of the θ. To compare two arms, these are
-settled in the same way for both.
+The zero of a prismatic joint is free, and so are the points of the lines before it; along parallel
+axes only the sum of the d is determined, along coincident ones only the sum of the θ. To compare
+two arms, these are chosen in the same way for both.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import DHRow, JointType
 
 REACH = 1e-3
-"""Share of a slide across the axis before, below which it counts as running along that axis."""
+"""Part of a prismatic axis across the axis before, below which the two count as parallel."""
 
 
 def with_slides_centred(chain: SerialChain, snap: float) -> tuple[SerialChain, Matrix]:
     """Shift the zeros of prismatic joints so that origins are nearest to the axes before.
 
-    Slides before the first joint that turns stay: there is no axis before them.
+    Prismatic joints before the first revolute one keep their zeros: no axis is before them.
 
     Args:
         chain: The chain.

@@ -1,4 +1,4 @@
-"""How two axes lie to each other, and where their common normal stands.
+"""Relation of two axes and their common normal.
 
 The denominator is ``|u1 x u2|²``: ``1 - (u1 . u2)²`` cancels where axes are nearly parallel.
 """
@@ -15,11 +15,11 @@ from dh_to_urdf.extraction.axes import AxisLine
 from dh_to_urdf.poses import Matrix
 
 ROUNDING = 1e-14
-"""Angle (rad) and length (relative to the robot) that only rounding makes different from zero."""
+"""Angle (rad) and length (relative to the robot) that differ from zero by rounding only."""
 
 
 class Case(StrEnum):
-    """How two directed lines lie to each other; opposite directions are parallel too."""
+    """Relation of two directed lines; opposite directions are parallel too."""
 
     SKEW = "skew"
     INTERSECTING = "intersecting"
@@ -37,7 +37,7 @@ class CommonNormal:
     """The common normal of two axes.
 
     Attributes:
-        case: How the axes lie to each other.
+        case: Relation of the axes.
         direction: Unit vector from the first axis to the second; for intersecting axes along
             ``u1 x u2``; None for coincident ones, whose normal is any.
         foot: Its foot on the first axis, m; for parallel axes the first axis' own point.

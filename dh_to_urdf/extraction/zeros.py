@@ -1,9 +1,9 @@
-"""Zeros of the joints at which two chains have the same axes, up to where their bases stand.
+"""Zeros of the joints at which two chains have the same axes, up to the placement of their bases.
 
-Two chains are one arm exactly if their axes can be laid onto each other: of a joint that turns the
-directed line, of one that slides the direction alone. Sought by Gauss-Newton steps over a motion of
-the base and the zeros; the columns of its Jacobian are brackets of screws (Murray, Li and Sastry,
-section 2.4), so that zeros that change nothing stay where they are.
+Two chains are the same arm exactly if a motion maps their axes onto each other: directed lines of
+revolute joints, directions of prismatic ones. The motion and the zeros are found by Gauss-Newton
+steps; the columns of the Jacobian are brackets of screws (Murray, Li and Sastry, section 2.4), so
+that zeros without effect do not change.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ MAX_SOUGHT = 16
 """Number of joints up to which zeros are also sought from random starts."""
 STEPS = 30
 FITTED = 1e-12
-"""Sum of squares below which the axes lie on each other."""
+"""Sum of squared differences below which the axes are the same."""
 
 
 def with_zeros(chain: SerialChain, zeros: Matrix) -> SerialChain:
@@ -36,12 +36,12 @@ def with_zeros(chain: SerialChain, zeros: Matrix) -> SerialChain:
 
 @dataclass(frozen=True)
 class Fit:
-    """How the axes of a second chain are laid onto those of a first one.
+    """Motion and zeros that map the axes of a second chain onto those of a first one.
 
     Attributes:
         zeros: What to add to q of the first chain to get q of the second, shape (n,).
         placement: Where to put the base of the second chain in that of the first, 4x4.
-        left: Sum of squares that is left of directions and of moments in sizes of the robot.
+        left: Sum of squared differences of directions, and of moments in sizes of the robot.
     """
 
     zeros: Matrix
@@ -72,7 +72,7 @@ def fit_axes(first: SerialChain, second: SerialChain, start: Matrix) -> Fit:
 
 @dataclass(frozen=True)
 class _Axes:
-    """Axes of a chain at q = 0 as directions and moments (of a slide: 0), shape (n, 3)."""
+    """Axes at q = 0 as directions and moments (0 for prismatic joints), shape (n, 3)."""
 
     is_revolute: Matrix
     directions: Matrix

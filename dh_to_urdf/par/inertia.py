@@ -1,4 +1,4 @@
-"""Mass properties about the centre of mass <-> about the origin of the frame, as SYMORO has them.
+"""Mass properties about the centre of mass <-> SYMORO's, about the origin of the frame.
 
 Khalil and Dombre, *Modeling, Identification and Control of Robots*, ch. 9: the standard inertial
 parameters of link j are XX … ZZ (inertia tensor about the origin of frame j, its off-diagonal

@@ -2,8 +2,8 @@
 
 The format of SYMORO+ and OpenSYMORO (Khalil, Vijayalingam, Khomutenko, Mukhanov, Lemoine and
 Ecorchard, *OpenSYMORO: An open-source software package for symbolic modelling of robots*, AIM
-2014): NL links, NJ joints and NF frames; a list a parameter, an entry a frame. What a ``.par``
-file cannot say (names, limits, which frame is the tool) stands in comments such as
+2014): NL links, NJ joints and NF frames; one list a parameter, one entry a frame. What the format
+lacks (names, limits, which frame is the tool) is read from comments such as
 ``(* Joint 1: name = 'shoulder', lower = -2, upper = 2 *)``, which SYMORO skips.
 """
 

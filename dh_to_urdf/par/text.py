@@ -21,7 +21,7 @@ _ROBOT_NAME = re.compile(r"\s*Robotname\s*=\s*'([^'\n]{0,200})'")
 
 @dataclass(frozen=True)
 class ParText:
-    """What stands in a file.
+    """Content of a file.
 
     Attributes:
         lists: Entries of ``key = {…}``; keys of the geometry in lower case.

@@ -1,4 +1,4 @@
-"""Cells of pasted text -> numbers in SI units, with the doubts that bare numbers raise."""
+"""Cells of pasted text -> numbers in SI units, with checks of numbers without unit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Pasted text -> lines of cells: LaTeX, Markdown and box drawings, tabs, aligned columns."""
+r"""Pasted text -> lines of cells: LaTeX, Markdown, box drawings, tabs, aligned columns."""
 
 from __future__ import annotations
 

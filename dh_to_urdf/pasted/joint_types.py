@@ -1,4 +1,4 @@
-"""The types of the joints of a pasted table: by a column, or by where the joint variables stand."""
+"""Types of the joints of a pasted table: by a column, or by the cells of the joint variables."""
 
 from __future__ import annotations
 

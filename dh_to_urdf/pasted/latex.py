@@ -1,7 +1,7 @@
-r"""Cells as they are typeset -> cells as ``expressions`` reads them.
+r"""Typeset cells -> cells that ``expressions`` reads.
 
 ``-\frac{\pi}{2}`` becomes ``-(pi/2)``, ``90^\circ`` and ``90º`` become ``90°``, ``$\theta_1^*$``
-and ``θ₁`` become ``theta_1`` and ``θ1``. What is not known stays, for the reader to refuse.
+and ``θ₁`` become ``theta_1`` and ``θ1``. Unknown commands stay; the reader refuses them.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _SPACES = {
 _FRACTIONS = {"frac", "dfrac", "tfrac", "cfrac", "nicefrac", "sfrac"}
 _QUANTITIES = {"SI", "qty"}
 _MARKS, _THIN = "_%&#*|", ",;:!>/()[]"
-"""Signs that a backslash stands before: meant as they are, and spaces or marks of mathematics."""
+"""Characters after a backslash: kept as they are; spacing and marks of mathematics."""
 _BARE = re.compile(r"[\w.]+")
 _CHARACTERS = {
     **{ord("₀") + n: str(n) for n in range(10)},
@@ -52,7 +52,7 @@ _CHARACTERS = {
 }
 _STARRED = re.compile(r"((?:theta|th|θ|q|d|r|t)_?\d*)\s*\*(?=\s*(?:$|[-+−)]))")
 _FOOTNOTE = re.compile("(?<=[0-9.])(?=[₀-₉])")
-"""Between a number and a subscript, which is no digit of it."""
+"""Position between a number and a subscript, which is not one of its digits."""
 _BOLD = re.compile(r"^\*\*(.*)\*\*$")
 _CALLED = re.compile(r"(?<![^\W_])(theta|θ|q)\s?\(\s?(\d{1,3})\s?\)")
 _GENERIC = re.compile(r"(?<![^\W_])(theta|θ|q|d|r)_[ijk](?!\w)")

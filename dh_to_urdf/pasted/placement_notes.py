@@ -1,4 +1,4 @@
-"""Lines beside a pasted table that place it: ``tool = [1 0 0 0; 0 1 0 0; 0 0 1 0.1; 0 0 0 1]``."""
+"""Base and tool beside a pasted table: ``tool = [1 0 0 0; 0 1 0 0; 0 0 1 0.1; 0 0 0 1]``."""
 
 from __future__ import annotations
 

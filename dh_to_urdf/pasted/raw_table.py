@@ -1,4 +1,4 @@
-"""What readers of pasted text hand on: cells by column, as written, with their places."""
+"""Tables of unread cells, by column and with their lines, as readers of pasted text give them."""
 
 from __future__ import annotations
 

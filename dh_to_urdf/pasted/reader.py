@@ -1,6 +1,6 @@
 """Tables pasted as text -> :class:`DHTable`: LaTeX, MATLAB, Python, Markdown, tabs, columns.
 
-Every refusal names the line and the column as they stand in the text.
+Every fault names the line and the column of the text.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ def _decoded(text: str | bytes) -> str:
 def _with_assigned(given: Values, assigned: Sequence[tuple[str, str]]) -> Values:
     """Return the values and those that the text itself gives; the former win.
 
-    A name that the text gives two values stands for none: which one holds where is not known.
+    A name with two values in the text has none: which one applies where is unknown.
     """
     values, doubtful = given, set[str]()
     for name, text in assigned:

@@ -1,6 +1,6 @@
-"""DHTable -> LaTeX, Markdown, TSV and MATLAB text for a handout; ``read_pasted`` reads it back.
+"""DHTable -> LaTeX, Markdown, TSV and MATLAB text, which ``read_pasted`` reads.
 
-Every digit is written. Inertias are not, and base and tool stand beside the table as
+Every digit is written. Inertias are not; base and tool are written beside the table as
 ``tool = [4x4]``.
 """
 

@@ -1,8 +1,8 @@
 """RobotDirectory: the files of uploaded robots, changed by one process at a time.
 
 Layout: ``robots/<id>.json``, ``quarantine/…``, and ``robots.lock``, which holds the record. Writers
-take turns by a lock on that file, which the kernel takes back from a killed process. Whoever gets
-its turn after a crash removes what was left behind and counts anew.
+lock that file; the kernel releases the lock of a killed process. The first writer after a crash
+removes what was left behind and counts anew.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ class RobotDirectory:
                 try:
                     yield self._transaction(descriptor)
                 finally:
-                    # A child that was forked meanwhile would keep the lock of a mere close.
+                    # Closing alone would leave the lock with a child that was forked meanwhile.
                     fcntl.flock(descriptor, fcntl.LOCK_UN)
                     os.close(descriptor)
         finally:
@@ -117,7 +117,7 @@ class RobotDirectory:
                 if not stat.S_ISREG(status.st_mode):
                     raise OSError(errno.EINVAL, "the lock is no file")
                 _wait_for_lock(descriptor, until)
-                # Not one that somebody has removed meanwhile: others would lock its successor.
+                # Not a file that was removed meanwhile: others would lock its successor.
                 with suppress(FileNotFoundError):
                     if os.path.samestat(status, os.lstat(self._lock_path)):
                         return descriptor

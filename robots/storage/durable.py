@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all, also after a power cut; and what a disk may refuse."""
+"""Atomic, durable writes, and the errors of a disk as errors of this package."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ def storage_errors() -> Iterator[None]:
 def write_durably(path: Path, content: bytes) -> None:
     """Write a temporary file, flush it, rename it; the caller flushes the directory.
 
-    The file's time of change is set to the clock's, which is finer than the one that older kernels
-    stamp, and later than that of the file that it replaces: no two versions look the same.
+    The file's time of change is set from the clock, which is finer than the stamps of older
+    kernels, and later than that of the file that it replaces, so that no two versions are equal.
 
     Raises:
         OSError: Nothing has changed.

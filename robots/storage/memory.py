@@ -1,4 +1,4 @@
-"""RobotMemory: loaded robots by id, the last used ones, within a bound on their weight."""
+"""RobotMemory: the last used robots by id, within a bound on their memory cost."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def weight_of(robot: Robot) -> float:
 
 
 class RobotMemory(Generic[Entry]):
-    """Entries by id; the one that was not used for longest goes first. Safe between threads."""
+    """Entries by id; the least recently used one is dropped first. Safe between threads."""
 
     def __init__(self, max_weight: float = MAX_WEIGHT) -> None:
         self._max_weight = max_weight

@@ -1,4 +1,4 @@
-"""The file of an uploaded robot: three lines, and what can be wrong with them.
+"""The file of an uploaded robot: format, reading, writing, and faults.
 
 The first line is the SHA-256 of the rest, the second what a list shows (JSON), the third the robot
 (JSON). Files of format 1 had the robot in the second line.
@@ -25,16 +25,16 @@ ROBOT_ID: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 SUFFIX: Final = ".json"
 FORMAT: Final = 2
 MAX_FILE_BYTES: Final = 64_000_000
-"""No robot that passes the checks on uploads comes near it."""
+"""Far above the size of any robot that passes the checks on uploads."""
 
 Signature = tuple[int, int, int]
-"""Inode, time of the last change in ns, size: another one, another file."""
+"""Inode, time of the last change in ns, size in bytes: differs between files."""
 
 _SHORT_OF = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EAGAIN, errno.ESTALE, errno.EINTR)
 
 
 class BrokenFile(Exception):
-    """A file that is no robot's and never will be: to be moved aside.
+    """A file that holds no robot: to be moved aside.
 
     Attributes:
         reason: One word.
@@ -46,7 +46,7 @@ class BrokenFile(Exception):
 
 
 class UnusableFile(Exception):
-    """A file that may be right, but cannot be used now: to be left where it is.
+    """A file that may be right, but cannot be used now: to be left in place.
 
     Attributes:
         fault: What is wrong, as the predicate of a sentence.
@@ -64,7 +64,7 @@ FAULTS: Final = {
     "size": "was found damaged (it is larger than any robot)",
     "content": "was found damaged (it holds no robot)",
 }
-"""What each reason of a :class:`BrokenFile` says."""
+"""Predicate of each reason of a :class:`BrokenFile`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,8 +98,7 @@ def encode(robot: Robot) -> bytes:
 def read_file(path: Path) -> tuple[bytes, Signature] | None:
     """Read content and identity of a regular file; None where there is none.
 
-    Whatever lies there (a pipe, a device, a link, something huge) is neither followed nor waited
-    for.
+    A pipe, a device, a link or a huge file is neither followed nor waited for.
 
     Raises:
         BrokenFile: It is no file that a robot can be in.

@@ -1,9 +1,9 @@
-"""The record of a directory of robots: how many there are and how large, without looking at all.
+"""The usage record of a directory of robots: number and size of its files, without a scan.
 
-It is the content of the lock file, read and written by who holds the lock. A writer blanks it
-before it changes the directory and writes it anew afterwards, so that after a crash there is none
-and the next writer counts. It also names the directory's time of change, so that what others did
-with ``cp`` or ``rm`` makes it void. Readers take it, without the lock, for the directory's version.
+It is the content of the lock file, read and written under the lock. A writer blanks it before it
+changes the directory and rewrites it afterwards, so that after a crash it is blank and the next
+writer counts. It holds the directory's time of change, so that ``cp`` or ``rm`` by others makes it
+void. Readers use it, without the lock, as the version of the directory.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def blank(descriptor: int, record: bytes) -> None:
         try:
             os.pwrite(descriptor, _BLANK, 0)
         except OSError:
-            # Some file systems need room even to write over a block; none to drop it.
+            # Some file systems need space to overwrite a block; none needs it to truncate.
             os.ftruncate(descriptor, 0)
 
 

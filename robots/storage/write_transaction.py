@@ -1,4 +1,4 @@
-"""WriteTransaction: what one writer does to a directory of robots while all others wait."""
+"""WriteTransaction: changes of a directory of robots by one writer, under the lock."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class WriteTransaction:
         """
         blank(self._descriptor, self._record)
         self.quarantine.take(self._path(robot_id), robot_id, reason)
-        # Whatever damaged the file may have changed its size.
+        # The damage may have changed the size of the file.
         self.recover()
 
     def recover(self) -> None:

@@ -1,4 +1,4 @@
-"""What the gate lets through: a robot as plain checked values."""
+"""A checked URDF as plain values."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class URDFDescription:
     def default_tip(self) -> str:
         """Return the leaf of the longest chain, counted in moving joints, then in links.
 
-        Of several, the one whose link stands first in the file.
+        Of several, the one whose link is first in the file.
         """
         length = {self.root: (0, 0)}
         for joint in self.parents_first():

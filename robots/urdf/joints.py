@@ -1,4 +1,4 @@
-"""Joints of a URDF: what they join, their axes and limits."""
+"""Joints of a URDF: their links, axes and limits."""
 
 from __future__ import annotations
 

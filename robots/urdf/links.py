@@ -30,7 +30,7 @@ _SIZES = {
 }
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _ROUNDING = 1e-9
-"""Negative moments of inertia down to this part, or kg m², are what exporters rounded."""
+"""Negative moments of inertia down to this part, or kg m², count as rounding."""
 
 
 @dataclass

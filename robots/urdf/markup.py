@@ -1,4 +1,4 @@
-"""Text -> XML elements: one strict parse by libxml2, and caps before anything else is done."""
+"""Text -> XML elements: one strict parse by libxml2, with limits on size and nesting."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def parse(text: str) -> etree._Element:
 def _drop_default_namespace(root: etree._Element) -> None:
     """Remove the namespace that ``xmlns="…"`` of the root gives to elements.
 
-    URDF has no namespace, and its readers look at names as they are written.
+    URDF has no namespace, and its readers compare names as written.
     """
     default = root.nsmap.get(None)
     if default is not None:

@@ -1,4 +1,4 @@
-"""A URDF text from anyone -> a checked description."""
+"""An untrusted URDF text -> a checked description."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def read_urdf(text: str | bytes) -> URDFDescription:
 
     Raises:
         InvalidURDF: Not XML, not one tree, not finite, an unsupported joint type, …
-        RobotTooLarge: More links, joints or shapes than the service computes with.
+        RobotTooLarge: More links, joints or shapes than are computed with.
     """
     source = parse(decode(text))
     left_out = check_structure(source)

@@ -1,8 +1,8 @@
-"""Which elements of a URDF stand where, and how often.
+"""Places and numbers of the elements of a URDF.
 
-What kinematics reads is listed; extensions of simulators and controllers are left out and named
-in a warning. All else that could be a slip (a second <origin>, <orgin>, a <link> in a <link>, text
-between tags) is refused, since other readers would drop it in silence and compute another robot.
+The elements that kinematics reads are listed; extensions of simulators and controllers are left out
+and named in a warning. Whatever may be a mistake (a second <origin>, <orgin>, a <link> in a <link>,
+text between tags) is refused, since other readers would ignore it and compute another robot.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _OPTIONAL_ATTRIBUTES = {
     "axis": ("xyz",),
     "mimic": ("joint", "multiplier", "offset"),
 }
-"""Elements whose attributes have defaults, so that a misspelt one would go unseen."""
+"""Elements whose attributes have defaults, so that a misspelt one would be ignored."""
 _FREE = ("gazebo", "transmission", "sensor", "ros2_control")
 """Extensions beside links and joints, with links and joints of their own meaning inside."""
 _KNOWN: dict[str, tuple[str, ...]] = {
@@ -44,14 +44,14 @@ _KNOWN: dict[str, tuple[str, ...]] = {
 }
 """Elements that common programs write and that have no part in kinematics."""
 _OF_NO_ACCOUNT = ("verbose", "origin", "material", "contact_coefficients")
-"""Left out without a word."""
+"""Elements that are left out without a warning."""
 _READ = {tag for children in _CHILDREN.values() for tag in children} | {"robot"}
 _MAX_LEFT_OUT = 20
 _NOT_DONE = {
     "include": "put the elements of that file in its place",
     "loop_joint": "a robot is a tree; cut its loops",
 }
-"""Elements without which it would be another robot, and what to do."""
+"""Elements without which it would be another robot, and the remedy."""
 _XACRO = "http://www.ros.org/wiki/xacro"
 
 

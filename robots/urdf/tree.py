@@ -1,4 +1,4 @@
-"""Whether links and joints are one tree."""
+"""Check that links and joints form one tree."""
 
 from __future__ import annotations
 
