@@ -20,7 +20,8 @@ from app.settings import Settings
 from kinematics.symbolic import SymbolicWorkers
 from robots.robot import Robot
 from robots.storage.usage_record import Quotas
-from robots.store import RobotStore, StoredRobot
+from robots.store import RobotStore
+from robots.stored_robot import StoredRobot
 
 T = TypeVar("T")
 INLINE_WEIGHT = 20_000

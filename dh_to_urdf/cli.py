@@ -65,7 +65,7 @@ def main(
     visuals: bool,
     check: bool,
 ) -> None:
-    """Turns a Denavit-Hartenberg TABLE into URDF.
+    """Convert a Denavit-Hartenberg TABLE to URDF.
 
     TABLE is .json, .yaml, .csv, .par (SYMORO), or text with a table in it: .tex, .md, .tsv, .txt,
     .m or .py; - is standard input.
@@ -121,7 +121,7 @@ def _read(path: str, content: bytes, options: _Options) -> DHTable:
 
 
 def _check(urdf: str) -> None:
-    """Loads the URDF with an independent reader and lets it complain."""
+    """Load the URDF with an independent reader and fail where it complains."""
     try:
         from yourdfpy import URDF
     except ImportError:

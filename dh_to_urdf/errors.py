@@ -1,4 +1,4 @@
-"""The one exception of this package: a D-H document that cannot be used, and why."""
+"""The exception of this package: a refused D-H document, and its faults."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The D-H side by itself: link matrices A_k, partial products 0A_k and T, without any URDF."""
+"""Link matrices A_k, partial products 0A_k and T of a table, without a URDF."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dh_to_urdf.table import Convention, DHRow, DHTable, JointType
 
 @dataclass(frozen=True)
 class DHMatrices:
-    """Everything that a table says at one q or a batch of them.
+    """Link matrices and products at one q or a batch of them.
 
     Attributes:
         A: Link matrices, shape (..., n, 4, 4); n is the number of rows, fixed ones included.
@@ -27,7 +27,7 @@ class DHMatrices:
 
 
 def link_matrix(row: DHRow, convention: Convention, v: ArrayLike) -> Matrix:
-    """``A_k`` of one row.
+    """Return ``A_k`` of one row.
 
     Args:
         row: The row.
@@ -58,7 +58,7 @@ def link_matrix(row: DHRow, convention: Convention, v: ArrayLike) -> Matrix:
 
 
 def branch_matrix(row: DHRow) -> Matrix:
-    """Khalil's ``Rz(γ) Tz(b)``, 4x4; the identity outside trees."""
+    """Return Khalil's ``Rz(γ) Tz(b)``, 4x4; the identity outside trees."""
     B = np.eye(4)
     B[:2, :2] = [
         [np.cos(row.gamma), -np.sin(row.gamma)],
@@ -69,7 +69,7 @@ def branch_matrix(row: DHRow) -> Matrix:
 
 
 def joint_variables(table: DHTable, q: ArrayLike) -> Matrix:
-    """``v = sign*q + offset`` of every row, 0 for fixed rows.
+    """Return ``v = sign*q + offset`` of every row, 0 for fixed rows, rad and m.
 
     Args:
         table: The table.
@@ -91,7 +91,7 @@ def joint_variables(table: DHTable, q: ArrayLike) -> Matrix:
 
 
 def dh_matrices(table: DHTable, q: ArrayLike) -> DHMatrices:
-    """A_k, 0A_k and T of a table (the product of the A_k along each chain).
+    """Return A_k, 0A_k and T of a table (the product of the A_k along each chain).
 
     Args:
         table: The table; a tree's T is that of its longest chain.

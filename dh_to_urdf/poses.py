@@ -1,4 +1,4 @@
-"""Rigid placements as 4x4 matrices: checked on the way in, xyz and rpy on the way out."""
+"""Rigid placements as 4x4 matrices: check, and conversion from and to xyz and rpy."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ Matrix: TypeAlias = NDArray[np.float64]
 GIMBAL = 3e-16
 """cos(pitch) below which only roll ± yaw is determined; yaw is then 0."""
 ROUNDING = 1e-5
-"""Largest entry of RᵀR - I that is taken for rounding and mended."""
+"""Largest entry of RᵀR - I that counts as rounding and is removed."""
 
 
 def rigid_transform(matrix: ArrayLike) -> Matrix:
-    """Checks a 4x4 homogeneous matrix and mends its rounding.
+    """Check a 4x4 homogeneous matrix and remove its rounding.
 
-    Entries rounded to six digits or so are accepted; the nearest rotation is taken then.
+    Entries rounded to about six digits are accepted; the nearest rotation is returned then.
 
     Args:
         matrix: 4x4, rotation and translation in m.
@@ -46,7 +46,7 @@ def rigid_transform(matrix: ArrayLike) -> Matrix:
     with np.errstate(invalid="ignore", over="ignore"):
         deviation = float(np.abs(R.T @ R - np.eye(3)).max())
         proper = float(np.linalg.det(R)) > 0
-    # Products of huge numbers may be NaN, which is neither above nor below anything.
+    # Products of huge numbers may be NaN, for which every comparison is False.
     if not (deviation <= ROUNDING and proper):
         raise ValueError(
             "has no rotation in its upper left 3x3 block: its columns must be orthonormal to 1e-5"
@@ -59,7 +59,7 @@ def rigid_transform(matrix: ArrayLike) -> Matrix:
 
 
 def rigid_transforms(matrices: Matrix) -> Matrix:
-    """:func:`rigid_transform` of many, shape (n, 4, 4), at once.
+    """Apply :func:`rigid_transform` to many matrices, shape (n, 4, 4), at once.
 
     Raises:
         ValueError: As for one; the message ends with the index of the first that is refused.
@@ -82,12 +82,12 @@ def rigid_transforms(matrices: Matrix) -> Matrix:
 
 
 def is_mended(matrix: ArrayLike) -> bool:
-    """True where :func:`rigid_transform` has to change the matrix by more than 1e-12."""
+    """Return True where :func:`rigid_transform` changes the matrix by more than 1e-12."""
     return bool(np.abs(rigid_transform(matrix) - np.asarray(matrix)).max() > 1e-12)
 
 
 def from_xyz_rpy(xyz: ArrayLike, rpy: ArrayLike) -> Matrix:
-    """Placement from URDF's xyz (m) and rpy (rad): ``R = Rz(yaw) Ry(pitch) Rx(roll)``."""
+    """Return the placement of URDF's xyz (m), rpy (rad): ``Rz(yaw) Ry(pitch) Rx(roll)``."""
     T = np.eye(4)
     T[:3, :3] = Rotation.from_euler("xyz", np.asarray(rpy, dtype=np.float64)).as_matrix()
     T[:3, 3] = xyz
@@ -95,7 +95,7 @@ def from_xyz_rpy(xyz: ArrayLike, rpy: ArrayLike) -> Matrix:
 
 
 def from_xyz_quaternion(xyz: ArrayLike, quaternion_xyzw: ArrayLike) -> Matrix:
-    """Placement from xyz (m) and a unit quaternion x, y, z, w (either sign).
+    """Return the placement of xyz (m) and a unit quaternion x, y, z, w (either sign).
 
     Raises:
         ValueError: The quaternion's norm is farther than 1e-3 from 1.
@@ -110,16 +110,16 @@ def from_xyz_quaternion(xyz: ArrayLike, quaternion_xyzw: ArrayLike) -> Matrix:
 
 
 def to_rpy(R: Matrix) -> tuple[float, float, float]:
-    """URDF's roll, pitch, yaw of a rotation, exact at every pitch.
+    """Return URDF's roll, pitch, yaw of a rotation, rad, exact at every pitch.
 
     Pitch by ``atan2(-R31, hypot(R11, R21))``: the arcsine loses half the digits near ±90°. Roll
-    and yaw are read off ``R`` with yaw taken out, so that near ±90° the product is still ``R``.
+    and pitch are computed from ``R`` without yaw, so that the product is ``R`` near ±90° too.
     """
     return rows_to_rpy(R.tolist())
 
 
 def rows_to_rpy(rows: Sequence[Sequence[float]]) -> tuple[float, float, float]:
-    """The same of a rotation, or of a placement, as rows of numbers."""
+    """Return roll, pitch, yaw of a rotation or placement given as rows of numbers, rad."""
     (r11, r12, r13, *_), (r21, r22, r23, *_), (r31, *_) = rows[:3]
     yaw = math.atan2(r21, r11) if math.hypot(r11, r21) > GIMBAL else 0.0
     cos, sin = math.cos(yaw), math.sin(yaw)

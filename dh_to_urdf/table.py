@@ -1,4 +1,4 @@
-"""What a D-H table is: conventions, rows and tables as frozen dataclasses, in rad, m and kg.
+"""D-H tables: conventions, rows and tables as frozen dataclasses, in rad, m and kg.
 
 Whatever the columns are called in a document, a row is stored with the four names of Craig and
 Paul: ``a`` along x, ``alpha`` about x, ``d`` along z, ``theta`` about z. Khalil and Kleinfinger
@@ -16,7 +16,7 @@ from dh_to_urdf.poses import Matrix
 
 
 class Convention(StrEnum):
-    """Where frame k sits on link k.
+    """Place of frame k on link k.
 
     ``standard`` (distal; Paul 1981): ``A_k = Rz(θ) Tz(d) Tx(a) Rx(α)``.
     ``modified`` (proximal; Craig, *Introduction to Robotics*, ch. 3):
@@ -39,7 +39,7 @@ class JointType(StrEnum):
 
     @property
     def is_revolute(self) -> bool:
-        """True where the joint variable is an angle."""
+        """Return True where the joint variable is an angle."""
         return self in (JointType.REVOLUTE, JointType.CONTINUOUS)
 
 
@@ -77,7 +77,7 @@ class Inertial:
 
 @dataclass(frozen=True, slots=True)
 class DHRow:
-    """One row: how frame k stands on its parent frame.
+    """One row: the placement of frame k in its parent frame.
 
     The joint variable ``v = sign*q + offset`` stands for θ (revolute, continuous) or d
     (prismatic); the constant of that column is part of ``offset`` and stored as 0.
@@ -94,7 +94,7 @@ class DHRow:
         limits: Bounds on q.
         gamma: Khalil's γ about z of the parent, rad.
         b: Khalil's b along z of the parent, m.
-        parent: Number of the frame that this row stands on: 0 is the base frame, k the frame of
+        parent: Number of the parent frame of this row: 0 is the base frame, k the frame of
             the k-th row.
         inertial: Mass properties, if known.
         visual: False to draw nothing for this row.
@@ -126,7 +126,7 @@ class DHTable:
         rows: The joints, in the order of the document. A row's parent comes before it.
         base: Placement of frame 0 in ``base_link``, 4x4.
         tool: Placement of ``tool`` in the last frame of the longest chain, 4x4.
-        warnings: What a reader had to assume, in words.
+        warnings: Assumptions of the reader, as sentences.
     """
 
     name: str
@@ -138,19 +138,19 @@ class DHTable:
 
     @property
     def moving_rows(self) -> tuple[int, ...]:
-        """Indices of the rows that have a joint variable, in the order of q."""
+        """Return the indices of the rows that have a joint variable, in the order of q."""
         return tuple(k for k, row in enumerate(self.rows) if row.type is not JointType.FIXED)
 
     @property
     def dof(self) -> int:
-        """Number of joint variables."""
+        """Return the number of joint variables."""
         return len(self.moving_rows)
 
     @property
     def tip_row(self) -> int:
-        """Number of the frame that carries the tool: the leaf of the longest chain, 0 if empty.
+        """Return the number of the frame that carries the tool (leaf of the longest chain).
 
-        Of several longest chains, the one whose leaf stands last in the document.
+        Of several longest chains, the one whose leaf is last in the document; 0 if empty.
         """
         depth = [0]
         for row in self.rows:

@@ -51,7 +51,7 @@ def main(
     explain: bool,
     output: str | None,
 ) -> None:
-    """Finds the Denavit-Hartenberg table of a serial chain in a URDF (- for standard input)."""
+    """Find the Denavit-Hartenberg table of a serial chain in a URDF (- for standard input)."""
     with click.open_file(urdf, "rb") as stream:
         content = stream.read()
     try:

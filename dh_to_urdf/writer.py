@@ -19,16 +19,16 @@ from dh_to_urdf.poses import Matrix, from_xyz_rpy, to_rpy
 from dh_to_urdf.table import Convention, DHRow, DHTable, JointType, Limits
 
 UNBOUNDED = 1e6
-"""What stands for "no limit" in URDF, which demands numbers (m, m/s, rad/s, N, N m)."""
+"""Value for "no limit" in URDF, which requires numbers (m, m/s, rad/s, N, N m)."""
 
 BASE_LINK, TOOL_LINK = "base_link", "tool"
 _COLOURS = {"a": "0.90 0.45 0.10 1", "d": "0.15 0.35 0.65 1", "joint": "0.25 0.25 0.28 1"}
 
 
 def table_to_urdf(table: DHTable, *, visuals: bool = True) -> str:
-    """Writes the URDF of a table.
+    """Write the URDF of a table.
 
-    Revolute joints without limits become ``continuous``, which is URDF's word for them.
+    Revolute joints without limits are ``continuous`` in URDF.
 
     Args:
         table: The table.
@@ -129,7 +129,7 @@ class _Writer:
         _limit(joint, type_, row.limits)
 
     def _inertial(self, link: ET.Element, row: DHRow, frame: Matrix) -> None:
-        """Mass properties given in frame k, written in the link's axes (``frame``: k in it)."""
+        """Write mass properties of frame k in the link's axes (``frame``: k in it)."""
         if row.inertial is None:
             return
         element = ET.SubElement(link, "inertial")
@@ -148,7 +148,7 @@ class _Writer:
         return 0.025 * total / max(1, len(self.table.rows)) + 0.005 * total or 0.01
 
     def _draw_standard(self, link: ET.Element, row: DHRow) -> None:
-        """In link_k: up z_{k-1} by d, then along x_k by a."""
+        """Draw in link_k: along z_{k-1} by d, then along x_k by a."""
         theta = row.offset if row.type.is_revolute else row.theta
         d = row.offset if row.type is JointType.PRISMATIC else row.d
         self._draw_joint(link, row, np.eye(4))
@@ -159,7 +159,7 @@ class _Writer:
         self._draw_rod(link, "a", along_x, row.a)
 
     def _draw_modified(self, link: ET.Element, row: DHRow) -> None:
-        """In frame_k: back along z_k by d; then, on the parent, back along x_{k-1} by a."""
+        """Draw in frame_k back along z_k by d, and on the parent back along x_{k-1} by a."""
         d = row.offset if row.type is JointType.PRISMATIC else row.d
         self._draw_joint(link, row, np.eye(4))
         self._draw_rod(link, "d", np.eye(4), -d)
@@ -183,7 +183,7 @@ class _Writer:
             self._cylinder(link, "joint", T, 1.6 * self.radius, 3.0 * self.radius)
 
     def _draw_rod(self, link: ET.Element, label: str, T: Matrix, length: float) -> None:
-        """A cylinder from the origin of T along its z by ``length``, which may be negative."""
+        """Draw a cylinder from the origin of T along its z by ``length``, which may be negative."""
         if abs(length) > 1e-9:
             middle = T @ from_xyz_rpy((0, 0, length / 2), (0, 0, 0))
             self._cylinder(link, label, middle, self.radius, abs(length))
@@ -199,7 +199,7 @@ class _Writer:
 
 
 def urdf_joint_type(row: DHRow) -> JointType:
-    """The type of a row's joint in URDF: a revolute joint without limits is ``continuous``."""
+    """Return the URDF type of a row's joint: revolute without limits is ``continuous``."""
     if row.type is JointType.REVOLUTE and row.limits.lower is None:
         return JointType.CONTINUOUS
     return row.type

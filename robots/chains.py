@@ -1,4 +1,4 @@
-"""Serial chains of robots, and of URDF texts from anyone, as joint axes."""
+"""Serial chains of robots, and of untrusted URDF texts, as joint axes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from robots.urdf import read_urdf
 
 
 def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None) -> SerialChain:
-    """The chain between two frames of a robot.
+    """Return the chain between two frames of a robot.
 
     Args:
         robot: The robot.
@@ -31,7 +31,7 @@ def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None
 def chain_of_urdf(
     text: str | bytes, base: str | None = None, tip: str | None = None
 ) -> SerialChain:
-    """The chain between two links of a URDF, which is checked in full before.
+    """Return the chain between two links of a URDF, which is checked in full before.
 
     Args:
         text: The URDF.
@@ -40,7 +40,7 @@ def chain_of_urdf(
 
     Raises:
         InvalidURDF: See :func:`robots.urdf.read_urdf`; or no joint moves between the two.
-        RobotTooLarge: More links, joints or bytes than the service computes with.
+        RobotTooLarge: More links, joints or bytes than are computed with.
         UnknownFrame: base or tip is no link.
     """
     description = read_urdf(text)

@@ -1,7 +1,7 @@
-"""The mesh files of shipped robots, for pages that draw them.
+"""The mesh files of shipped robots.
 
 Only files that the robot's own URDF names and that are installed with the library; an upload has
-none, whatever it names.
+none.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Mesh:
 
     Attributes:
         filename: How the URDF names it.
-        name: Its path below the robot's meshes in the API.
+        name: Its path below example-robot-data's ``robots`` folder.
         path: Where it lies.
         size: Bytes.
         media_type: Of the file.
@@ -40,7 +40,7 @@ class Mesh:
 
 @cache
 def meshes_of(robot_id: str) -> dict[str, Mesh]:
-    """The installed visual meshes of a shipped robot by name; empty for any other robot."""
+    """Return the installed visual meshes of a shipped robot by name; empty for any other robot."""
     if not is_shipped(robot_id) or shipped_file(robot_id).urdf is None:
         return {}
     found = {}
@@ -53,7 +53,7 @@ def meshes_of(robot_id: str) -> dict[str, Mesh]:
 
 
 def mesh_of(robot_id: str, name: str) -> Mesh:
-    """One mesh of a shipped robot.
+    """Return one mesh of a shipped robot.
 
     Raises:
         MeshNotFound: The robot has no such mesh.
@@ -66,12 +66,12 @@ def mesh_of(robot_id: str, name: str) -> Mesh:
 
 @cache
 def digest_of(mesh: Mesh) -> str:
-    """SHA-256 of a mesh file, hexadecimal."""
+    """Return the SHA-256 of a mesh file, hexadecimal."""
     return hashlib.sha256(mesh.path.read_bytes()).hexdigest()
 
 
 def _installed(filename: str) -> Mesh | None:
-    """``package://example-robot-data/robots/x/meshes/link.dae`` -> ``x/meshes/link.dae``."""
+    """Find ``package://example-robot-data/robots/x/meshes/link.dae`` as x/meshes/link.dae."""
     if not filename.startswith(_PACKAGE):
         return None
     parts = PurePosixPath(filename.removeprefix(_PACKAGE).lstrip("/")).parts

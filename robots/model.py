@@ -1,7 +1,7 @@
 """A checked description -> Pinocchio's model, joint by joint.
 
-Pinocchio's own reader of URDF texts calls itself for every link of a chain (300 links overflow a
-stack of 512 kB) and says neither what is wrong nor where. Here it gets numbers, never a text.
+Pinocchio's own reader of URDF texts recurses once a link of a chain (300 links overflow a stack of
+512 kB) and does not say what is wrong, or where. It is not used: Pinocchio gets numbers only.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ _ALONG_AXIS = {
 
 
 def build_model(description: URDFDescription) -> Any:
-    """The model: one joint with one value a moving joint, one body frame a link.
+    """Build the model: one joint with one value a moving joint, one body frame a link.
 
     The parent of a link's frame is that of its parent link; the root's is the universe. Fixed
-    joints make no joints of the model. A continuous joint takes its angle, not (cos, sin).
+    joints are no joints of the model. A continuous joint takes its angle, not (cos, sin).
     Limits that the description does not have are infinite. The model is for kinematics: masses and
-    inertias stand in the canonical URDF only.
+    inertias are in the canonical URDF only.
     """
     model = pin.Model()
     model.name = description.name
@@ -65,7 +65,7 @@ def _motion(joint: URDFJoint) -> Any:
 
 
 def _limits(joint: URDFJoint) -> tuple[Any, ...]:
-    """Effort, speed, lower and upper, as Pinocchio takes them."""
+    """Return effort, speed, lower and upper, as Pinocchio takes them."""
     effort, velocity = (np.inf if v is None else v for v in (joint.effort, joint.velocity))
     lower = -np.inf if joint.lower is None else joint.lower
     upper = np.inf if joint.upper is None else joint.upper

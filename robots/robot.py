@@ -1,4 +1,4 @@
-"""Robot: what is known of one robot, immutable and safe to share between threads."""
+"""Robot: joints, frames and model of one robot, immutable and safe to share between threads."""
 
 from __future__ import annotations
 
@@ -53,11 +53,11 @@ class Robot:
     Attributes:
         name: Name in the document.
         kind: What it was made from.
-        revision: SHA-256 of everything that matters, hexadecimal.
+        revision: SHA-256 of kind, frames and URDF, hexadecimal.
         model: Pinocchio's model; not to be changed.
         joints: The entries of q.
         base_frame: Frame in whose axes results are given.
-        tip_frame: Frame taken where a request names none.
+        tip_frame: Frame to compute for where none is named.
         frames: All frame (link) names in the order of the document.
         urdf: Canonical URDF text.
         table: The D-H table, for robots made from one.
@@ -80,27 +80,27 @@ class Robot:
 
     @property
     def dof(self) -> int:
-        """Length of q."""
+        """Return the number of entries of q."""
         return len(self.joints)
 
     @cached_property
     def lower(self) -> FloatArray:
-        """Lower limits, ``-inf`` where there is none; shape (dof,)."""
+        """Return the lower limits, ``-inf`` where there is none, shape (dof,), rad and m."""
         return np.array([-np.inf if j.lower is None else j.lower for j in self.joints])
 
     @cached_property
     def upper(self) -> FloatArray:
-        """Upper limits, ``inf`` where there is none; shape (dof,)."""
+        """Return the upper limits, ``inf`` where there is none, shape (dof,), rad and m."""
         return np.array([np.inf if j.upper is None else j.upper for j in self.joints])
 
     @cached_property
     def is_revolute(self) -> NDArray[np.bool_]:
-        """True where an entry of q is an angle; shape (dof,)."""
+        """Return True where an entry of q is an angle; shape (dof,)."""
         return np.array([joint.type.is_revolute for joint in self.joints])
 
     @cached_property
     def velocity_columns(self) -> NDArray[np.intp]:
-        """Place in Pinocchio's configuration and tangent vectors for each entry of q."""
+        """Return the places of q's entries in Pinocchio's configuration and tangent vectors."""
         ids = [self.model.getJointId(joint.name) for joint in self.joints]
         return np.array([self.model.joints[i].idx_v for i in ids])
 
@@ -110,12 +110,12 @@ class Robot:
 
     @cached_property
     def base_is_fixed(self) -> bool:
-        """Whether the base frame is Pinocchio's world, at every q."""
+        """Return whether the base frame is Pinocchio's world, at every q."""
         frame = self.model.frames[self.frame_id(self.base_frame)]
         return bool(frame.parentJoint == 0 and frame.placement.isIdentity(0.0))
 
     def configuration(self, q: FloatArray) -> FloatArray:
-        """Pinocchio's configuration vector of q; shape (dof,) -> (model.nq,); may be q itself."""
+        """Return Pinocchio's configuration of q, (dof,) -> (model.nq,); may be q itself."""
         if self._in_model_order:
             return q
         configuration = np.empty(self.model.nq)
@@ -123,7 +123,7 @@ class Robot:
         return configuration
 
     def data(self) -> Any:
-        """Pinocchio's working memory of this robot in this thread."""
+        """Return Pinocchio's working memory of this robot in this thread."""
         try:
             return self._local.data
         except AttributeError:
@@ -148,7 +148,7 @@ class Robot:
 
 
 def robot_from_table(table: DHTable) -> Robot:
-    """The robot of a D-H table: q in the order of the rows, ``base_link`` to ``tool``.
+    """Build the robot of a D-H table: q in row order, ``base_link`` to ``tool``.
 
     Raises:
         RobotTooLarge: More than 64 joints.
@@ -194,17 +194,17 @@ def robot_from_urdf(
     tip: str | None = None,
     warnings: tuple[str, ...] = (),
 ) -> Robot:
-    """The robot of a URDF: q in the order of the file, every non-fixed joint in it.
+    """Build the robot of a URDF: q in file order, every joint that is not fixed.
 
     Args:
         text: The URDF.
         base: Frame in whose axes results are given; default the root link.
-        tip: Frame taken where a request names none; default the leaf of the longest chain.
+        tip: Frame to compute for where none is named; default the leaf of the longest chain.
         warnings: Warnings of an earlier reading, kept with a canonical text.
 
     Raises:
         InvalidURDF: See :func:`robots.urdf.read_urdf`.
-        RobotTooLarge: More links, joints or bytes than the service computes with.
+        RobotTooLarge: More links, joints or bytes than are computed with.
         UnknownFrame: base or tip is no link of the robot.
     """
     description = read_urdf(text)
@@ -263,7 +263,7 @@ def _build(
 
 
 def _without_unbounded(joint: Joint) -> Joint:
-    """Takes numbers that stand for "no limit" (1e6 and above) for what they mean."""
+    """Replace limits that stand for "no limit" (1e6 and above) by None."""
 
     def bound(value: float | None) -> float | None:
         return None if value is None or abs(value) >= UNBOUNDED else value

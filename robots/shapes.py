@@ -34,9 +34,9 @@ class Shape:
 
 
 def link_shapes(robot: Robot) -> tuple[Shape, ...]:
-    """The collision shapes of each link; the visual ones of a link that has none.
+    """Return the collision shapes of each link; the visual ones of a link that has none.
 
-    A D-H table has no shapes: what its URDF shows are drawn axes.
+    A D-H table has no shapes: its URDF shows drawn axes.
     """
     if robot.kind == "dh":
         return ()

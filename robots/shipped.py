@@ -25,7 +25,7 @@ _ID = re.compile(r"[a-z0-9_]{1,64}")
 
 @dataclass(frozen=True, slots=True)
 class ShippedFile:
-    """What a library file says besides the geometry.
+    """Content of a library file besides the geometry.
 
     Attributes:
         title: Name for people.
@@ -50,12 +50,12 @@ class ShippedFile:
 
 @cache
 def shipped_ids() -> tuple[str, ...]:
-    """Ids of the shipped robots whose files are installed, sorted."""
+    """Return the ids of the shipped robots whose files are installed, sorted."""
     return tuple(sorted(path.stem for path in LIBRARY.glob("*.yaml") if is_shipped(path.stem)))
 
 
 def is_shipped(robot_id: str) -> bool:
-    """True where the library has this robot and its URDF, if it refers to one, is installed."""
+    """Return True where the library has this robot and the URDF that it refers to."""
     try:
         urdf = shipped_file(robot_id).urdf
     except RobotNotFound:
@@ -65,7 +65,7 @@ def is_shipped(robot_id: str) -> bool:
 
 @cache
 def shipped_file(robot_id: str) -> ShippedFile:
-    """The head of a library file.
+    """Return the head of a library file.
 
     Raises:
         RobotNotFound: There is no such file.
@@ -84,7 +84,7 @@ def shipped_file(robot_id: str) -> ShippedFile:
 
 @cache
 def shipped_robot(robot_id: str) -> Robot:
-    """Loads a shipped robot; the same object on every call.
+    """Load a shipped robot; the same object on every call.
 
     Raises:
         RobotNotFound: There is no such robot.
@@ -97,6 +97,6 @@ def shipped_robot(robot_id: str) -> Robot:
 
 
 def urdf_path(relative: str) -> Path:
-    """Where a URDF of example-robot-data is installed."""
+    """Return where a URDF of example-robot-data is installed."""
     prefix = next(p for p in Path(pin.__file__).parents if p.name == "cmeel.prefix")
     return prefix / "share" / "example-robot-data" / "robots" / relative

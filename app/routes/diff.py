@@ -21,7 +21,8 @@ from app.openapi.problems import PROBLEMS
 from app.operations.shapes import AnswerUnits
 from dh_to_urdf import DHError, Fault
 from dh_to_urdf.errors import Location
-from dh_to_urdf.extraction.comparison import Comparison, Difference, compare
+from dh_to_urdf.extraction.comparison import compare
+from dh_to_urdf.extraction.comparison_result import Comparison, Difference
 from robots.chains import chain_of_robot
 from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
 from robots.robot import Robot

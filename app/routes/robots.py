@@ -21,8 +21,9 @@ from app.http.units import Units
 from app.openapi.answers import REF
 from app.openapi.problems import PROBLEMS
 from robots.errors import RevisionMismatch, RobotError, RobotExists
+from robots.revisions import ANY
 from robots.robot import Robot
-from robots.store import ANY, StoredRobot
+from robots.stored_robot import StoredRobot
 
 DEFAULT_PAGE, MAX_PAGE = 100, 1000
 """Written forms of a table by media type."""

@@ -1,1 +1,1 @@
-"""Cells of tables: numbers as people write them, names, sums and variables."""
+"""Cells of tables: numbers, names, sums and joint variables."""

@@ -1,4 +1,4 @@
-"""Sums and products of a cell: a tokenizer and a recursive descent, never ``eval``."""
+"""Sums and products of a cell, parsed by recursive descent (no ``eval``)."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Sum:
     has_length: bool = False
 
     def scaled(self, factor: float) -> Sum:
-        """The sum times a number."""
+        """Return the sum times a number."""
         return Sum(
             self.plain * factor,
             self.angle * factor,
@@ -49,7 +49,7 @@ class Sum:
         )
 
     def divided(self, divisor: float) -> Sum:
-        """The sum divided by a number."""
+        """Return the sum divided by a number."""
         return Sum(
             self.plain / divisor,
             self.angle / divisor,
@@ -61,7 +61,7 @@ class Sum:
         )
 
     def plus(self, other: Sum) -> Sum:
-        """The sum of both.
+        """Return the sum of both.
 
         Raises:
             CellError: They hold two joint variables.
@@ -82,12 +82,12 @@ class Sum:
 
     @property
     def is_plain(self) -> bool:
-        """True for a number without unit and variable."""
+        """Return True for a number without unit and variable."""
         return not (self.has_angle or self.has_length or self.variable)
 
 
 def parse_sum(text: str, values: Lookup | None = None, angle: float = 1.0) -> Sum:
-    """Reads the arithmetic of one cell.
+    """Read the arithmetic of one cell.
 
     Args:
         text: The cell, at most a few hundred characters: they bound the depth of the descent.
@@ -102,7 +102,7 @@ def parse_sum(text: str, values: Lookup | None = None, angle: float = 1.0) -> Su
 
 
 def variable_of(name: str) -> tuple[str, int | None] | None:
-    """Letter and index of a joint variable (``th3`` is ``("theta", 3)``), None if it is none."""
+    """Return letter and index of a joint variable (``th3``: ``("theta", 3)``), else None."""
     match = _VARIABLE.fullmatch(name)
     if match is None:
         return None
@@ -117,7 +117,7 @@ class Lookup(Protocol):
     """What names stand for."""
 
     def get(self, name: str, /) -> Sum | None:
-        """The value of a name without underscores, or None."""
+        """Return the value of a name without underscores, or None."""
 
 
 class _Parser:
@@ -184,7 +184,7 @@ class _Parser:
                 return result
 
     def _refuse_uncertainty(self) -> None:
-        """``0.4318(2)`` is 0.4318 ± 0.0002 in a paper, and could be a product."""
+        """Refuse ``0.4318(2)``, which is 0.4318 ± 0.0002 in a paper and could be a product."""
         near = self.tokens[self.position - 1 : self.position + 3]
         kinds = [kind for kind, _ in near]
         if kinds == ["number", "symbol", "number", "symbol"] and near[3][1] == ")":

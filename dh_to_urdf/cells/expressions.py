@@ -2,7 +2,7 @@
 
 A cell is a number, or a short text with numbers, ``+ - * /``, parentheses, ``sqrt``, ``sin``,
 ``cos``, ``tan``, ``atan2``, ``pi`` (or ``π``), unit suffixes (``deg``, ``°``, ``rad``, ``m``,
-``cm``, ``mm``), names that were given a value, and at most one joint variable with coefficient ±1.
+``cm``, ``mm``), names with a given value, and at most one joint variable with coefficient ±1.
 A plain number is in the units of its table; ``pi`` and suffixed numbers carry their own unit
 whatever the table says.
 """
@@ -68,7 +68,7 @@ class Cell:
 
     @property
     def name(self) -> str:
-        """The joint variable as it is written in the cell, such as ``D3``."""
+        """Return the joint variable as it is written in the cell, such as ``D3``."""
         words = re.findall(r"[^\W\d_]\w*", self.text)
         return next((word for word in words if variable_of(word.lower())), "")
 
@@ -80,7 +80,7 @@ def parse_cell(
     values: Lookup | None = None,
     angle: float = 1.0,
 ) -> Cell:
-    """Reads one cell of a table.
+    """Read one cell of a table.
 
     Args:
         raw: A number, a text as described at the head of this module, or a cell already read.
@@ -109,7 +109,7 @@ def parse_cell(
 
 
 def ascii_numbers(text: str) -> str:
-    """A text with signs in ASCII and decimal points for commas, for ``parse_sum``.
+    """Write signs in ASCII and decimal commas as points, for ``parse_sum``.
 
     Raises:
         CellError: A number in it can be read in two ways.
@@ -139,7 +139,7 @@ def _checked(cell: Cell, raw: object) -> Cell:
         raise CellError("is infinite; give a finite number")
     if abs(cell.value) > MAX_MAGNITUDE:
         raise CellError(f"is {quoted(raw)}, beyond ±{MAX_MAGNITUDE:g}; check its unit")
-    # -0.0 would not survive being written as nothing at all.
+    # -0.0 becomes 0.0, which a writer that omits zeros gives back unchanged.
     return replace(cell, value=cell.value + 0.0)
 
 

@@ -13,13 +13,13 @@ ROUNDED = 2e-3
 
 
 def number_text(value: float) -> str:
-    """The shortest text that is read as exactly this number."""
+    """Write a number as the shortest text that is read as exactly this number."""
     text = repr(float(value) + 0.0)
     return text.removesuffix(".0")
 
 
 def angle_text(value: float) -> str:
-    """``3*pi/4`` where that is exactly the angle in rad, else its digits."""
+    """Write an angle (rad) as ``3*pi/4`` where that is exactly its value, else in digits."""
     twelfths = value / (math.pi / 12)
     if abs(twelfths) > 48 or round(twelfths) == 0 or abs(twelfths - round(twelfths)) > 1e-9:
         return number_text(value)
@@ -30,7 +30,7 @@ def angle_text(value: float) -> str:
 
 
 def variable_text(variable: str, sign: int, offset: str) -> str:
-    """``sign*variable + offset``, where the offset is written already: ``-th2 + pi/2``."""
+    """Write ``sign*variable + offset`` for an offset in text form: ``-th2 + pi/2``."""
     text = variable if sign > 0 else f"-{variable}"
     if offset == "0":
         return text
@@ -38,7 +38,7 @@ def variable_text(variable: str, sign: int, offset: str) -> str:
 
 
 def rounding_warnings(table: DHTable) -> tuple[str, ...]:
-    """A warning where an angle is a multiple of π/2 that lost its digits, such as 1.5708.
+    """Warn of an angle that is a multiple of π/2 with digits lost, such as 1.5708.
 
     Such an angle is used as it stands, and moves the tip by some 1e-5 of the arm's length.
     """

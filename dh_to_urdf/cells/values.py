@@ -30,7 +30,7 @@ class Values:
         self._used: set[str] = set() if used is None else used
 
     def get(self, name: str) -> Sum | None:
-        """What a name stands for, None for a name without a value."""
+        """Return the value of a name, None for a name without one."""
         found = self._sums.get(name)
         if found is not None:
             self._used.add(name)
@@ -40,16 +40,16 @@ class Values:
         return name in self._sums
 
     def with_value(self, name: str, value: Sum) -> Values:
-        """The values and one more."""
+        """Return the values with one more."""
         return Values({**self._sums, name: value}, self._used)
 
     def without(self, name: str) -> Values:
-        """The values but for one."""
+        """Return the values without one."""
         kept = {other: value for other, value in self._sums.items() if other != name}
         return Values(kept, self._used)
 
     def without_variable(self, letters: tuple[str, ...], index: int) -> Values:
-        """The values but for the names of a row's own joint variable, such as ``r3`` of row 3."""
+        """Return the values without names of the row's own joint variable (``r3`` of row 3)."""
         hidden = [
             name
             for name in self._sums
@@ -64,12 +64,12 @@ class Values:
 
     @property
     def unused(self) -> tuple[str, ...]:
-        """The names that no cell asked for."""
+        """Return the names that no cell asked for."""
         return tuple(name for name in self._sums if name not in self._used)
 
 
 def split_values(text: str) -> dict[str, str]:
-    """``D3:0.45,RL4:0,45`` -> the texts by name; ``=`` and ``;`` are read too.
+    """Split ``D3:0.45,RL4:0,45`` into texts by name; ``=`` and ``;`` are read too.
 
     Raises:
         DHError: Not pairs of names and numbers.
@@ -89,7 +89,7 @@ def split_values(text: str) -> dict[str, str]:
 
 
 def read_values(raw: object, known: Values | None = None) -> Values:
-    """Reads the mapping from names to numbers or short texts; later ones may use earlier ones.
+    """Read a mapping from names to numbers or short texts; later ones may use earlier ones.
 
     Args:
         raw: The mapping.
@@ -131,7 +131,7 @@ def read_values(raw: object, known: Values | None = None) -> Values:
 
 
 def refuse_unused(values: Values, report: Report) -> None:
-    """Reports values that stand for nothing: a misspelt name, or a joint variable."""
+    """Report values that no cell uses: a misspelt name, or a joint variable."""
     for name in values.unused:
         joint = ", since a joint variable takes none" if variable_of(name) else ""
         report.add(

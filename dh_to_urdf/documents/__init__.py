@@ -1,1 +1,1 @@
-"""Documents of tables: JSON, YAML and CSV in, with every fault at its cell, and out."""
+"""Readers and writers of documents: JSON, YAML and CSV."""

@@ -27,7 +27,7 @@ class Units:
     length: float = 1.0
 
     def of(self, quantity: Quantity) -> float:
-        """Factor for one quantity."""
+        """Return the factor of one quantity to rad or m."""
         if quantity is Quantity.ANGLE:
             return self.angle
         return self.length if quantity is Quantity.LENGTH else 1.0
@@ -45,7 +45,7 @@ class Report:
         self.faults.append(Fault(location, message))
 
     def raise_if_any(self) -> None:
-        """Ends the reading where something was noted.
+        """Raise where a fault was noted.
 
         Raises:
             DHError: With all faults so far.
@@ -57,10 +57,21 @@ class Report:
 def refuse_unknown(
     data: Mapping[Any, Any], known: tuple[str, ...], location: Location, where: str, report: Report
 ) -> None:
-    """Reports keys that would be ignored."""
+    """Report keys that would be ignored."""
     for key in data:
         if key not in known:
             report.add(
                 (*location, str(key)),
                 f"{where} has an unknown field {quoted(key)}; known are {', '.join(known)}",
             )
+
+
+def whole_number(raw: object) -> int | None:
+    """Return an integer from 3, 3.0 or "3"; None for anything else."""
+    if isinstance(raw, str) and re.fullmatch(r"\s*[+-]?[0-9]{1,6}\s*", raw):
+        return int(raw)
+    if isinstance(raw, bool) or not isinstance(raw, (int, float)):
+        return None
+    if isinstance(raw, float) and not raw.is_integer():
+        return None
+    return int(raw) if abs(raw) < 10**6 else None

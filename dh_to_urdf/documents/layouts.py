@@ -1,4 +1,4 @@
-"""Tables for people and files: YAML, CSV and aligned text."""
+"""Writers of tables: YAML, CSV and aligned text."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from ruamel.yaml import YAML
 
-from dh_to_urdf.documents.rows import LIMIT_FIELDS
+from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.writing import table_to_mapping
 from dh_to_urdf.extraction.explanation import explain
 from dh_to_urdf.extraction.extract import Extraction
@@ -28,7 +28,7 @@ _TITLES = {
 def document(
     found: Extraction | DHTable, *, degrees: bool = False, explained: bool = False
 ) -> dict[str, Any]:
-    """A table as the mapping of a document, with what is known of how it was made.
+    """Write a table as the mapping of a document, with residual and steps where known.
 
     Args:
         found: A table, or an extraction, whose residual is added.
@@ -73,7 +73,7 @@ def document(
 
 
 def to_yaml(mapping: dict[str, Any]) -> str:
-    """A document as YAML, one line a joint."""
+    """Write a document as YAML, one line a joint."""
     stream = io.StringIO()
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None
@@ -84,7 +84,7 @@ def to_yaml(mapping: dict[str, Any]) -> str:
 
 
 def to_csv(table: DHTable, *, degrees: bool = False) -> str:
-    """The rows as CSV; base and tool, for which CSV has no place, become fixed rows."""
+    """Write the rows as CSV; base and tool become fixed rows."""
     table = with_fixed_rows(table)
     columns = [*_columns(table), "offset", "sign", *LIMIT_FIELDS]
     stream = io.StringIO()
@@ -97,7 +97,7 @@ def to_csv(table: DHTable, *, degrees: bool = False) -> str:
 
 
 def to_text(found: Extraction | DHTable, *, degrees: bool = False, explained: bool = False) -> str:
-    """A table for a terminal: aligned columns, base, tool, residual, steps."""
+    """Write a table for a terminal: aligned columns, base, tool, residual, steps."""
     table = found if isinstance(found, DHTable) else found.table
     angle = "deg" if degrees else "rad"
     columns = [*_columns(table), "offset", "sign", "lower", "upper"]
@@ -128,7 +128,7 @@ def to_text(found: Extraction | DHTable, *, degrees: bool = False, explained: bo
 
 
 def with_fixed_rows(table: DHTable) -> DHTable:
-    """The same chain with identity base and tool: these are written as fixed rows."""
+    """Return the same chain with identity base and tool, which become fixed rows."""
     names = {row.name for row in table.rows}
     before = _fixed_rows(table.base, table.convention, "base", names)
     after = _fixed_rows(table.tool, table.convention, "tool", names)
@@ -142,7 +142,7 @@ def with_fixed_rows(table: DHTable) -> DHTable:
 
 
 def _fixed_rows(T: Matrix, convention: Convention, name: str, names: set[str]) -> list[DHRow]:
-    """Fixed rows whose product is T: to its origin in cylinder coordinates, then ZXZ angles."""
+    """Return fixed rows whose product is T: origin in cylinder coordinates, then ZXZ angles."""
     if np.array_equal(T, np.eye(4)):
         return []
     phi = math.atan2(T[1, 3], T[0, 3])
@@ -151,7 +151,7 @@ def _fixed_rows(T: Matrix, convention: Convention, name: str, names: set[str]) -
     across = math.hypot(T[0, 2], T[1, 2])
     first = math.atan2(T[0, 2], -T[1, 2]) if across else 0.0
     tilt = math.atan2(across, T[2, 2])
-    # The last angle from what the others leave: exact also where z is hardly tilted.
+    # Computed from the remaining rotation, so that it is exact for a small tilt of z too.
     cos, sin = math.cos(first), math.sin(first)
     x = np.array([cos, sin, 0.0])
     y = np.array([-sin * math.cos(tilt), cos * math.cos(tilt), math.sin(tilt)])
@@ -189,7 +189,7 @@ def _items(table: DHTable, degrees: bool) -> list[dict[str, Any]]:
 
 
 def _degrees(item: dict[str, Any], row: DHRow) -> dict[str, Any]:
-    """A row of a document with its angles in degrees."""
+    """Return a row of a document with its angles in degrees."""
     angles = {"alpha", "theta", "gamma"} | ({"offset"} if row.type.is_revolute else set())
     turned = {key: _as_degrees(x) if key in angles else x for key, x in item.items()}
     if "limits" in item and row.type.is_revolute:
@@ -222,5 +222,5 @@ def _short(value: object) -> str:
 def _aligned(rows: list[list[str]], *, right: bool = False) -> list[str]:
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     pad = str.rjust if right else str.ljust
-    return ["  ".join(pad(cell, w) for cell, w in zip(row, widths, strict=True)).rstrip()
-            for row in rows]  # fmt: skip
+    padded = [[pad(cell, w) for cell, w in zip(row, widths, strict=True)] for row in rows]
+    return ["  ".join(cells).rstrip() for cells in padded]

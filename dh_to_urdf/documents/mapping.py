@@ -1,6 +1,6 @@
 """The mapping that JSON, YAML and CSV documents hold -> :class:`DHTable`.
 
-Every refusal carries the location of the cell, the joint's name and what to write instead.
+Every fault carries the location of the cell, the joint's name and what to write instead.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from typing import Any
 from dh_to_urdf.cells.values import read_values, refuse_unused
 from dh_to_urdf.documents.checks import NAME, NAME_RULE, Report, Units, refuse_unknown
 from dh_to_urdf.documents.placements import read_placement
-from dh_to_urdf.documents.rows import RowReader, check_names, check_tree
+from dh_to_urdf.documents.rows import RowReader
+from dh_to_urdf.documents.topology import check_names, check_tree
 from dh_to_urdf.errors import DHError, quoted
 from dh_to_urdf.table import Convention, DHRow, DHTable
 
@@ -38,7 +39,7 @@ _LENGTH_UNITS = {"m": 1.0, "mm": 1e-3}
 _TABLE_FIELDS = ("name", "convention", "units", "base", "tool", "joints", "values")
 _NOTE_FIELDS = ("title", "description", "source")
 _FINDING_FIELDS = ("residual", "warnings", "explanation")
-"""What a table that was worked out says of itself; not read, so that it can be sent back."""
+"""Fields that an extraction adds; accepted and not read, so that its table can be sent back."""
 
 
 def read_mapping(
@@ -46,7 +47,7 @@ def read_mapping(
     default_name: str | None = DEFAULT_NAME,
     columns: tuple[str, ...] | None = None,
 ) -> DHTable:
-    """Reads a table from the mapping that JSON and YAML documents hold.
+    """Read a table from the mapping that JSON and YAML documents hold.
 
     Args:
         data: The mapping; docs/tables.md and the OpenAPI schema ``DHTable`` describe it.
@@ -111,7 +112,7 @@ def _says_angle_unit(units: object) -> bool:
 
 
 def _wide_angles(rows: Sequence[DHRow]) -> list[str]:
-    """A warning where an angle is over a turn, as degrees without a word of it are."""
+    """Warn of an angle over a turn in a table that names no unit of angles."""
     for row in rows:
         angles = {"alpha": row.alpha, "theta": row.theta, "gamma": row.gamma}
         if row.type.is_revolute:
@@ -138,7 +139,7 @@ def _convention(data: Mapping[Any, Any], report: Report) -> Convention | None:
 
 
 def read_units(raw: object, report: Report) -> Units:
-    """Reads ``{"angle": "rad" | "deg", "length": "m" | "mm"}``; faults go to the report."""
+    """Read ``{"angle": "rad" | "deg", "length": "m" | "mm"}``; faults go to the report."""
     if raw is None:
         return Units()
     if not isinstance(raw, Mapping):

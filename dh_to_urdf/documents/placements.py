@@ -30,7 +30,7 @@ def read_placement(
     add: AddFault,
     warnings: list[str],
 ) -> Matrix:
-    """Reads ``{"matrix": …}``, ``{"xyz", "rpy"}`` or ``{"xyz", "quaternion_xyzw"}``.
+    """Read ``{"matrix": …}``, ``{"xyz", "rpy"}`` or ``{"xyz", "quaternion_xyzw"}``.
 
     Args:
         raw: The value in the document; None is the identity.
@@ -99,7 +99,7 @@ def _from_matrix(raw: object, location: Location, length: float, warnings: list[
 
 
 def read_vector(raw: object, what: str, size: int, quantity: Quantity, unit: float) -> list[float]:
-    """Reads a list of numbers, or of texts such as ``pi/2``.
+    """Read a list of numbers, or of texts such as ``pi/2``.
 
     Args:
         raw: The value in the document.
@@ -128,7 +128,7 @@ def read_vector(raw: object, what: str, size: int, quantity: Quantity, unit: flo
 def read_inertial(
     raw: object, location: Location, label: str, length: float, add: AddFault
 ) -> Inertial | None:
-    """Reads ``{"mass": kg, "com": [x, y, z], "inertia": {"ixx": …} or 3x3}``.
+    """Read ``{"mass": kg, "com": [x, y, z], "inertia": {"ixx": …} or 3x3}``.
 
     ``com`` is in the document's length unit, ``inertia`` always in kg m², about the centre of
     mass; both in the axes of frame k.

@@ -1,4 +1,4 @@
-"""Texts -> :class:`DHTable`: JSON, YAML 1.2 and CSV."""
+"""Readers of JSON, YAML 1.2 and CSV -> :class:`DHTable`."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from ruamel.yaml.events import (
     ScalarEvent,
 )
 
+from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.mapping import DEFAULT_NAME, read_mapping
-from dh_to_urdf.documents.rows import LIMIT_FIELDS
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
 from dh_to_urdf.table import DHTable
 
@@ -34,11 +34,11 @@ _NO_NUMBER = re.compile(
     r"(?:0b[01_]+|0o[0-7_]+|0x[0-9a-f_]+|[0-9][0-9_]*(?:\.[0-9_]*)?(?:e[-+]?[0-9_]+)?)",
     re.IGNORECASE,
 )
-"""What the parser takes for a number as in YAML 1.1, and is none in 1.2: 1_000, 0b11."""
+"""Numbers of YAML 1.1 that the parser accepts and YAML 1.2 does not have: 1_000, 0b11."""
 
 
 def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHTable:
-    """Reads a table from JSON.
+    """Read a table from JSON.
 
     Args:
         text: The JSON text, UTF-8 if bytes.
@@ -77,7 +77,7 @@ def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
 
 
 def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHTable:
-    """Reads a table from YAML 1.2; duplicate keys, tags and several documents are refused.
+    """Read a table from YAML 1.2; duplicate keys, tags and several documents are refused.
 
     Args:
         text: The YAML text.
@@ -101,15 +101,15 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
         place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         problem = _printable((error.problem or "malformed").splitlines()[0])[:120]
         raise DHSyntaxError.single((), f"the text is not YAML: {place}{problem}") from None
-    except Exception:  # tags and escapes make the constructor raise whatever int() or chr() do
+    except Exception:  # tags and escapes raise any error of int() and chr()
         raise DHSyntaxError.single((), "the text is not YAML of plain keys and values") from None
     return read_mapping(data, default_name)
 
 
 def _refuse_costly_yaml(text: str) -> None:
-    """Refuses what takes the parser exponential time and no table needs: aliases, deep nesting.
+    """Refuse YAML that takes exponential time to parse: aliases, deep nesting.
 
-    The events are read one by one, so that a deep text is given up where it becomes too deep.
+    Events are read one by one, so that reading stops where the text becomes too deep.
     """
     if len(text) > MAX_YAML_BYTES:
         raise DHError.single((), f"the YAML text is longer than {MAX_YAML_BYTES} characters")
@@ -129,7 +129,7 @@ def _refuse_costly_yaml(text: str) -> None:
 
 
 def _refuse_other_yaml(event: object) -> None:
-    """Refuses what another version of YAML reads as another table."""
+    """Refuse what another version of YAML reads as another table."""
     if isinstance(event, DocumentStartEvent) and event.version not in (None, (1, 2)):
         raise DHSyntaxError.single(
             (), "the text says that it is YAML 1.1, but YAML 1.2 is read here; remove %YAML 1.1"
@@ -157,7 +157,7 @@ def read_csv(
     length: str = "m",
     values: Mapping[str, Any] | None = None,
 ) -> DHTable:
-    """Reads a table from CSV with a header line and one line a joint.
+    """Read a table from CSV with a header line and one line a joint.
 
     Columns: ``name,type,alpha,a,d,theta,offset,sign,lower,upper,velocity,effort``; in khalil
     ``ant,sigma,mu,gamma,b,alpha,d,theta,r``. Separated by commas, semicolons or tabs.
@@ -214,7 +214,7 @@ def read_csv(
 
 
 def _records(lines: Mapping[int, str]) -> list[list[str]]:
-    """The cells of each line; a quoted cell that goes on in the next one would hide a row."""
+    """Split the lines into cells; refuse a quoted cell that goes on in the next line."""
     numbers, texts = list(lines), list(lines.values())
     separator = max(",;\t", key=texts[0].count)
     reader = csv.reader(texts, delimiter=separator, strict=True, skipinitialspace=True)

@@ -1,4 +1,4 @@
-"""DHTable -> the mapping of a document, with all digits, in rad and m: the reverse of reading."""
+"""DHTable -> the mapping of a document, with all digits, in rad and m."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dh_to_urdf.table import Convention, DHRow, DHTable, JointType
 
 
 def table_to_mapping(table: DHTable) -> dict[str, Any]:
-    """The document of a table; ``read_mapping`` gives the same table back, bit for bit.
+    """Write the document of a table; ``read_mapping`` gives the same table, bit for bit.
 
     Args:
         table: The table.

@@ -1,1 +1,1 @@
-"""From axes to D-H: chains of URDFs and drawings, conversion, comparison, in words."""
+"""D-H tables from joint axes: chains of URDFs and drawings, conversion, comparison."""

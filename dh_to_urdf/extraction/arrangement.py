@@ -1,10 +1,10 @@
-"""Axis lines as given -> lines that a D-H table can hold: points chosen, near-parallel ones mended.
+"""Axis lines -> lines that a D-H table can hold: points of prismatic joints, nearly parallel axes.
 
-A prismatic joint has a direction only; its line is drawn through the next origin (Paul 1981,
-*Robot Manipulators*, section 2.9), so that the row after it needs no length. Nearly parallel axes
-have their common normal far away, at a distance ~ 1/tilt: below ``snap`` they are taken as
-parallel, which costs accuracy; above, where the normal would stand far outside the robot, a fixed
-line that meets both at right angles is put between, which costs a fixed row and no accuracy.
+A prismatic joint has a direction only; its line is put through the next origin (Paul 1981,
+*Robot Manipulators*, section 2.9), so that the row after it needs no length. The common normal of
+nearly parallel axes is far away, at a distance ~ 1/tilt. Axes tilted by less than ``snap`` are
+taken as parallel, which costs accuracy; for others whose normal would lie far outside the robot, a
+fixed line at right angles to both is inserted, which costs a fixed row and no accuracy.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import JointType
 
 FAR = 20.0
-"""Distance of a common normal, in sizes of the robot, beyond which a fixed line is put between."""
+"""Distance of a common normal, in sizes of the robot, beyond which a fixed line is inserted."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def arrange(
     bridge: bool = True,
     from_base: bool = True,
 ) -> Arrangement:
-    """Makes the lines of a chain fit for the construction.
+    """Prepare the lines of a chain for the construction.
 
     Args:
         axes: The axes at q = 0, in base axes.
@@ -81,7 +81,7 @@ def arrange(
 def _snap(
     lines: tuple[AxisLine, ...], snap: float
 ) -> tuple[tuple[AxisLine, ...], tuple[float, ...]]:
-    """Turns each line that is nearly parallel to the one before it into a parallel one."""
+    """Turn each line that is nearly parallel to the one before it into a parallel one."""
     found, tilts = [lines[0]], [0.0]
     for line in lines[1:]:
         tilt = tilt_of(found[-1].direction, line.direction)
@@ -97,7 +97,7 @@ def _parallel_to(before: AxisLine, line: AxisLine) -> AxisLine:
 
 
 def _align_tip(lines: tuple[AxisLine, ...], size: float) -> tuple[tuple[AxisLine, ...], float]:
-    """Takes the tip's z for parallel where its normal would stand far away.
+    """Make the tip's z parallel where its common normal would be far away.
 
     That costs nothing: the tool carries what is left, exactly.
 
@@ -113,7 +113,7 @@ def _align_tip(lines: tuple[AxisLine, ...], size: float) -> tuple[tuple[AxisLine
 def _place_prismatic(
     lines: tuple[AxisLine, ...], size: float, from_base: bool
 ) -> tuple[AxisLine, ...]:
-    """Draws the line of each prismatic joint through the origin on the next line."""
+    """Put the line of each prismatic joint through the origin on the next line."""
     placed = list(lines)
     for k in range(len(lines) - 2, -1, -1):
         if lines[k].type is JointType.PRISMATIC:
@@ -129,7 +129,7 @@ Z = np.array([0.0, 0.0, 1.0])
 
 
 def _origin_on(lines: list[AxisLine], k: int, size: float) -> Matrix:
-    """Where a frame stands on line k: at its common normal with the next one.
+    """Return the origin of the frame on line k, m: at its common normal with the next line.
 
     Where these are parallel, beside the origin on the next line; at the end, in the tip.
     """
@@ -146,7 +146,7 @@ def _origin_on(lines: list[AxisLine], k: int, size: float) -> Matrix:
 
 
 def _is_far(before: AxisLine, line: AxisLine, size: float) -> bool:
-    """True where the common normal stands far outside the robot."""
+    """Return True where the common normal lies far outside the robot."""
     normal = common_normal(before, line, size)
     if normal.case.is_parallel:
         return False
@@ -154,7 +154,7 @@ def _is_far(before: AxisLine, line: AxisLine, size: float) -> bool:
 
 
 def _bridge(before: AxisLine, line: AxisLine, size: float, names: set[str]) -> AxisLine | None:
-    """The line from one axis at right angles through the point of the next, where it is needed."""
+    """Return a fixed line at right angles between two axes, None where none is needed."""
     if common_normal(before, line, size).case is Case.PARALLEL or not _is_far(before, line, size):
         return None
     u = before.direction

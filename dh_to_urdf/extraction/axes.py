@@ -1,4 +1,4 @@
-"""A serial chain as its joint axes: what URDF files and drawings give, before any D-H frame."""
+"""A serial chain as its joint axes, as URDF files and drawings give it."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class SerialChain:
         tip: Name of the tip frame.
         joints: The moving joints, base first.
         tip_placement: Placement of the tip in the last joint, 4x4.
-        warnings: What a reader had to assume, in words.
+        warnings: Assumptions of the reader, as sentences.
     """
 
     name: str
@@ -71,7 +71,7 @@ class SerialChain:
     warnings: tuple[str, ...] = ()
 
     def poses(self, q: ArrayLike) -> Matrix:
-        """The tip in base axes: the product of placements and motions, joint by joint.
+        """Return the poses of the tip in base axes: the product of placements and motions.
 
         Args:
             q: Shape (..., n), rad and m.
@@ -86,7 +86,7 @@ class SerialChain:
         return np.asarray(T @ self.tip_placement)
 
     def lines(self) -> tuple[AxisLine, ...]:
-        """The axes at q = 0, in base axes."""
+        """Return the axes at q = 0, in base axes."""
         T = np.eye(4)
         found = []
         for joint in self.joints:
@@ -98,7 +98,7 @@ class SerialChain:
 
     @property
     def size(self) -> float:
-        """Length that rounding is compared with, m: the distances between joints, added up."""
+        """Return the length that rounding is compared with, m: the sum of joint distances."""
         parts = [joint.placement for joint in self.joints] + [self.tip_placement]
         return float(sum(np.linalg.norm(T[:3, 3]) for T in parts)) or 1.0
 
@@ -106,7 +106,7 @@ class SerialChain:
 def chain_from_lines(
     name: str, lines: Sequence[AxisLine], tip: Matrix, warnings: tuple[str, ...] = ()
 ) -> SerialChain:
-    """The chain of axes as measured on a drawing.
+    """Return the chain of axes as measured on a drawing.
 
     Args:
         name: Name of the robot.
@@ -127,7 +127,7 @@ def chain_from_lines(
 
 
 def _motion(joint: ChainJoint, q: Matrix) -> Matrix:
-    """Translation along the axis, or rotation about it (Rodrigues); q of shape (...)."""
+    """Return the motion along or about the axis (Rodrigues); q of shape (...), rad or m."""
     M = np.zeros((*q.shape, 4, 4))
     M[...] = np.eye(4)
     if joint.type is JointType.PRISMATIC:

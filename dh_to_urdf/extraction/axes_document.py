@@ -16,7 +16,8 @@ from dh_to_urdf.cells.values import Values
 from dh_to_urdf.documents.checks import NAME, NAME_RULE, Report, Units, refuse_unknown
 from dh_to_urdf.documents.mapping import DEFAULT_NAME, read_units
 from dh_to_urdf.documents.placements import read_placement, read_vector
-from dh_to_urdf.documents.rows import RowReader, check_names
+from dh_to_urdf.documents.rows import RowReader
+from dh_to_urdf.documents.topology import check_names
 from dh_to_urdf.errors import DHError, Location, quoted
 from dh_to_urdf.extraction.axes import AxisLine, SerialChain, chain_from_lines
 from dh_to_urdf.poses import Matrix
@@ -28,7 +29,7 @@ _FIELDS = ("name", "units", "joints", "tip", "title", "description", "source")
 
 
 def read_axes(data: object) -> SerialChain:
-    """Reads a document of joint axes.
+    """Read a document of joint axes.
 
     Args:
         data: The mapping. ``point`` in the document's length unit; ``direction`` of any length
@@ -125,7 +126,7 @@ def _vector(
 
 
 def _default_tip(line: AxisLine) -> Matrix:
-    """The last point, z along the last axis, x as near to the base's x (else y) as can be."""
+    """Return the last point with z along the last axis, x nearest to the base's x (else y)."""
     z = line.direction
     helper = np.eye(3)[0 if abs(z[0]) < 0.9 else 1]
     x = helper - (helper @ z) * z

@@ -3,7 +3,7 @@
 Rows are made in the standard convention, frame k on axis k + 1 (Paul 1981; Spong, Hutchinson and
 Vidyasagar, *Robot Modeling and Control*, section 3.2); ``conversion`` gives the others, whose
 parameters are the same. Each parameter is measured from the frame that the ones before it really
-make, so that rounding does not add up.
+make, so that rounding does not accumulate.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class ConstructedPair:
     Attributes:
         first: The line of the row's joint.
         second: The next line; the tip's z in the last pair.
-        normal: How they lie to each other.
+        normal: Their common normal.
         x: Direction of the frame's x axis in base axes.
         foot_on_first: Where the normal meets the first line, in base axes, m.
         foot_on_second: Where it meets the second line.
@@ -72,7 +72,7 @@ def construct(
     last_at_tip: bool,
     positive_a: bool = False,
 ) -> Construction:
-    """Runs the construction.
+    """Run the construction.
 
     Args:
         arrangement: The lines.
@@ -103,7 +103,7 @@ def construct(
 
 
 def _frame_zero(axis: AxisLine, normal: CommonNormal, size: float) -> Matrix:
-    """The base frame where its z is axis 1.
+    """Return the base frame where its z is axis 1, else a frame on axis 1.
 
     Else z along axis 1, the origin on it nearest to the base's, and x the base's x where that is
     at right angles, or else x of frame 1.
@@ -136,7 +136,7 @@ def _x_target(
     tip: Matrix | None,
     positive_a: bool,
 ) -> Matrix:
-    """The direction of x_k: along the common normal; kept where that is any."""
+    """Return the direction of x_k: along the common normal, unchanged where that is any."""
     normal = normals[k]
     if normal.direction is not None:
         keep = positive_a and normal.length > 0.0
@@ -144,7 +144,7 @@ def _x_target(
     if tip is not None:
         return tip[:3, 0]
     if lines[k].type.is_revolute and not lines[k + 1].type.is_revolute:
-        # The turn before a slide along the same axis belongs to the joint that turns.
+        # The angle before a prismatic joint on the same axis belongs to the revolute joint.
         for later in normals[k + 1 :]:
             if later.direction is not None:
                 return _nearer(later.direction, previous)
@@ -159,7 +159,7 @@ def _nearer(direction: Matrix, previous: Matrix) -> Matrix:
 def _foot(
     first: AxisLine, normal: CommonNormal, previous: Matrix, tip_origin: Matrix | None
 ) -> Matrix:
-    """Where x_k leaves axis k; beside the previous origin where the normal may stand anywhere."""
+    """Return where x_k leaves axis k, m; near the previous origin where it may be anywhere."""
     if not normal.case.is_parallel:
         return normal.foot
     if tip_origin is not None:
@@ -176,7 +176,7 @@ def _row(
     foot: Matrix,
     size: float,
 ) -> tuple[DHRow, Matrix]:
-    """Measures θ, d, a, α from the frame before, and gives the frame that they make."""
+    """Measure θ, d, a, α from the frame before; return the row and the frame that it gives."""
     x0, y0, z0, origin = frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3]
     theta = _tidy_angle(math.atan2(float(x @ y0), float(x @ x0)))
     d = _tidy_length(float((foot - origin) @ z0), size)
@@ -203,7 +203,7 @@ def _row(
 
 
 def _tidy_angle(angle: float) -> float:
-    """Takes away rounding around multiples of 15 degrees; -π becomes π."""
+    """Remove rounding around multiples of 15 degrees (rad); -π becomes π."""
     step = math.pi / 12
     nearest = round(angle / step)
     if abs(angle - nearest * step) <= 1e-15:
@@ -212,13 +212,13 @@ def _tidy_angle(angle: float) -> float:
 
 
 def _tidy_length(length: float, size: float) -> float:
-    """Takes away rounding behind the twelfth decimal."""
+    """Remove rounding beyond the twelfth decimal (m)."""
     rounded = round(length, DIGITS)
     return rounded + 0.0 if abs(length - rounded) <= 1e-15 * max(1.0, size) else length
 
 
 def tidy_placement(T: Matrix, size: float) -> Matrix:
-    """Takes away rounding around entries 0, 1 and -1, and behind the lengths' twelfth decimal."""
+    """Remove rounding around entries 0, 1 and -1, and beyond the lengths' twelfth decimal."""
     tidied = T.copy()
     nearest = np.round(T[:3, :3])
     tidied[:3, :3] = np.where(np.abs(T[:3, :3] - nearest) <= 1e-15, nearest, T[:3, :3])

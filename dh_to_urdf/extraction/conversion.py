@@ -1,8 +1,8 @@
-"""Tables between conventions: the same axes and common normals, written down one place further.
+"""Conversion of tables between conventions, whose axes and common normals are the same.
 
 ``Rz(θ_k) Tz(d_k) Tx(a_k) Rx(α_k)`` is row k of a standard table. A modified table has the same
-product, cut elsewhere: its row k is ``Tx(a_{k-1}) Rx(α_{k-1}) Rz(θ_k) Tz(d_k)``. So a and α move
-by one row, the last ones into the tool, and nothing is computed (Craig, *Introduction to
+product, split elsewhere: its row k is ``Tx(a_{k-1}) Rx(α_{k-1}) Rz(θ_k) Tz(d_k)``. So a and α
+move by one row, the last ones into the tool, without computation (Craig, *Introduction to
 Robotics*, section 3.4; Khalil and Dombre, *Modeling, Identification and Control of Robots*,
 section 3.2).
 """
@@ -21,7 +21,7 @@ from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType
 
 
 def to_convention(table: DHTable, convention: Convention, tip: str | None = None) -> DHTable:
-    """A table in another convention: q, limits, masses and the pose of the tool are the same.
+    """Convert a table to another convention with the same q, limits, masses and tool pose.
 
     Args:
         table: The table. A Khalil table that is a tree is cut down to the chain to ``tip``.
@@ -56,12 +56,12 @@ def to_convention(table: DHTable, convention: Convention, tip: str | None = None
 
 
 def is_serial(table: DHTable) -> bool:
-    """True where every row stands on the row before it."""
+    """Return True where every row follows the row before it."""
     return all(row.parent == k for k, row in enumerate(table.rows))
 
 
 def chain_to(table: DHTable, tip: str) -> DHTable:
-    """The chain of a tree from its base to one frame, as a table of its own.
+    """Return the chain of a tree from its base to one frame, as a table.
 
     Args:
         table: The table.
@@ -99,7 +99,7 @@ def _leaves(table: DHTable) -> list[str]:
 
 
 def _without_branches(table: DHTable) -> DHTable:
-    """Khalil's γ and b of a serial table, moved into the row before: both lie on its z."""
+    """Move Khalil's γ and b of a serial table into the row before, whose z they share."""
     base, rows = table.base, list(table.rows)
     for k, row in enumerate(rows):
         if row.gamma == 0.0 and row.b == 0.0:
@@ -114,7 +114,7 @@ def _without_branches(table: DHTable) -> DHTable:
 
 
 def _turned(row: DHRow, angle: float, length: float) -> DHRow:
-    """A row whose frame is turned about and moved along its own z."""
+    """Return a row whose frame is turned about and moved along its own z."""
     is_revolute, slides = row.type.is_revolute, row.type is JointType.PRISMATIC
     own = angle if is_revolute else length if slides else 0.0
     return replace(
@@ -127,7 +127,7 @@ def _turned(row: DHRow, angle: float, length: float) -> DHRow:
 
 
 def _modified(table: DHTable, convention: Convention) -> DHTable:
-    """Standard to modified or khalil; a base that is ``Tx Rx`` becomes a and α of row 1."""
+    """Convert standard to modified or khalil; a base ``Tx Rx`` becomes a and α of row 1."""
     base = table.base
     a, alpha = 0.0, 0.0
     if (found := _along_x(base)) is not None:
@@ -142,7 +142,7 @@ def _modified(table: DHTable, convention: Convention) -> DHTable:
 
 
 def _standard(table: DHTable) -> DHTable:
-    """Modified to standard; a tool that is ``Tx Rx`` becomes a and α of the last row."""
+    """Convert modified to standard; a tool ``Tx Rx`` becomes a and α of the last row."""
     tool = table.tool
     a, alpha = 0.0, 0.0
     if (found := _along_x(tool)) is not None:
@@ -158,7 +158,7 @@ def _standard(table: DHTable) -> DHTable:
 
 
 def _x_matrix(a: float, alpha: float) -> Matrix:
-    """``Tx(a) Rx(α)``."""
+    """Return ``Tx(a) Rx(α)``, 4x4."""
     T = np.eye(4)
     cos, sin = np.cos(alpha), np.sin(alpha)
     T[1:3, 1:3] = [[cos, -sin], [sin, cos]]
@@ -167,13 +167,13 @@ def _x_matrix(a: float, alpha: float) -> Matrix:
 
 
 def _along_x(T: Matrix) -> tuple[float, float] | None:
-    """(a, α) of a placement that is ``Tx(a) Rx(α)`` and nothing else."""
+    """Return (a, α) of a placement that is exactly ``Tx(a) Rx(α)``, else None."""
     a, alpha = float(T[0, 3]), float(np.arctan2(T[2, 1], T[1, 1]))
     return (a, alpha) if np.abs(T - _x_matrix(a, alpha)).max() <= 1e-15 else None
 
 
 def _moved(inertial: Inertial | None, T: Matrix) -> Inertial | None:
-    """A body given in frame k, written in a frame in which frame k has placement T."""
+    """Return a body given in frame k in a frame where frame k has placement T."""
     if inertial is None or np.array_equal(T, np.eye(4)):
         return inertial
     R = T[:3, :3]

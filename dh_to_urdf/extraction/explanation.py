@@ -1,4 +1,4 @@
-"""What the construction of a table found and did, pair by pair, in words for students."""
+"""Explanation of the construction of a table in words, one step a pair of axes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Step:
 
 
 def explain(extraction: Extraction) -> tuple[Step, ...]:
-    """The steps of a construction, frame 0 first."""
+    """Return the steps of a construction, frame 0 first."""
     steps = [_frame_zero(extraction)]
     previous = extraction.frame_zero
     for k, finding in enumerate(extraction.findings, start=1):
@@ -117,9 +117,9 @@ def _sentences(k: int, finding: PairFinding, extraction: Extraction, previous: M
 
 def _relation(k: int, pair: ConstructedPair, last: bool) -> str:
     first = f"Axis {k} ({pair.first.name})"
-    second = "the tip's z, which stands for the next axis," if last else (
-        f"axis {k + 1} ({pair.second.name})"
-    )  # fmt: skip
+    second = f"axis {k + 1} ({pair.second.name})"
+    if last:
+        second = "the tip's z, which stands for the next axis,"
     case = pair.normal.case
     if case is Case.COINCIDENT:
         return f"{first} and {second} lie on one line: they are coincident."
@@ -183,9 +183,8 @@ def _result(k: int, pair: ConstructedPair, last: bool, extraction: Extraction) -
             f"From frame {k - 1} to frame {k}: {theta} about z_{k - 1}, {d} along it, then a_{k} ="
             f" {length} along x_{k} and α_{k} = {twist} about it."
         )
-    z, a, r = ("r", "d", "khalil") if extraction.table.convention is Convention.KHALIL else (
-        "d", "a", ""
-    )  # fmt: skip
+    khalil = extraction.table.convention is Convention.KHALIL
+    z, a, r = ("r", "d", "khalil") if khalil else ("d", "a", "")
     d = d.replace("d_", f"{z}_", 1) if r else d
     there = "belong to the tool" if last and (row.a or row.alpha) else f"go into row {k + 1}"
     if last and not (row.a or row.alpha):

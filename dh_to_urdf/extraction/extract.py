@@ -89,7 +89,7 @@ def extract(
     positive_a: bool = False,
     bridge: bool = True,
 ) -> Extraction:
-    """The D-H table of a chain.
+    """Find the D-H table of a chain.
 
     Args:
         chain: The chain.
@@ -107,9 +107,12 @@ def extract(
     tip = chain.poses(np.zeros(len(chain.joints)))
     arrangement = arrange(chain.lines(), tip, size, snap, bridge=bridge)
     made = construct(
-        arrangement, tip, size,
-        last_at_tip=convention is Convention.STANDARD, positive_a=positive_a,
-    )  # fmt: skip
+        arrangement,
+        tip,
+        size,
+        last_at_tip=convention is Convention.STANDARD,
+        positive_a=positive_a,
+    )
     warnings = [*chain.warnings]
     rows = tuple(pair.row for pair in made.pairs)
     standard = DHTable(chain.name, Convention.STANDARD, rows, made.base, made.tool)
@@ -126,7 +129,7 @@ def extract(
 
 
 def measure(chain: SerialChain, table: DHTable, configurations: int = CONFIGURATIONS) -> Residual:
-    """Compares the FK of a table with that of a chain, at q = 0 and at random q within limits.
+    """Compare the FK of a table with that of a chain, at q = 0 and random q within limits.
 
     Args:
         chain: The chain.
@@ -141,7 +144,7 @@ def measure(chain: SerialChain, table: DHTable, configurations: int = CONFIGURAT
 
 
 def random_configurations(chain: SerialChain, count: int) -> Matrix:
-    """Q = 0 and random q within limits, shape (count, n); ±π and ± the chain's size without."""
+    """Return q = 0 and random q, shape (count, n), within limits, else ±π and ± the size."""
     lower, upper = [], []
     for joint in chain.joints:
         free = chain.size if joint.type is JointType.PRISMATIC else math.pi
@@ -154,7 +157,7 @@ def random_configurations(chain: SerialChain, count: int) -> Matrix:
 
 
 def deviation(first: Matrix, second: Matrix) -> tuple[float, float]:
-    """Largest distance (m) and angle (rad) between poses, shape (..., 4, 4)."""
+    """Return the largest distance (m) and angle (rad) between poses, shape (..., 4, 4)."""
     position = np.linalg.norm(first[..., :3, 3] - second[..., :3, 3], axis=-1).max()
     chord = np.linalg.norm(first[..., :3, :3] - second[..., :3, :3], axis=(-2, -1)).max()
     return float(position), 2 * math.asin(min(1.0, float(chord) / math.sqrt(8)))
@@ -192,7 +195,7 @@ def _check_lengths(table: DHTable) -> None:
 
 
 def _renamed(table: DHTable, warnings: list[str]) -> DHTable:
-    """Gives names that a table document can hold."""
+    """Rename joints whose names a table document cannot hold."""
     taken: set[str] = set()
     rows = []
     for row in table.rows:

@@ -1,8 +1,8 @@
-"""What the rows of a table share out among themselves without any change of the arm.
+"""Parameters of a table that can change without a change of the arm, fixed for a comparison.
 
-Slides choose their zero, and with it where the lines before them run; along parallel axes only the
-sum of the d is fixed, along coincident ones only the sum of the θ. To compare two arms, these are
-settled in the same way for both.
+The zero of a prismatic joint is free, and so are the points of the lines before it; along parallel
+axes only the sum of the d is determined, along coincident ones only the sum of the θ. To compare
+two arms, these are chosen in the same way for both.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import DHRow, JointType
 
 REACH = 1e-3
-"""Share of a slide across the axis before, below which it counts as running along that axis."""
+"""Part of a prismatic axis across the axis before, below which the two count as parallel."""
 
 
 def with_slides_centred(chain: SerialChain, snap: float) -> tuple[SerialChain, Matrix]:
-    """A chain whose slides are at zero where the origin behind them is nearest the axis before.
+    """Shift the zeros of prismatic joints so that origins are nearest to the axes before.
 
-    Slides before the first joint that turns stay: there is no axis before them.
+    Prismatic joints before the first revolute one keep their zeros: no axis is before them.
 
     Args:
         chain: The chain.
@@ -59,7 +59,7 @@ def with_slides_centred(chain: SerialChain, snap: float) -> tuple[SerialChain, M
 
 
 def _runs(chain: SerialChain) -> list[tuple[int, int]]:
-    """Slides in a row, as ranges of joints, each behind a joint that turns."""
+    """Return runs of prismatic joints as ranges, each behind a revolute joint."""
     found: list[tuple[int, int]] = []
     k, joints = 0, chain.joints
     while k < len(joints):
@@ -75,7 +75,7 @@ def _runs(chain: SerialChain) -> list[tuple[int, int]]:
 def settled(
     made: Construction, rows: tuple[DHRow, ...], others: tuple[DHRow, ...]
 ) -> tuple[DHRow, ...]:
-    """The other rows, sharing out d and θ along common directions as the first rows do.
+    """Distribute d and θ along common directions in the other rows as in the first rows.
 
     Args:
         made: The construction of the first rows; it says which axes are parallel.
@@ -95,7 +95,7 @@ def _share(
     column: str,
     takes: Callable[[DHRow], bool],
 ) -> tuple[DHRow, ...]:
-    """Moves the constants of a column within linked rows into the offset of one that moves so."""
+    """Move the constants of a column in linked rows into the offset of a joint that moves so."""
     fitted = list(others)
     start = 0
     while start < len(rows):

@@ -1,4 +1,4 @@
-"""How two axes lie to each other, and where their common normal stands.
+"""Relation of two axes and their common normal.
 
 The denominator is ``|u1 x u2|²``: ``1 - (u1 . u2)²`` cancels where axes are nearly parallel.
 """
@@ -15,11 +15,11 @@ from dh_to_urdf.extraction.axes import AxisLine
 from dh_to_urdf.poses import Matrix
 
 ROUNDING = 1e-14
-"""Angle (rad) and length (relative to the robot) that only rounding makes different from zero."""
+"""Angle (rad) and length (relative to the robot) that differ from zero by rounding only."""
 
 
 class Case(StrEnum):
-    """How two directed lines lie to each other; opposite directions are parallel too."""
+    """Relation of two directed lines; opposite directions are parallel too."""
 
     SKEW = "skew"
     INTERSECTING = "intersecting"
@@ -28,7 +28,7 @@ class Case(StrEnum):
 
     @property
     def is_parallel(self) -> bool:
-        """True where the common normal is not unique."""
+        """Return True where the common normal is not unique."""
         return self in (Case.PARALLEL, Case.COINCIDENT)
 
 
@@ -37,7 +37,7 @@ class CommonNormal:
     """The common normal of two axes.
 
     Attributes:
-        case: How the axes lie to each other.
+        case: Relation of the axes.
         direction: Unit vector from the first axis to the second; for intersecting axes along
             ``u1 x u2``; None for coincident ones, whose normal is any.
         foot: Its foot on the first axis, m; for parallel axes the first axis' own point.
@@ -53,19 +53,19 @@ class CommonNormal:
 
 
 def cross(a: Matrix, b: Matrix) -> Matrix:
-    """The product of two vectors, shape (3,): what ``np.cross`` gives, in a tenth of its time."""
+    """Return the cross product of two vectors, shape (3,), faster than ``np.cross``."""
     (x, y, z), (u, v, w) = a.tolist(), b.tolist()
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
 def tilt_of(first: Matrix, second: Matrix) -> float:
-    """Angle between two unit vectors taken as undirected lines, rad, 0 to π/2."""
+    """Return the angle between two unit vectors as undirected lines, rad, 0 to π/2."""
     sine = float(np.linalg.norm(cross(first, second)))
     return math.atan2(sine, abs(float(first @ second)))
 
 
 def common_normal(first: AxisLine, second: AxisLine, size: float) -> CommonNormal:
-    """The common normal from one axis to another.
+    """Return the common normal from one axis to another.
 
     Args:
         first: The first axis.

@@ -1,7 +1,7 @@
 """URDF text -> the serial chain between two of its links.
 
-For texts of one's own; a service checks what strangers send in full beforehand. Reads what a
-chain needs and no more: joints with their origins, axes and limits.
+Reads joints with their origins, axes and limits, and nothing else. Use it for trusted texts: those
+of strangers need a full check first.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ class _Joint:
 
 
 def read_chain(text: str | bytes, base: str | None = None, tip: str | None = None) -> SerialChain:
-    """The chain from one link of a URDF to another.
+    """Read the chain from one link of a URDF to another.
 
-    A chain may run up the tree and down again; a joint on the way up is written with its axis
-    turned round, so that q keeps its meaning.
+    A chain may run up the tree and down again; the axis of a joint on the way up is reversed, so
+    that q keeps its meaning.
 
     Args:
         text: The URDF.
@@ -109,7 +109,7 @@ def _joint(element: ET.Element) -> _Joint:
 
 
 def _tree(links: list[str], joints: list[_Joint]) -> dict[str, _Joint]:
-    """The joint above each link, after checking that they form one tree."""
+    """Return the joint above each link, after checking that the joints form one tree."""
     above: dict[str, _Joint] = {}
     for joint in joints:
         for link in (joint.parent, joint.child):

@@ -1,9 +1,9 @@
-"""Zeros of the joints at which two chains have the same axes, up to where their bases stand.
+"""Zeros of the joints at which two chains have the same axes, up to the placement of their bases.
 
-Two chains are one arm exactly if their axes can be laid onto each other: of a joint that turns the
-directed line, of one that slides the direction alone. Sought by Gauss-Newton steps over a motion of
-the base and the zeros; the columns of its Jacobian are brackets of screws (Murray, Li and Sastry,
-section 2.4), so that zeros that change nothing stay where they are.
+Two chains are the same arm exactly if a motion maps their axes onto each other: directed lines of
+revolute joints, directions of prismatic ones. The motion and the zeros are found by Gauss-Newton
+steps; the columns of the Jacobian are brackets of screws (Murray, Li and Sastry, section 2.4), so
+that zeros without effect do not change.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ MAX_SOUGHT = 16
 """Number of joints up to which zeros are also sought from random starts."""
 STEPS = 30
 FITTED = 1e-12
-"""Sum of squares below which the axes lie on each other."""
+"""Sum of squared differences below which the axes are the same."""
 
 
 def with_zeros(chain: SerialChain, zeros: Matrix) -> SerialChain:
-    """The chain with q = 0 where q = ``zeros`` was, shape (n,)."""
+    """Return the chain with q = 0 where q = ``zeros`` was, shape (n,), rad and m."""
     moved = [
         replace(joint, placement=_moved(joint, float(zero)))
         for joint, zero in zip(chain.joints, zeros, strict=True)
@@ -36,12 +36,12 @@ def with_zeros(chain: SerialChain, zeros: Matrix) -> SerialChain:
 
 @dataclass(frozen=True)
 class Fit:
-    """How the axes of a second chain are laid onto those of a first one.
+    """Motion and zeros that map the axes of a second chain onto those of a first one.
 
     Attributes:
         zeros: What to add to q of the first chain to get q of the second, shape (n,).
         placement: Where to put the base of the second chain in that of the first, 4x4.
-        left: Sum of squares that is left of directions and of moments in sizes of the robot.
+        left: Sum of squared differences of directions, and of moments in sizes of the robot.
     """
 
     zeros: Matrix
@@ -50,7 +50,7 @@ class Fit:
 
 
 def fit_axes(first: SerialChain, second: SerialChain, start: Matrix) -> Fit:
-    """The zeros and the base of a second chain with which its axes are nearest to the first's.
+    """Fit zeros and base of a second chain so that its axes are nearest to the first's.
 
     Args:
         first: The first chain.
@@ -72,7 +72,7 @@ def fit_axes(first: SerialChain, second: SerialChain, start: Matrix) -> Fit:
 
 @dataclass(frozen=True)
 class _Axes:
-    """Axes of a chain at q = 0 as directions and moments (of a slide: 0), shape (n, 3)."""
+    """Axes at q = 0 as directions and moments (0 for prismatic joints), shape (n, 3)."""
 
     is_revolute: Matrix
     directions: Matrix
@@ -80,7 +80,7 @@ class _Axes:
 
     @classmethod
     def of(cls, chain: SerialChain, size: float) -> _Axes:
-        """The axes of a chain, with lengths in sizes of the robot."""
+        """Return the axes of a chain, with lengths in sizes of the robot."""
         lines = chain.lines()
         is_revolute = np.array([line.type.is_revolute for line in lines])
         directions = np.array([line.direction for line in lines])
@@ -88,27 +88,27 @@ class _Axes:
         return cls(is_revolute, directions, np.cross(points, directions) * is_revolute[:, None])
 
     def screws(self) -> Matrix:
-        """The twists of the joints, shape (n, 2, 3): angular part, then linear part."""
+        """Return the twists of the joints, shape (n, 2, 3): angular part, then linear part."""
         is_revolute = self.is_revolute[:, None]
         angular = self.directions * is_revolute
         return np.stack([angular, np.where(is_revolute, self.moments, self.directions)], axis=1)
 
     def moved(self, T: Matrix) -> _Axes:
-        """The axes after a motion."""
+        """Return the axes after a motion."""
         directions = self.directions @ T[:3, :3].T
         moments = self.moments @ T[:3, :3].T
         moments = moments + np.cross(T[:3, 3], directions) * self.is_revolute[:, None]
         return _Axes(self.is_revolute, directions, moments)
 
     def minus(self, other: _Axes) -> Matrix:
-        """Directions and moments less those of others, shape (6 n,)."""
+        """Return directions and moments less those of others, shape (6 n,)."""
         return np.concatenate(
             [self.directions - other.directions, self.moments - other.moments]
         ).ravel()
 
 
 def _fitted(target: _Axes, chain: SerialChain, zeros: Matrix, size: float) -> Fit:
-    """The fit after damped Gauss-Newton steps from given zeros."""
+    """Fit by damped Gauss-Newton steps from given zeros."""
     scale = np.where(target.is_revolute, 1.0, size)
     tried, T = zeros, _laid(target, _Axes.of(with_zeros(chain, zeros), size))
     best, damping = Fit(zeros, T, math.inf), 1e-6
@@ -135,7 +135,7 @@ def _fitted(target: _Axes, chain: SerialChain, zeros: Matrix, size: float) -> Fi
 
 
 def _motion(twist: Matrix) -> Matrix:
-    """A motion that is a twist to first order: a rotation about it, after a translation."""
+    """Return a motion that is a twist to first order: a rotation after a translation."""
     angle = float(np.linalg.norm(twist[:3]))
     axis = twist[:3] / angle if angle else np.array([0.0, 0.0, 1.0])
     joint = ChainJoint("", JointType.REVOLUTE, np.eye(4), axis)
@@ -145,7 +145,7 @@ def _motion(twist: Matrix) -> Matrix:
 
 
 def _laid(target: _Axes, axes: _Axes) -> Matrix:
-    """The motion that lays axes onto the target: directions first, then moments."""
+    """Return the motion that aligns axes with the target: directions first, then moments."""
     T = np.eye(4)
     U, _, Vt = np.linalg.svd(target.directions.T @ axes.directions)
     T[:3, :3] = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
@@ -158,7 +158,7 @@ def _laid(target: _Axes, axes: _Axes) -> Matrix:
 
 
 def _jacobian(axes: _Axes) -> Matrix:
-    """How the axes move with the base (six columns) and with each zero, shape (6 n, 6 + n)."""
+    """Return the derivative of the axes by base (six) and zeros, shape (6 n, 6 + n)."""
     base = np.zeros((6, 2, 3))
     base[:3, 0], base[3:, 1] = np.eye(3), np.eye(3)
     screws = np.concatenate([base, axes.screws()])

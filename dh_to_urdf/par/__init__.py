@@ -1,1 +1,1 @@
-"""SYMORO ``.par`` files, in and out."""
+"""Reader and writer of SYMORO ``.par`` files."""

@@ -1,4 +1,4 @@
-"""Mass properties about the centre of mass <-> about the origin of the frame, as SYMORO has them.
+"""Mass properties about the centre of mass <-> SYMORO's, about the origin of the frame.
 
 Khalil and Dombre, *Modeling, Identification and Control of Robots*, ch. 9: the standard inertial
 parameters of link j are XX … ZZ (inertia tensor about the origin of frame j, its off-diagonal
@@ -18,7 +18,7 @@ PARAMETERS = (*TENSOR, *MOMENTS, "M")
 
 
 def to_parameters(inertial: Inertial) -> dict[str, float]:
-    """The ten parameters of a link, in kg m², kg m and kg, in the axes of its frame."""
+    """Return the ten parameters of a link, in kg m², kg m and kg, in the axes of its frame."""
     com = np.array(inertial.com)
     J = np.array(inertial.inertia) + inertial.mass * _steiner(com)
     first = inertial.mass * com
@@ -30,7 +30,7 @@ def to_parameters(inertial: Inertial) -> dict[str, float]:
 
 
 def from_parameters(parameters: dict[str, float]) -> Inertial:
-    """Mass, centre of mass and inertia about it.
+    """Return mass (kg), centre of mass (m) and inertia about it (kg m²) of ten parameters.
 
     Args:
         parameters: The ten parameters; M is not 0.
@@ -46,5 +46,5 @@ def from_parameters(parameters: dict[str, float]) -> Inertial:
 
 
 def _steiner(com: Matrix) -> Matrix:
-    """Inertia of a unit mass at ``com`` about the origin."""
+    """Return the inertia of a unit mass at ``com`` about the origin."""
     return np.asarray(com @ com * np.eye(3) - np.outer(com, com))

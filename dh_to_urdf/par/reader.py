@@ -2,8 +2,8 @@
 
 The format of SYMORO+ and OpenSYMORO (Khalil, Vijayalingam, Khomutenko, Mukhanov, Lemoine and
 Ecorchard, *OpenSYMORO: An open-source software package for symbolic modelling of robots*, AIM
-2014): NL links, NJ joints and NF frames; a list a parameter, an entry a frame. What a ``.par``
-file cannot say (names, limits, which frame is the tool) stands in comments such as
+2014): NL links, NJ joints and NF frames; one list a parameter, one entry a frame. What the format
+lacks (names, limits, which frame is the tool) is read from comments such as
 ``(* Joint 1: name = 'shoulder', lower = -2, upper = 2 *)``, which SYMORO skips.
 """
 
@@ -45,7 +45,7 @@ def read_par(
     cut_loops: bool = False,
     default_name: str | None = DEFAULT_NAME,
 ) -> DHTable:
-    """Reads a ``.par`` file; angles are rad, lengths m.
+    """Read a ``.par`` file; angles are rad, lengths m.
 
     In θ of a revolute joint and r of a prismatic one, ``t2``, ``th2``, ``q2`` and ``r3`` are the
     joint variables. Other names (``D3``, ``RL4``) need a value. Inertial values are read of the
@@ -85,7 +85,7 @@ def read_par(
 
 
 def _frames(par: ParText, cut_loops: bool, warnings: list[str]) -> int:
-    """Number of the frames to read, after the lengths of the lists were checked."""
+    """Return the number of frames to read, after checking the lengths of the lists."""
     for key in ("is_floating", "is_mobile"):
         if _TRUTH.get(par.scalars.get(key, "0").lower(), True):
             raise DHError.single(
@@ -176,7 +176,7 @@ def _row(par: ParText, k: int, note: dict[str, Any]) -> dict[str, Any]:
 
 
 def _use_elsewhere(par: ParText, frames: int, values: Values) -> None:
-    """Lets values be given for names in the parts of the file that are not read."""
+    """Accept values for names in the parts of the file that are not read."""
     for key, cells in par.lists.items():
         for cell in cells[frames:] if key in GEOMETRY else cells:
             for word in re.findall(r"[^\W\d_]\w*", cell[:200]):
@@ -184,7 +184,7 @@ def _use_elsewhere(par: ParText, frames: int, values: Values) -> None:
 
 
 def _notes(par: ParText) -> tuple[dict[int, dict[str, Any]], list[int]]:
-    """What the comments say of joints, and the frames that they call the tool."""
+    """Read the comments on joints, and the frames that they call the tool."""
     notes: dict[int, dict[str, Any]] = {}
     tool_frames = []
     for comment in par.comments:
@@ -214,7 +214,7 @@ def _notes(par: ParText) -> tuple[dict[int, dict[str, Any]], list[int]]:
 
 
 def _inertial(par: ParText, k: int, values: Values, warnings: list[str]) -> dict[str, Any] | None:
-    """The inertial of link k as a document, if its ten parameters are numbers of a body."""
+    """Return the inertial of link k as a document, if its ten parameters fit a body."""
     if any(key not in par.lists for key in PARAMETERS):
         return None
     parameters: dict[str, float] = {}
@@ -256,7 +256,7 @@ def _inertial(par: ParText, k: int, values: Values, warnings: list[str]) -> dict
 
 
 def _base(par: ParText, values: Values) -> list[list[float]] | None:
-    """Z, the placement of frame 0."""
+    """Read Z, the placement of frame 0, 4x4; lengths in m."""
     if "Z" not in par.lists:
         return None
     cells = par.lists["Z"]
@@ -275,7 +275,7 @@ def _base(par: ParText, values: Values) -> list[list[float]] | None:
 
 
 def _with_tool(table: DHTable, tool_frames: list[int]) -> DHTable:
-    """The table with its last fixed frames as the tool, if comments say so and it is the tip."""
+    """Return the table with its last fixed frames as the tool, if comments say so."""
     rows, tool = table.rows, np.eye(4)
     for k in sorted(tool_frames, reverse=True):
         row = rows[k - 1] if k == len(rows) and k > 1 else None

@@ -10,9 +10,9 @@ from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
 MAX_PAR_LENGTH = 500_000
 GEOMETRY = ("ant", "sigma", "b", "d", "r", "gamma", "alpha", "mu", "theta")
 DYNAMICS = (
-    "XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M",
-    "IA", "FV", "FS", "FX", "FY", "FZ", "CX", "CY", "CZ",
-)  # fmt: skip
+    *("XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M"),
+    *("IA", "FV", "FS", "FX", "FY", "FZ", "CX", "CY", "CZ"),
+)
 MOTION = ("eta", "k", "QP", "QDP", "GAM", "GAMMA", "W0", "WP0", "V0", "VP0", "G", "Z")
 SCALARS = ("NF", "NL", "NJ", "Type", "is_mobile", "is_floating")
 _STATEMENT = re.compile(r"\s*([A-Za-z_]\w{0,31})[ \t]*=\s*(?:\{([^{}=]*)\}|([^\s{}=][^\n{}=]*))")
@@ -21,7 +21,7 @@ _ROBOT_NAME = re.compile(r"\s*Robotname\s*=\s*'([^'\n]{0,200})'")
 
 @dataclass(frozen=True)
 class ParText:
-    """What stands in a file.
+    """Content of a file.
 
     Attributes:
         lists: Entries of ``key = {…}``; keys of the geometry in lower case.
@@ -35,7 +35,7 @@ class ParText:
 
     @property
     def robot_name(self) -> str | None:
-        """The name in the comment ``(* Robotname = '…' *)``."""
+        """Return the name in the comment ``(* Robotname = '…' *)``."""
         for comment in self.comments:
             match = _ROBOT_NAME.match(comment)
             if match:
@@ -44,7 +44,7 @@ class ParText:
 
 
 def parse_par(text: str | bytes) -> ParText:
-    """Reads the statements of a file.
+    """Read the statements of a file.
 
     Raises:
         DHError: Too long, no statements of this format, or a key that is unknown or stands twice.
@@ -85,7 +85,7 @@ def parse_par(text: str | bytes) -> ParText:
 
 
 def _decoded(text: str | bytes) -> str:
-    """UTF-8, or Latin-1 as SYMORO+ wrote it."""
+    """Decode UTF-8, or Latin-1 as SYMORO+ wrote it."""
     if isinstance(text, str):
         return text.lstrip("\ufeff")
     try:
@@ -95,7 +95,7 @@ def _decoded(text: str | bytes) -> str:
 
 
 def _without_comments(text: str) -> tuple[str, list[str]]:
-    """The text with comments blanked out, and the comments; they may be nested."""
+    """Return the text with comments blanked out, and the comments; they may be nested."""
     code: list[str] = []
     comments: list[str] = []
     depth = start = kept = 0
@@ -129,7 +129,7 @@ def _stray(code: str, position: int) -> DHSyntaxError:
 
 
 def _entries(inside: str) -> list[str]:
-    """Entries between commas, but for the commas in parentheses (``atan2(y, x)``)."""
+    """Split entries at commas outside parentheses (``atan2(y, x)``)."""
     if not inside.strip():
         return []
     entries, depth, start = [], 0, 0

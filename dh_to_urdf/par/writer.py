@@ -1,4 +1,4 @@
-""":class:`DHTable` -> SYMORO ``.par``: what OpenSYMORO opens, and ``read_par`` reads back."""
+""":class:`DHTable` -> SYMORO ``.par``: readable by OpenSYMORO and ``read_par``."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _IDENTITY = np.eye(4)
 
 
 def table_to_par(table: DHTable) -> str:
-    """Writes the ``.par`` file of a table.
+    """Write the ``.par`` file of a table.
 
     A tool becomes one or two fixed frames (sigma = 2) after the last. Links without known inertia
-    get SYMORO's own symbols (``XX1`` …). Names and limits stand in comments.
+    get SYMORO's own symbols (``XX1`` …). Names and limits are written in comments.
 
     Args:
         table: A khalil table, or a modified one, which is khalil with γ = b = 0.
@@ -111,10 +111,10 @@ def _dynamics(k: int, row: DHRow, tool: bool) -> dict[str, str]:
 
 
 def _tool_rows(table: DHTable) -> tuple[DHRow, ...]:
-    """The tool as fixed khalil rows: a translation, then a rotation.
+    """Return the tool as fixed khalil rows: a translation, then a rotation.
 
     ``Rz(γ) Tz(b) Tx(d) Rz(θ)`` with ``θ = -γ`` is any translation, and ``Rz(γ) Rx(α) Rz(θ)`` any
-    rotation. One row could hold both, but badly where α is small.
+    rotation. One row could hold both, but is ill-conditioned where α is small.
     """
     if np.array_equal(table.tool, _IDENTITY):
         return ()
@@ -132,9 +132,9 @@ def _tool_rows(table: DHTable) -> tuple[DHRow, ...]:
 
 
 def _euler_zxz(R: Matrix) -> tuple[float, float, float]:
-    """γ, α, θ of ``R = Rz(γ) Rx(α) Rz(θ)``; γ = 0 where α is 0 or π.
+    """Return γ, α, θ (rad) of ``R = Rz(γ) Rx(α) Rz(θ)``; γ = 0 where α is 0 or π.
 
-    α and θ are read off R with γ taken out, so that near α = 0 the product is still R.
+    α and θ are computed from R without γ, so that the product is R near α = 0 too.
     """
     (r11, r12, r13), (r21, r22, r23), (_, _, r33) = R.tolist()
     gamma = math.atan2(r13, -r23) if math.hypot(r13, r23) > 3e-16 else 0.0

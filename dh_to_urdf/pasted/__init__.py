@@ -1,1 +1,1 @@
-"""Tables as text: LaTeX, Markdown, TSV, MATLAB and Python, in and out."""
+"""Tables as text: readers and writers of LaTeX, Markdown, TSV and MATLAB, reader of Python."""

@@ -1,4 +1,4 @@
-r"""Pasted text -> lines of cells: LaTeX, Markdown and box drawings, tabs, aligned columns."""
+r"""Pasted text -> lines of cells: LaTeX, Markdown, box drawings, tabs, aligned columns."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ class Line:
 
 
 def is_latex(text: str) -> bool:
-    r"""Whether the text is a LaTeX table: an environment, or rows with ``&`` and ``\\``."""
+    r"""Return whether the text is a LaTeX table: an environment, or rows with ``&`` and ``\\``."""
     return _ENVIRONMENT.search(text) is not None or ("&" in text and "\\\\" in text)
 
 
 def grid_lines(text: str) -> list[Line]:
-    """The rows of a table, without rules and borders; a row that is blank is left out.
+    """Return the rows of a table without rules, borders and blank rows.
 
     Raises:
         DHError: Two tables, rows of unequal lengths, or too many columns.
@@ -78,7 +78,7 @@ def _latex_lines(text: str) -> list[Line]:
 
 
 def _environment(text: str) -> tuple[int, str]:
-    """Where the body of the innermost table starts, and the body."""
+    """Return where the body of the innermost table starts, and the body."""
     starts: list[re.Match[str]] = []
     found: tuple[int, str] | None = None
     for match in _ENVIRONMENT.finditer(text):
@@ -102,7 +102,7 @@ def _environment(text: str) -> tuple[int, str]:
 
 
 def _column_specification(body: str) -> int:
-    """Length of ``[t]{|c|c|}`` and the like at the start of an environment."""
+    """Return the length of ``[t]{|c|c|}`` and the like at the start of an environment."""
     position = 0
     while True:
         rest = position
@@ -122,7 +122,7 @@ def _column_specification(body: str) -> int:
 
 
 def _latex_cells(row: str) -> tuple[str, ...] | None:
-    """Cells of one row; None for a spanning heading, which names no column."""
+    """Return the cells of one row; None for a spanning heading, which names no column."""
     if not row.strip():
         return None
     spans = [int(count) for count in _MULTICOLUMN.findall(row)]
@@ -159,7 +159,7 @@ def _text_lines(text: str) -> list[Line]:
 
 
 def _refuse_unpiped(piped: list[tuple[int, str]], numbered: list[tuple[int, str]]) -> None:
-    """Refuses a line without borders where a row may be meant: it would be lost."""
+    """Refuse a line without borders where a row may be meant, which would be lost."""
     bordered = {number for number, _ in piped}
     first, last = piped[0][0], piped[-1][0]
     for number, line in numbered:
@@ -179,7 +179,7 @@ def _piped(line: str) -> tuple[str, ...]:
 
 
 def _aligned(numbered: list[tuple[int, str]]) -> list[Line]:
-    """Columns apart by two blanks or more, or by any blank if that gives equal rows only."""
+    """Split columns at two blanks or more, or at any blank if that gives equal rows only."""
     if len(numbered) > 1 and all(line.count(",") >= 2 for _, line in numbered):
         by_comma = [
             Line(number, tuple(cell.strip() for cell in line.split(",")))

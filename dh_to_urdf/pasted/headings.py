@@ -44,13 +44,14 @@ COLUMN_QUANTITIES = {
     "r": Quantity.LENGTH,
     "b": Quantity.LENGTH,
 }
+_DEGREE = math.pi / 180
 _UNITS = {
-    "deg": math.pi / 180, "degree": math.pi / 180, "degrees": math.pi / 180, "°": math.pi / 180,
-    "rad": 1.0, "radian": 1.0, "radians": 1.0,
-    "m": 1.0, "cm": 1e-2, "mm": 1e-3,
-    "meters": 1.0, "metres": 1.0, "meter": 1.0, "metre": 1.0, "mètres": 1.0, "mètre": 1.0,
-    "degrés": math.pi / 180, "degré": math.pi / 180,
-}  # fmt: skip
+    **dict.fromkeys(("deg", "degree", "degrees", "degré", "degrés", "°"), _DEGREE),
+    **dict.fromkeys(("rad", "radian", "radians"), 1.0),
+    **dict.fromkeys(("m", "meter", "meters", "metre", "metres", "mètre", "mètres"), 1.0),
+    "cm": 1e-2,
+    "mm": 1e-3,
+}
 _UNIT = (
     "degrees|degree|degrés|degré|deg|°|radians|radian|rad|mm|cm"
     "|meters|metres|meter|metre|mètres|mètre|m"
@@ -81,7 +82,7 @@ class Heading:
 
 
 def read_heading(text: str, *, khalil: bool = False) -> Heading | None:
-    """The column that a heading names, None for an unknown one.
+    """Return the column that a heading names, None for an unknown one.
 
     Args:
         text: The heading.
@@ -113,7 +114,7 @@ def read_heading(text: str, *, khalil: bool = False) -> Heading | None:
 
 
 def heading_problem(headings: list[Heading], convention: str) -> tuple[str, str]:
-    """What is wrong between the headings and the convention, and a warning; empty if nothing."""
+    """Return a fault between headings and convention, and a warning; empty if none."""
     for heading in headings:
         if heading.key in ("a", "alpha") and heading.subscript == "i-1":
             if convention == "standard":

@@ -1,7 +1,7 @@
-r"""Cells as they are typeset -> cells as ``expressions`` reads them.
+r"""Typeset cells -> cells that ``expressions`` reads.
 
 ``-\frac{\pi}{2}`` becomes ``-(pi/2)``, ``90^\circ`` and ``90º`` become ``90°``, ``$\theta_1^*$``
-and ``θ₁`` become ``theta_1`` and ``θ1``. What is not known stays, for the reader to refuse.
+and ``θ₁`` become ``theta_1`` and ``θ1``. Unknown commands stay; the reader refuses them.
 """
 
 from __future__ import annotations
@@ -12,43 +12,54 @@ import unicodedata
 MAX_DEPTH = 20
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}$^_~`]|[^\\{}$^_~`]", re.DOTALL)
 _GREEK = ("alpha", "beta", "gamma", "theta", "sigma", "mu", "pi", "phi", "varphi", "psi", "delta")
-_WORDS = {name: name for name in (*_GREEK, "sin", "cos", "tan")} | {
-    "vartheta": "theta", "cdot": "*", "times": "*", "div": "/", "circ": "°", "degree": "°",
-    "textdegree": "°", "star": "*", "ast": "*", "radian": "rad", "metre": "m", "meter": "m",
-    "milli": "m", "centi": "c", "pm": "±",
-}  # fmt: skip
+_WORDS = {
+    **{name: name for name in (*_GREEK, "sin", "cos", "tan")},
+    **dict.fromkeys(("circ", "degree", "textdegree"), "°"),
+    **dict.fromkeys(("cdot", "times", "star", "ast"), "*"),
+    **dict.fromkeys(("metre", "meter", "milli"), "m"),
+    "vartheta": "theta",
+    "div": "/",
+    "radian": "rad",
+    "centi": "c",
+    "pm": "±",
+}
 _WRAPPERS = {
-    "text", "mathrm", "mathbf", "mathit", "mathsf", "textbf", "textit", "textrm", "texttt",
-    "textnormal", "boldsymbol", "bm", "operatorname", "ensuremath", "mbox", "num", "unit", "si",
-    "underline", "textsc", "emph",
-}  # fmt: skip
+    *("text", "mathrm", "mathbf", "mathit", "mathsf", "textbf", "textit", "textrm", "texttt"),
+    *("textnormal", "boldsymbol", "bm", "operatorname", "ensuremath", "mbox", "num", "unit", "si"),
+    *("underline", "textsc", "emph"),
+}
 _SPACES = {
-    "left", "right", "displaystyle", "textstyle", "quad", "qquad", "bfseries", "itshape", "big",
-    "Big", "bigl", "bigr", "small", "centering", "limits", "rm", "bf", "it",
-}  # fmt: skip
+    *("left", "right", "displaystyle", "textstyle", "quad", "qquad", "bfseries", "itshape", "big"),
+    *("Big", "bigl", "bigr", "small", "centering", "limits", "rm", "bf", "it"),
+}
 _FRACTIONS = {"frac", "dfrac", "tfrac", "cfrac", "nicefrac", "sfrac"}
 _QUANTITIES = {"SI", "qty"}
 _MARKS, _THIN = "_%&#*|", ",;:!>/()[]"
-"""Signs that a backslash stands before: meant as they are, and spaces or marks of mathematics."""
+"""Characters after a backslash: kept as they are; spacing and marks of mathematics."""
 _BARE = re.compile(r"[\w.]+")
 _CHARACTERS = {
     **{ord("₀") + n: str(n) for n in range(10)},
     **{ord(c): plain for c, plain in zip("ᵢⱼₖₙ₋", "ijkn-", strict=True)},
-    ord("º"): "°", ord("˚"): "°", ord("⁰"): "°",
-    ord("⁄"): "/", ord("⍺"): "α", ord("‐"): "-", ord("‑"): "-",
-    ord("‒"): "-", ord("∗"): "*", ord("\u202f"): " ", ord("\u2009"): " ", ord("\u00a0"): " ",
-    ord("π"): "pi", ord("ϑ"): "θ", ord("√"): "sqrt",
-}  # fmt: skip
+    **dict.fromkeys(map(ord, "º˚⁰"), "°"),
+    **dict.fromkeys(map(ord, "‐‑‒"), "-"),
+    **dict.fromkeys(map(ord, "\u202f\u2009\u00a0"), " "),
+    ord("⁄"): "/",
+    ord("⍺"): "α",
+    ord("∗"): "*",
+    ord("π"): "pi",
+    ord("ϑ"): "θ",
+    ord("√"): "sqrt",
+}
 _STARRED = re.compile(r"((?:theta|th|θ|q|d|r|t)_?\d*)\s*\*(?=\s*(?:$|[-+−)]))")
 _FOOTNOTE = re.compile("(?<=[0-9.])(?=[₀-₉])")
-"""Between a number and a subscript, which is no digit of it."""
+"""Position between a number and a subscript, which is not one of its digits."""
 _BOLD = re.compile(r"^\*\*(.*)\*\*$")
 _CALLED = re.compile(r"(?<![^\W_])(theta|θ|q)\s?\(\s?(\d{1,3})\s?\)")
 _GENERIC = re.compile(r"(?<![^\W_])(theta|θ|q|d|r)_[ijk](?!\w)")
 
 
 def plain_cell(text: str) -> str:
-    """A typeset cell as plain text; linear in its length, which the caller bounds."""
+    """Return a typeset cell as plain text, in time linear in its length."""
     text = _FOOTNOTE.sub("_", text).translate(_CHARACTERS)
     text = "".join(_plain_letter(c) for c in text)
     converted, _ = _Converter(_TOKEN.findall(text)).group(0)
@@ -58,7 +69,7 @@ def plain_cell(text: str) -> str:
 
 
 def _plain_letter(character: str) -> str:
-    """𝜃 and other mathematical alphabets as plain letters."""
+    """Replace 𝜃 and other mathematical alphabets by plain letters."""
     if 0x1D400 <= ord(character) <= 0x1D7FF:
         return unicodedata.normalize("NFKC", character)
     return character
@@ -70,7 +81,7 @@ class _Converter:
         self.depth = 0
 
     def group(self, position: int) -> tuple[str, int]:
-        """Text from here up to the closing brace of this group, and the position after it."""
+        """Read up to the closing brace of this group; return its text and the next position."""
         parts: list[str] = []
         self.depth += 1
         if self.depth > MAX_DEPTH:
@@ -86,7 +97,7 @@ class _Converter:
         return "".join(parts), position
 
     def item(self, position: int) -> tuple[str, int]:
-        """One token with its arguments."""
+        """Read one token with its arguments."""
         token = self.tokens[position]
         position += 1
         if token == "{":
@@ -108,7 +119,7 @@ class _Converter:
         return token, position
 
     def command(self, name: str, position: int) -> tuple[str, int]:
-        """A command with its arguments."""
+        """Read a command with its arguments."""
         if name in _WORDS:
             word = _WORDS[name]
             apart = word.isalpha() and len(word) > 1 and self.follows_letter(position)
@@ -140,7 +151,7 @@ class _Converter:
         return f"\\{name}", position
 
     def argument(self, position: int) -> tuple[str, int]:
-        """A group in braces without them, or one token."""
+        """Read a group in braces, without them, or one token."""
         while position < len(self.tokens) and self.tokens[position].isspace():
             position += 1
         if position >= len(self.tokens) or self.tokens[position] in ("}", "$"):

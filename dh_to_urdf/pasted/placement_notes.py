@@ -1,4 +1,4 @@
-"""Lines beside a pasted table that place it: ``tool = [1 0 0 0; 0 1 0 0; 0 0 1 0.1; 0 0 0 1]``."""
+"""Base and tool beside a pasted table: ``tool = [1 0 0 0; 0 1 0 0; 0 0 1 0.1; 0 0 0 1]``."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _REST = re.compile(r"[ \t;>|\-]{0,20}$", re.MULTILINE)
 
 
 def placement_notes(text: str, *, program: bool = False) -> tuple[str, dict[str, Any]]:
-    """Takes ``base = [4x4]`` and ``tool = [4x4]`` out of a text.
+    """Extract ``base = [4x4]`` and ``tool = [4x4]`` from a text.
 
     Args:
         text: The text.
@@ -64,7 +64,7 @@ def _names_a_number(text: str, match: re.Match[str]) -> bool:
 
 
 def _matrix(text: str, start: int) -> tuple[list[list[str]], int]:
-    """Rows of the bracket that starts here, and its end; no rows if there is none."""
+    """Return the rows of the bracket that starts here, and its end; no rows if there is none."""
     if text[start] != "[":
         return [], start
     depth = 0

@@ -1,4 +1,4 @@
-"""What readers of pasted text hand on: cells by column, as written, with their places."""
+"""Tables of unread cells, by column and with their lines, as readers of pasted text give them."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class RawTable:
 
 
 def table_from_grid(text: str, convention: Convention, columns: Sequence[str] | None) -> RawTable:
-    """Reads a table of lines and cells under a heading.
+    """Read a table of lines and cells under a heading.
 
     Args:
         text: The text.
@@ -94,7 +94,7 @@ def table_from_grid(text: str, convention: Convention, columns: Sequence[str] | 
 
 
 def headings_of(texts: Sequence[str], convention: Convention, where: str) -> list[Heading]:
-    """The columns that a list of headings names.
+    """Return the columns that a list of headings names.
 
     Raises:
         DHError: One is unknown or stands twice.
@@ -118,7 +118,7 @@ def _known(line: Line, convention: Convention) -> int:
 
 
 def _headed(lines: list[Line], convention: Convention) -> tuple[list[Line], list[Heading]]:
-    """The rows below the heading, and the heading."""
+    """Return the rows below the heading, and the heading."""
     khalil = convention is Convention.KHALIL
     for position, line in enumerate(lines[:5]):
         found = [read_heading(cell, khalil=khalil) for cell in line.cells if cell.strip()]
@@ -136,7 +136,7 @@ def _headed(lines: list[Line], convention: Convention) -> tuple[list[Line], list
 
 
 def _without_blank_columns(lines: list[Line]) -> list[Line]:
-    """Without columns at the end that are empty in every row, as spreadsheets leave them."""
+    """Remove columns at the end that are empty in every row, as in spreadsheets."""
     width = max((len(line.cells) for line in lines), default=0)
     while width and not any("".join(line.cells[width - 1 :]).strip() for line in lines):
         width -= 1
@@ -160,7 +160,7 @@ def _row(line: Line, headings: list[Heading]) -> RawRow:
 
 
 def _check_index(table: RawTable) -> None:
-    """Refuses numbers of joints that do not count up: a row is missing or out of place."""
+    """Refuse numbers of joints that do not count up: a row is missing or out of place."""
     cells = [row.cells["index"] for row in table.rows if "index" in row.cells]
     numbers = [cell.text.strip().strip("$*") for cell in cells]
     if not all(number.isdecimal() and len(number) < 5 for number in numbers):

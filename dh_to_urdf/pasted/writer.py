@@ -1,6 +1,6 @@
-"""DHTable -> LaTeX, Markdown, TSV and MATLAB text for a handout; ``read_pasted`` reads it back.
+"""DHTable -> LaTeX, Markdown, TSV and MATLAB text, which ``read_pasted`` reads.
 
-Every digit is written. Inertias are not, and base and tool stand beside the table as
+Every digit is written. Inertias are not; base and tool are written beside the table as
 ``tool = [4x4]``.
 """
 
@@ -44,7 +44,7 @@ class TableText(NamedTuple):
 
 
 def table_to_markdown(table: DHTable) -> str:
-    """A pipe table with Greek letters."""
+    """Write a pipe table with Greek letters."""
     heading, *rows = _grid(table)
     rows = [
         [cell if key == "name" else _unicode(cell) for key, cell in zip(heading, row, strict=True)]
@@ -59,13 +59,13 @@ def table_to_markdown(table: DHTable) -> str:
 
 
 def table_to_tsv(table: DHTable) -> str:
-    """Columns between tabs, for a spreadsheet."""
+    """Write columns between tabs, for a spreadsheet."""
     lines = ["\t".join(line) for line in _grid(table)]
     return "\n".join([*lines, *(f"# {note}" for note in _placements(table)), ""])
 
 
 def table_to_latex(table: DHTable) -> str:
-    """A ``tabular`` environment."""
+    """Write a ``tabular`` environment."""
     heading, *rows = _grid(table)
     head = " & ".join(_latex_heading(cell) for cell in heading)
     lines = [f"% {table.name}, {table.convention}", f"\\begin{{tabular}}{{{'c' * len(heading)}}}"]
@@ -78,7 +78,7 @@ def table_to_latex(table: DHTable) -> str:
 
 
 def table_to_matlab(table: DHTable) -> str:
-    """Links of the Robotics Toolbox for MATLAB.
+    """Write links of the Robotics Toolbox for MATLAB.
 
     Raises:
         DHError: A fixed row or a tree, for which the Toolbox has no links.
@@ -131,7 +131,7 @@ def _link(row: DHRow, modified: bool) -> list[str]:
 
 
 def _grid(table: DHTable) -> list[list[str]]:
-    """Heading and rows, in the ASCII that ``expressions`` reads."""
+    """Return the heading and the rows, in the ASCII that ``expressions`` reads."""
     khalil = table.convention is Convention.KHALIL
     before = "(i-1)" if table.convention is Convention.MODIFIED else ""
     x_column, z_column = ("d", "r") if khalil else (f"a{before}", "d")

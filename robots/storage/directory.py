@@ -1,8 +1,8 @@
 """RobotDirectory: the files of uploaded robots, changed by one process at a time.
 
 Layout: ``robots/<id>.json``, ``quarantine/…``, and ``robots.lock``, which holds the record. Writers
-take turns by a lock on that file, which the kernel takes back from a killed process. Whoever gets
-its turn after a crash removes what was left behind and counts anew.
+lock that file; the kernel releases the lock of a killed process. The first writer after a crash
+removes what was left behind and counts anew.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ class RobotDirectory:
         self._listed: tuple[tuple[bytes, int], tuple[str, ...]] | None = None
 
     def path(self, robot_id: str) -> Path:
-        """Where the file of a robot lies."""
+        """Return where the file of a robot lies."""
         return self.files / f"{robot_id}{SUFFIX}"
 
     def signature(self, robot_id: str) -> Signature | None:
-        """The identity of a robot's file; None where there is none.
+        """Return the identity of a robot's file; None where there is none.
 
         Raises:
             StorageUnavailable: The directory cannot be looked into.
@@ -63,7 +63,7 @@ class RobotDirectory:
             raise StorageUnavailable("the stored robots cannot be read now") from None
 
     def ids(self) -> tuple[str, ...]:
-        """Ids that have a file, sorted; the same tuple as long as none comes or goes.
+        """Return the ids that have a file, sorted; the same tuple as long as none comes or goes.
 
         Raises:
             StorageUnavailable: The directory cannot be read.
@@ -84,7 +84,7 @@ class RobotDirectory:
 
     @contextmanager
     def write_transaction(self, patience: float = PATIENCE) -> Iterator[WriteTransaction]:
-        """Waits until no other thread or process writes, and keeps them waiting.
+        """Hold the lock of all writers: wait for it, and give the transaction.
 
         Args:
             patience: Most seconds to wait.
@@ -102,7 +102,7 @@ class RobotDirectory:
                 try:
                     yield self._transaction(descriptor)
                 finally:
-                    # A child that was forked meanwhile would keep the lock of a mere close.
+                    # Closing alone would leave the lock with a child that was forked meanwhile.
                     fcntl.flock(descriptor, fcntl.LOCK_UN)
                     os.close(descriptor)
         finally:
@@ -117,7 +117,7 @@ class RobotDirectory:
                 if not stat.S_ISREG(status.st_mode):
                     raise OSError(errno.EINVAL, "the lock is no file")
                 _wait_for_lock(descriptor, until)
-                # Not one that somebody has removed meanwhile: others would lock its successor.
+                # Not a file that was removed meanwhile: others would lock its successor.
                 with suppress(FileNotFoundError):
                     if os.path.samestat(status, os.lstat(self._lock_path)):
                         return descriptor
@@ -127,7 +127,7 @@ class RobotDirectory:
             os.close(descriptor)
 
     def _make(self) -> None:
-        """Makes the directory, also where it was removed under a running service."""
+        """Create the directory, also where it was removed under a running service."""
         if not self.files.is_dir():
             self.files.mkdir(parents=True, exist_ok=True)
             sync_directory(self._directory)
@@ -143,7 +143,7 @@ class RobotDirectory:
         return transaction
 
     def _version(self) -> tuple[bytes, int] | None:
-        """Another one after every change; None while it cannot be told."""
+        """Return a value that differs after every change; None while it cannot be told."""
         try:
             descriptor = os.open(self._lock_path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
         except OSError:

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all, also after a power cut; and what a disk may refuse."""
+"""Atomic, durable writes, and the errors of a disk as errors of this package."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SHORT = (errno.EMFILE, errno.ENFILE, errno.ENOMEM)
 
 @contextmanager
 def storage_errors() -> Iterator[None]:
-    """Turns what the system refuses into this package's errors.
+    """Convert what the system refuses into this package's errors.
 
     Raises:
         StorageFull: No space, no inodes, a quota of the system or its limit on files.
@@ -43,10 +43,10 @@ def storage_errors() -> Iterator[None]:
 
 
 def write_durably(path: Path, content: bytes) -> None:
-    """Temporary file, flush to the disk, rename; the caller flushes the directory.
+    """Write a temporary file, flush it, rename it; the caller flushes the directory.
 
-    The file's time of change is set to the clock's, which is finer than the one that older kernels
-    stamp, and later than that of the file that it replaces: no two versions look the same.
+    The file's time of change is set from the clock, which is finer than the stamps of older
+    kernels, and later than that of the file that it replaces, so that no two versions are equal.
 
     Raises:
         OSError: Nothing has changed.
@@ -69,7 +69,7 @@ def write_durably(path: Path, content: bytes) -> None:
 
 
 def sync_directory(directory: Path) -> None:
-    """Flushes the names in a directory to the disk."""
+    """Flush the names in a directory to the disk."""
     descriptor = os.open(directory, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         os.fsync(descriptor)

@@ -1,4 +1,4 @@
-"""RobotMemory: loaded robots by id, the last used ones, within a bound on their weight."""
+"""RobotMemory: the last used robots by id, within a bound on their memory cost."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ MAX_WEIGHT = 20_000.0
 
 
 def weight_of(robot: Robot) -> float:
-    """What a robot costs: its working memories grow with dof², its texts with their length."""
+    """Return the memory cost of a robot, in arbitrary units: dof² and length of its text."""
     return 20.0 + robot.dof**2 + len(robot.urdf) / 1000.0
 
 
 class RobotMemory(Generic[Entry]):
-    """Entries by id; the one that was not used for longest goes first. Safe between threads."""
+    """Entries by id; the least recently used one is dropped first. Safe between threads."""
 
     def __init__(self, max_weight: float = MAX_WEIGHT) -> None:
         self._max_weight = max_weight
@@ -30,7 +30,7 @@ class RobotMemory(Generic[Entry]):
         return len(self._entries)
 
     def get(self, robot_id: str) -> Entry | None:
-        """The entry, which is then the last one to go."""
+        """Return the entry and mark it as the last used."""
         with self._lock:
             found = self._entries.get(robot_id)
             if found is None:
@@ -39,7 +39,7 @@ class RobotMemory(Generic[Entry]):
             return found[1]
 
     def keep(self, robot_id: str, entry: Entry, weight: float) -> None:
-        """Remembers an entry, and forgets others where the bound asks for it."""
+        """Keep an entry, and drop others beyond the bound."""
         with self._lock:
             self._drop(robot_id)
             self._entries[robot_id] = (weight, entry)
@@ -48,7 +48,7 @@ class RobotMemory(Generic[Entry]):
                 self._drop(next(iter(self._entries)))
 
     def forget(self, robot_id: str) -> None:
-        """Drops an entry where there is one."""
+        """Drop an entry where there is one."""
         with self._lock:
             self._drop(robot_id)
 

@@ -1,8 +1,8 @@
-"""Quarantine: where files go that are no robots, with the time and the reason in their names.
+"""Quarantine: files that hold no robot, moved aside with time and reason in their names.
 
-``quarantine/<id>.<UTC time>.<reason>``. As long as such a file lies there and no sound file has
-its id, the id counts as damaged. Files of ids that were deleted are removed; a directory, which may
-hold anything, is only renamed to ``….settled``.
+``quarantine/<id>.<UTC time>.<reason>``. While such a file exists and no sound file has its
+id, the id counts as damaged. Files of deleted ids are removed; a directory, which may hold
+anything, is only renamed to ``….settled``.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class QuarantinedFile:
     """A file that was moved aside.
 
     Attributes:
-        robot_id: Whose it was.
+        robot_id: Id of its robot.
         when: When it was moved, UTC.
         reason: Why, in one word.
         path: Where it lies.
@@ -44,13 +44,13 @@ class QuarantinedFile:
 
 
 class Quarantine:
-    """The folder of one store; changed only by who holds the store's lock."""
+    """The folder of one store; to be changed under the store's lock only."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
     def files(self) -> tuple[QuarantinedFile, ...]:
-        """All files that were moved aside, by id and time.
+        """Return all files that were moved aside, by id and time.
 
         Raises:
             OSError: The folder cannot be read.
@@ -67,11 +67,11 @@ class Quarantine:
         )
 
     def of(self, robot_id: str) -> tuple[QuarantinedFile, ...]:
-        """The files that were moved aside from one id, the last one last."""
+        """Return the files that were moved aside from one id, oldest first."""
         return tuple(file for file in self.files() if file.robot_id == robot_id)
 
     def take(self, path: Path, robot_id: str, reason: str) -> None:
-        """Moves a file aside, whatever it is, durably.
+        """Move a file aside durably, whatever it is.
 
         Raises:
             OSError: It cannot be moved.
@@ -90,7 +90,7 @@ class Quarantine:
         _log.warning("robot %s: its file was moved to quarantine/%s", robot_id, target.name)
 
     def settle(self, robot_id: str) -> None:
-        """Removes what was moved aside from an id.
+        """Remove what was moved aside from an id.
 
         Raises:
             OSError: It cannot be removed.

@@ -1,4 +1,4 @@
-"""The file of an uploaded robot: three lines, and what can be wrong with them.
+"""The file of an uploaded robot: format, reading, writing, and faults.
 
 The first line is the SHA-256 of the rest, the second what a list shows (JSON), the third the robot
 (JSON). Files of format 1 had the robot in the second line.
@@ -25,16 +25,16 @@ ROBOT_ID: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 SUFFIX: Final = ".json"
 FORMAT: Final = 2
 MAX_FILE_BYTES: Final = 64_000_000
-"""No robot that passes the checks on uploads comes near it."""
+"""Far above the size of any robot that passes the checks on uploads."""
 
 Signature = tuple[int, int, int]
-"""Inode, time of the last change in ns, size: another one, another file."""
+"""Inode, time of the last change in ns, size in bytes: differs between files."""
 
 _SHORT_OF = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EAGAIN, errno.ESTALE, errno.EINTR)
 
 
 class BrokenFile(Exception):
-    """A file that is no robot's and never will be: to be moved aside.
+    """A file that holds no robot: to be moved aside.
 
     Attributes:
         reason: One word.
@@ -46,7 +46,7 @@ class BrokenFile(Exception):
 
 
 class UnusableFile(Exception):
-    """A file that may be right, but cannot be used now: to be left where it is.
+    """A file that may be right, but cannot be used now: to be left in place.
 
     Attributes:
         fault: What is wrong, as the predicate of a sentence.
@@ -64,7 +64,7 @@ FAULTS: Final = {
     "size": "was found damaged (it is larger than any robot)",
     "content": "was found damaged (it holds no robot)",
 }
-"""What each reason of a :class:`BrokenFile` says."""
+"""Predicate of each reason of a :class:`BrokenFile`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ class FileHead:
 
 
 def encode(robot: Robot) -> bytes:
-    """The file of a robot.
+    """Write the content of a robot's file.
 
     Raises:
         RobotTooLarge: The file would be larger than any that is read.
@@ -96,10 +96,9 @@ def encode(robot: Robot) -> bytes:
 
 
 def read_file(path: Path) -> tuple[bytes, Signature] | None:
-    """Content and identity of a regular file; None where there is none.
+    """Read content and identity of a regular file; None where there is none.
 
-    Whatever lies there (a pipe, a device, a link, something huge) is neither followed nor waited
-    for.
+    A pipe, a device, a link or a huge file is neither followed nor waited for.
 
     Raises:
         BrokenFile: It is no file that a robot can be in.
@@ -128,12 +127,12 @@ def read_file(path: Path) -> tuple[bytes, Signature] | None:
 
 
 def signature_of(status: os.stat_result) -> Signature:
-    """The identity of a file's content."""
+    """Return the identity of a file's content."""
     return status.st_ino, status.st_mtime_ns, status.st_size
 
 
 def read_head(content: bytes) -> FileHead | None:
-    """What a list shows; None for a file of format 1, which does not say it.
+    """Read what a list shows; None for a file of format 1, which does not hold it.
 
     Raises:
         BrokenFile: It fails its checksum.
@@ -144,7 +143,7 @@ def read_head(content: bytes) -> FileHead | None:
 
 
 def decode(content: bytes) -> Robot:
-    """The robot of a file.
+    """Read the robot of a file.
 
     Raises:
         BrokenFile: It fails its checksum.

@@ -1,9 +1,9 @@
-"""The record of a directory of robots: how many there are and how large, without looking at all.
+"""The usage record of a directory of robots: number and size of its files, without a scan.
 
-It is the content of the lock file, read and written by who holds the lock. A writer blanks it
-before it changes the directory and writes it anew afterwards, so that after a crash there is none
-and the next writer counts. It also names the directory's time of change, so that what others did
-with ``cp`` or ``rm`` makes it void. Readers take it, without the lock, for the directory's version.
+It is the content of the lock file, read and written under the lock. A writer blanks it before it
+changes the directory and rewrites it afterwards, so that after a crash it is blank and the next
+writer counts. It holds the directory's time of change, so that ``cp`` or ``rm`` by others makes it
+void. Readers use it, without the lock, as the version of the directory.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Quotas:
     bytes: int = 1_000_000_000
 
     def check(self, before: Usage, after: Usage) -> None:
-        """Refuses what grows beyond a quota; what shrinks may, also where it is exceeded already.
+        """Refuse growth beyond a quota; what shrinks may exceed it still.
 
         Raises:
             QuotaReached: Names the quota.
@@ -52,12 +52,12 @@ class Usage:
 
 
 def read_usage_record(descriptor: int) -> bytes:
-    """The record as it stands, in one read."""
+    """Read the record, in one read."""
     return os.pread(descriptor, _SIZE, 0)
 
 
 def usage_in(record: bytes, directory_mtime: int) -> Usage | None:
-    """What a record says; None where it is blank, or the directory changed since."""
+    """Return the usage in a record; None where it is blank, or the directory changed since."""
     fields = record.split()
     if len(record) != _SIZE or len(fields) != 4 or not all(map(bytes.isdigit, fields)):
         return None
@@ -66,7 +66,7 @@ def usage_in(record: bytes, directory_mtime: int) -> Usage | None:
 
 
 def blank(descriptor: int, record: bytes) -> None:
-    """Says that the directory is about to change.
+    """Blank the record before the directory changes.
 
     Raises:
         OSError: It cannot be said, so nothing may change.
@@ -75,12 +75,12 @@ def blank(descriptor: int, record: bytes) -> None:
         try:
             os.pwrite(descriptor, _BLANK, 0)
         except OSError:
-            # Some file systems need room even to write over a block; none to drop it.
+            # Some file systems need space to overwrite a block; none needs it to truncate.
             os.ftruncate(descriptor, 0)
 
 
 def write_usage_record(descriptor: int, usage: Usage, directory_mtime: int, before: bytes) -> None:
-    """Says what is stored; never the same as ``before`` or any record of another change."""
+    """Write the usage; the record differs from ``before`` and that of any other change."""
     generation = max(time.time_ns(), _generation(before) + 1)
     text = f"{usage.robots} {usage.bytes} {directory_mtime} {generation}"
     os.pwrite(descriptor, text.ljust(_SIZE).encode(), 0)

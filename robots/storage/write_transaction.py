@@ -1,4 +1,4 @@
-"""WriteTransaction: what one writer does to a directory of robots while all others wait."""
+"""WriteTransaction: changes of a directory of robots by one writer, under the lock."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class WriteTransaction:
     _record: bytes
 
     def write(self, robot_id: str, content: bytes) -> None:
-        """Stores a file, or replaces one.
+        """Store or replace a file.
 
         Raises:
             QuotaReached: It would exceed a quota.
@@ -52,7 +52,7 @@ class WriteTransaction:
             sync_directory(path.parent)
 
     def remove(self, robot_id: str) -> None:
-        """Removes a robot's file and those that were moved aside from its id.
+        """Remove a robot's file and those that were moved aside from its id.
 
         Raises:
             OSError: Something is still there.
@@ -67,18 +67,18 @@ class WriteTransaction:
         self.quarantine.settle(robot_id)
 
     def set_aside(self, robot_id: str, reason: str) -> None:
-        """Moves a robot's file to quarantine.
+        """Move a robot's file to quarantine.
 
         Raises:
             OSError: It lies where it lay.
         """
         blank(self._descriptor, self._record)
         self.quarantine.take(self._path(robot_id), robot_id, reason)
-        # Whatever damaged the file may have changed its size.
+        # The damage may have changed the size of the file.
         self.recover()
 
     def recover(self) -> None:
-        """Removes what killed writers left behind, and counts what is stored."""
+        """Remove what killed writers left behind, and count what is stored."""
         robots = size = 0
         blank(self._descriptor, self._record)
         with os.scandir(self.files) as entries:
@@ -95,7 +95,7 @@ class WriteTransaction:
         return self.files / f"{robot_id}{SUFFIX}"
 
     def _size(self, robot_id: str) -> int | None:
-        """Size of a robot's file; None where there is none, or something else than a file."""
+        """Return the size of a robot's file, bytes; None where no regular file is there."""
         try:
             status = os.lstat(self._path(robot_id))
         except FileNotFoundError:

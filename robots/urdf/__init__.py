@@ -1,10 +1,10 @@
-"""The gate for URDF: a text from anyone -> a checked description and a canonical URDF.
+"""Validation of URDF: an untrusted text -> a checked description and a canonical URDF.
 
-urdfdom and other readers accept much that lies (a zero axis, missing limits, two parents, half a
-file) and refuse the rest with one and the same message. Everything is therefore checked here, one
-thing a module: the text and its encoding, the XML, which elements stand where, numbers and names,
-links, joints, and whether they are one tree. What leaves is plain checked values for Pinocchio,
-and a canonical text with nothing but those for everybody else. Mesh files are never opened.
+urdfdom and other readers accept wrong robots (a zero axis, missing limits, two parents, half a
+file) and refuse the rest with one message. Everything is therefore checked here, one aspect a
+module: the text and its encoding, the XML, the places of elements, numbers and names, links,
+joints, and the tree. The result is checked values for Pinocchio, and a canonical text with those
+values only for all other readers. Mesh files are never opened.
 """
 
 from robots.urdf.description import URDFDescription, URDFJoint

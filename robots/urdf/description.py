@@ -1,4 +1,4 @@
-"""What the gate lets through: a robot as plain checked values."""
+"""A checked URDF as plain values."""
 
 from __future__ import annotations
 
@@ -73,13 +73,13 @@ class URDFDescription:
 
     @property
     def moving(self) -> tuple[URDFJoint, ...]:
-        """The joints that are in q, in the order of the file."""
+        """Return the joints that are in q, in the order of the file."""
         return tuple(joint for joint in self.joints if joint.type != "fixed")
 
     def default_tip(self) -> str:
-        """The leaf of the longest chain, counted in moving joints, then in links.
+        """Return the leaf of the longest chain, counted in moving joints, then in links.
 
-        Of several, the one whose link stands first in the file.
+        Of several, the one whose link is first in the file.
         """
         length = {self.root: (0, 0)}
         for joint in self.parents_first():
@@ -89,7 +89,7 @@ class URDFDescription:
         return max((link for link in self.links if link not in parents), key=length.__getitem__)
 
     def parents_first(self) -> tuple[URDFJoint, ...]:
-        """The joints, each after the joint that carries its parent link; else as in the file."""
+        """Return the joints in file order, each after the joint that carries its parent link."""
         below: dict[str, list[URDFJoint]] = {}
         for joint in reversed(self.joints):
             below.setdefault(joint.parent, []).append(joint)

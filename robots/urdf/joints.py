@@ -1,4 +1,4 @@
-"""Joints of a URDF: what they join, their axes and limits."""
+"""Joints of a URDF: their links, axes and limits."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _SHORTEST_AXIS = 1e-6
 
 
 def read_joint(element: Element, robot: Element, links: Collection[str]) -> URDFJoint:
-    """Reads a joint and writes the canonical one below ``robot``.
+    """Read a joint and write the canonical one below ``robot``.
 
     Args:
         element: The <joint>.
@@ -146,6 +146,6 @@ def _limits(
 
 
 def _limit(limit: Element, key: str, where: str) -> float:
-    """A limit; what stands for none is written as ±UNBOUNDED."""
+    """Read a limit; ±UNBOUNDED stands for none."""
     value = number(limit, key, where, bound=MAX_LIMIT)
     return math.copysign(min(abs(value), UNBOUNDED), value)

@@ -1,12 +1,12 @@
-"""How large a URDF may be.
+"""Limits on the size of a URDF.
 
-Whatever passes these caps is read and made a model within a fraction of a second and some
-megabytes, with no recursion that grows with the robot: tests/robots/urdf/test_limits.py.
+A URDF within these limits is read and built in a fraction of a second and some megabytes, without
+recursion that grows with the robot (tests/robots/urdf/test_limits.py).
 """
 
 MAX_BYTES = 2_000_000
 MAX_ELEMENTS = 20_000
-"""Elements of the document, those that are left out among them; real robots have up to 4,000."""
+"""Elements of the document, including those left out; real robots have up to 4,000."""
 MAX_ATTRIBUTES = 32
 """Attributes of one element; real robots have up to 12."""
 MAX_DOF = 64

@@ -30,7 +30,7 @@ _SIZES = {
 }
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _ROUNDING = 1e-9
-"""Negative moments of inertia down to this part, or kg m², are what exporters rounded."""
+"""Negative moments of inertia down to this part, or kg m², count as rounding."""
 
 
 @dataclass
@@ -50,7 +50,7 @@ class LinkReader:
     odd_inertias: list[str] = field(default_factory=list)
 
     def read_materials(self, source: Element) -> None:
-        """Reads the materials that stand beside the links; the first of a name counts."""
+        """Read the materials beside the links; the first of a name counts."""
         elements = source.findall("material")
         if len(elements) > MAX_MATERIALS:
             raise RobotTooLarge(
@@ -65,7 +65,7 @@ class LinkReader:
                 self._color(element, twin, where)
 
     def read(self, element: Element) -> str:
-        """Reads a link and gives its name."""
+        """Read a link and return its name."""
         name = name_of(element, "a <link>")
         where = f"link {name!r}"
         twin = etree.SubElement(self.robot, "link", name=name)
@@ -78,7 +78,7 @@ class LinkReader:
         return name
 
     def warnings(self) -> tuple[str, ...]:
-        """What was left out or is odd."""
+        """Return what was left out or is odd."""
         found = []
         if self.foreign_meshes:
             found.append(
@@ -139,7 +139,7 @@ class LinkReader:
             self._material(material, twin, where)
 
     def _mesh(self, form: Element, where: str) -> dict[str, str] | None:
-        """Attributes of a mesh; None where its file name is not to be handed on."""
+        """Return the attributes of a mesh; None where its file name is not to be handed on."""
         filename = form.get("filename")
         if filename is None:
             raise InvalidURDF(f"{where}: filename of <mesh> is missing; give it")
@@ -159,7 +159,7 @@ class LinkReader:
         return written
 
     def _material(self, element: Element, visual: Element, where: str) -> None:
-        """A material that has a colour here or among the declared ones."""
+        """Return a material that has a colour here or among the declared ones."""
         name = checked_name(element.get("name", ""), f"{where}: a <material>")
         if element.find("color") is not None:
             self._color(element, etree.SubElement(visual, "material", name=name), where)
@@ -174,7 +174,7 @@ class LinkReader:
 
 
 def check_shapes(links: list[Element]) -> None:
-    """Refuses more shapes than are handed on, before any is read.
+    """Refuse more shapes than are handed on, before any is read.
 
     Raises:
         RobotTooLarge: Too many.
@@ -187,7 +187,7 @@ def check_shapes(links: list[Element]) -> None:
 
 
 def _some(names: list[str]) -> str:
-    """The first few of the links."""
+    """Return the first few of the links, for a message."""
     unique = tuple(dict.fromkeys(names))
     more = f" and {len(unique) - 3} more" if len(unique) > 3 else ""
     return (

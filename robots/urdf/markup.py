@@ -1,4 +1,4 @@
-"""Text -> XML elements: one strict parse by libxml2, and caps before anything else is done."""
+"""Text -> XML elements: one strict parse by libxml2, with limits on size and nesting."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _REASONS = {
 
 
 def parse(text: str) -> etree._Element:
-    """The root element of a text.
+    """Parse a text and return its root element.
 
     Args:
         text: The text, without XML declaration and DOCTYPE.
@@ -87,9 +87,9 @@ def parse(text: str) -> etree._Element:
 
 
 def _drop_default_namespace(root: etree._Element) -> None:
-    """Takes elements out of the namespace that ``xmlns="…"`` of the root gives.
+    """Remove the namespace that ``xmlns="…"`` of the root gives to elements.
 
-    URDF has no namespace, and its readers look at names as they are written.
+    URDF has no namespace, and its readers compare names as written.
     """
     default = root.nsmap.get(None)
     if default is not None:
@@ -99,12 +99,12 @@ def _drop_default_namespace(root: etree._Element) -> None:
 
 
 def shown_tag(element: etree._Element) -> str:
-    """The name of an element without its namespace, cleaned and shortened for a message."""
+    """Return the name of an element without its namespace, cleaned and shortened for a message."""
     return re.sub(r"[^\w:./-]", "", str(element.tag).rpartition("}")[2])[:40]
 
 
 def _reason(error: etree.XMLSyntaxError) -> str:
-    """Line, column and cause in our own words; the library's would echo the input."""
+    """Return line, column and cause in own words; the library's would echo the input."""
     line, column = error.position
     place = f"line {line}, column {column}: " if line else ""
     return place + _REASON_BY_CODE.get(getattr(error, "code", 0), "a syntax error")

@@ -1,8 +1,7 @@
-"""Names of mesh files, which are kept as text for those who have the files.
+"""Names of mesh files, which are kept as text only.
 
-The canonical URDF is served to others, whose programs open what it names. So only names are kept
-that stay in a package or below the URDF's own directory: no absolute paths, no other hosts, no way
-up by ``..``.
+Programs that read the canonical URDF open the files that it names. So only names within a package
+or below the URDF's own directory are kept: no absolute paths, no other hosts, no ``..``.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ _UNSAFE = re.compile(r"""[\\:%~$`|<>"'*?#&;{}]""")
 
 
 def portable_name(filename: str) -> str | None:
-    """The name where it is ``package://…`` or a relative path downwards, else None.
+    """Return the name where it is ``package://…`` or a relative path downwards, else None.
 
     ``package:///arm/a.stl``, which some exporters write, loses its third slash: programs that cut
     off ``package://`` would open ``/arm/a.stl``.

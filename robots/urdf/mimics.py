@@ -1,7 +1,7 @@
-"""Joints that mimic another: checked, then treated as independent, and said so.
+"""Joints that mimic another: checked, then treated as independent, with a warning.
 
-Every joint that moves is in q, so that q has the same entries whoever reads the file. What the
-relation asks of q is written in a warning.
+Every joint that moves is in q, so that q has the same entries in every reader of the file. The
+warning states the relation between the two entries of q.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from robots.urdf.values import Element, number
 
 
 def read_mimics(joints: Sequence[URDFJoint], elements: Sequence[Element]) -> tuple[str, ...]:
-    """Checks the ``<mimic>`` of each joint.
+    """Check the ``<mimic>`` of each joint.
 
     Args:
         joints: The joints.

@@ -1,4 +1,4 @@
-"""A URDF text from anyone -> a checked description."""
+"""An untrusted URDF text -> a checked description."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from robots.urdf.values import Element, name_of
 
 
 def read_urdf(text: str | bytes) -> URDFDescription:
-    """Checks a URDF and writes its canonical form.
+    """Check a URDF and write its canonical form.
 
     Args:
         text: The XML text; at most ``MAX_BYTES`` bytes.
@@ -28,7 +28,7 @@ def read_urdf(text: str | bytes) -> URDFDescription:
 
     Raises:
         InvalidURDF: Not XML, not one tree, not finite, an unsupported joint type, …
-        RobotTooLarge: More links, joints or shapes than the service computes with.
+        RobotTooLarge: More links, joints or shapes than are computed with.
     """
     source = parse(decode(text))
     left_out = check_structure(source)
@@ -58,7 +58,7 @@ def read_urdf(text: str | bytes) -> URDFDescription:
 
 
 def _check_sizes(links: list[Element], joints: list[Element]) -> None:
-    """Refuses what is too large, before anything is read of it."""
+    """Refuse what is too large, before anything of it is read."""
     if not links:
         raise InvalidURDF("the robot has no <link>; a URDF has one a body")
     if len(links) > MAX_LINKS:

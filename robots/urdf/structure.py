@@ -1,8 +1,8 @@
-"""Which elements of a URDF stand where, and how often.
+"""Places and numbers of the elements of a URDF.
 
-What kinematics reads is listed; extensions of simulators and controllers are left out and named
-in a warning. All else that could be a slip (a second <origin>, <orgin>, a <link> in a <link>, text
-between tags) is refused, since other readers would drop it in silence and compute another robot.
+The elements that kinematics reads are listed; extensions of simulators and controllers are left out
+and named in a warning. Whatever may be a mistake (a second <origin>, <orgin>, a <link> in a <link>,
+text between tags) is refused, since other readers would ignore it and compute another robot.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _OPTIONAL_ATTRIBUTES = {
     "axis": ("xyz",),
     "mimic": ("joint", "multiplier", "offset"),
 }
-"""Elements whose attributes have defaults, so that a misspelt one would go unseen."""
+"""Elements whose attributes have defaults, so that a misspelt one would be ignored."""
 _FREE = ("gazebo", "transmission", "sensor", "ros2_control")
 """Extensions beside links and joints, with links and joints of their own meaning inside."""
 _KNOWN: dict[str, tuple[str, ...]] = {
@@ -44,19 +44,19 @@ _KNOWN: dict[str, tuple[str, ...]] = {
 }
 """Elements that common programs write and that have no part in kinematics."""
 _OF_NO_ACCOUNT = ("verbose", "origin", "material", "contact_coefficients")
-"""Left out without a word."""
+"""Elements that are left out without a warning."""
 _READ = {tag for children in _CHILDREN.values() for tag in children} | {"robot"}
 _MAX_LEFT_OUT = 20
 _NOT_DONE = {
     "include": "put the elements of that file in its place",
     "loop_joint": "a robot is a tree; cut its loops",
 }
-"""Elements without which it would be another robot, and what to do."""
+"""Elements without which it would be another robot, and the remedy."""
 _XACRO = "http://www.ros.org/wiki/xacro"
 
 
 def check_structure(robot: etree._Element) -> tuple[str, ...]:
-    """Refuses what stands in a wrong place, twice, or is misspelt.
+    """Refuse elements that are in a wrong place, twice, or misspelt.
 
     Args:
         robot: The root element.
@@ -98,7 +98,7 @@ def check_structure(robot: etree._Element) -> tuple[str, ...]:
 
 
 def _walk(element: etree._Element, where: str) -> Iterator[tuple[etree._Element, str]]:
-    """The elements that are read, each with the link or joint that it stands in."""
+    """Iterate over the elements that are read, each with its link or joint."""
     yield element, where
     known = _CHILDREN.get(str(element.tag), {})
     for child in element:
@@ -145,7 +145,7 @@ def _check_left_out(child: etree._Element, parent: str, where: str) -> None:
 
 
 def _check_unknown(child: etree._Element, parent: str, where: str) -> None:
-    """Refuses an unknown element that could have been meant to be read."""
+    """Refuse an unknown element that could have been meant to be read."""
     namespace, _, name = str(child.tag).removeprefix("{").rpartition("}")
     shown = shown_tag(child)
     if namespace.startswith(_XACRO) or namespace.endswith("/xacro"):
@@ -167,7 +167,7 @@ def _check_unknown(child: etree._Element, parent: str, where: str) -> None:
 
 @lru_cache(256)
 def _meant(name: str, parent: str) -> str | None:
-    """The child of an element that a name looks like."""
+    """Return the child of an element that a name looks like."""
     if len(name) > 32:
         return None
     close = difflib.get_close_matches(name.lower(), _CHILDREN.get(parent, ()), 1, 0.7)
@@ -175,6 +175,6 @@ def _meant(name: str, parent: str) -> str | None:
 
 
 def _is_zero_origin(child: etree._Element, parent: str) -> bool:
-    """An <origin> in a <link>, which URDF does not know, where it would change nothing anyway."""
+    """Return True for an <origin> in a <link> (unknown to URDF) that changes nothing."""
     digits = "".join(map(str, child.values()))
     return parent == "link" and child.tag == "origin" and not set(digits) & set("123456789")

@@ -1,4 +1,4 @@
-"""Bytes -> text: one encoding, no characters that XML does not have, no DOCTYPE."""
+"""Bytes -> text: one encoding, characters of XML only, no DOCTYPE."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _DOCTYPE = re.compile(r"(?:[ \t\r\n]++|<!--(?s:.*?)-->|<\?(?s:.*?)\?>)*+<!(?!--)
 
 
 def decode(document: str | bytes) -> str:
-    """The text of a document without its XML declaration.
+    """Decode a document and remove its XML declaration.
 
     Bytes are UTF-8 unless a byte order mark or the declaration says otherwise; UTF-16 needs the
     mark.
@@ -70,7 +70,7 @@ def decode(document: str | bytes) -> str:
     text = text.strip(_BLANKS)
     declaration = _DECLARATION.match(text)
     if declaration is not None:
-        # Line ends in its place keep the line numbers of errors.
+        # Line ends instead of the declaration keep the line numbers of errors.
         text = "\n" * declaration[0].count("\n") + text[declaration.end() :]
         if _DECLARED.match(text.lstrip(_BLANKS)):
             raise InvalidURDF("the text is not well-formed XML: <?xml stands twice; keep the first")

@@ -1,4 +1,4 @@
-"""Whether links and joints are one tree."""
+"""Check that links and joints form one tree."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from robots.urdf.description import URDFJoint
 
 
 def check_names(kind: str, names: Sequence[str]) -> None:
-    """Refuses two links, or two joints, of one name.
+    """Refuse two links, or two joints, of one name.
 
     Raises:
         InvalidURDF: With the name.
@@ -22,7 +22,7 @@ def check_names(kind: str, names: Sequence[str]) -> None:
 
 
 def check_tree(links: Sequence[str], joints: Sequence[URDFJoint]) -> str:
-    """Checks that every link but one has one parent and leads to the root.
+    """Check that every link but one has one parent and leads to the root.
 
     Returns:
         The root link.
@@ -63,7 +63,7 @@ def check_tree(links: Sequence[str], joints: Sequence[URDFJoint]) -> str:
 
 
 def _loop(above: dict[str, URDFJoint], link: str) -> str:
-    """Names of the joints of the loop that a link leads into, from above."""
+    """Return the names of the joints of the loop that a link leads into, from above."""
     seen: list[str] = []
     while link not in seen:
         seen.append(link)

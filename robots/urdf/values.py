@@ -23,7 +23,7 @@ _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp", "Zs"})
 
 
 def name_of(element: Element, where: str) -> str:
-    """The ``name`` attribute.
+    """Read the ``name`` attribute.
 
     Raises:
         InvalidURDF: Missing, blank, too long, or with characters that a reader cannot see.
@@ -35,7 +35,7 @@ def name_of(element: Element, where: str) -> str:
 
 
 def checked_name(name: str, where: str) -> str:
-    """A name as it stands, if people can read it and tell it from others.
+    """Return a name that people can read and tell from others.
 
     Raises:
         InvalidURDF: With what is wrong with it.
@@ -67,7 +67,7 @@ def number(
     default: str | None = None,
     bound: float = MAX_MAGNITUDE,
 ) -> float:
-    """An attribute that is one number.
+    """Read an attribute that is one number.
 
     Raises:
         InvalidURDF: See :func:`numbers`.
@@ -83,7 +83,7 @@ def numbers(
     default: str | None = None,
     bound: float = MAX_MAGNITUDE,
 ) -> tuple[float, ...]:
-    """An attribute that is numbers between blanks, in digits 0 to 9.
+    """Read an attribute of numbers between blanks, in digits 0 to 9.
 
     Args:
         element: The element.
@@ -115,7 +115,7 @@ def numbers(
 
 
 def origin_of(element: Element, where: str) -> Origin:
-    """The ``<origin>`` of an element; nothing and zero where there is none.
+    """Read the ``<origin>`` of an element; zero where there is none.
 
     Raises:
         InvalidURDF: See :func:`numbers`.
@@ -129,11 +129,11 @@ def origin_of(element: Element, where: str) -> Origin:
 
 
 def write_origin(origin: Origin, twin: Element) -> None:
-    """Adds an ``<origin>`` to an element of the canonical URDF, unless it is nothing."""
+    """Add an ``<origin>`` to an element of the canonical URDF, unless it is zero."""
     if origin != Origin():
         etree.SubElement(twin, "origin", xyz=text_of(origin.xyz), rpy=text_of(origin.rpy))
 
 
 def text_of(values: tuple[float, ...]) -> str:
-    """Numbers as digits that are read back exactly."""
+    """Write numbers as digits that are read back exactly."""
     return " ".join(repr(value) for value in values)

@@ -18,9 +18,10 @@ from robots.errors import (
     RobotNotFound,
     StorageFull,
 )
+from robots.revisions import ANY
 from robots.robot import robot_from_urdf
 from robots.shipped import shipped_ids
-from robots.store import ANY, RobotStore
+from robots.store import RobotStore
 from tests.conftest import PATIENCE
 
 OTHER_PROCESS = """
@@ -30,6 +31,7 @@ from dh_to_urdf import read_mapping
 from robots.errors import RevisionMismatch, RobotExists
 from robots.robot import robot_from_table
 from robots.store import RobotStore
+from tests.conftest import PATIENCE
 
 def robot(height):
     row = {"type": "R", "alpha": 0, "a": 1, "d": 0}

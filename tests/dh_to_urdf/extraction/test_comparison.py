@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dh_to_urdf import DHError, compare, read_chain, read_mapping, table_to_urdf
-from dh_to_urdf.extraction.comparison import Verdict
+from dh_to_urdf.extraction.comparison_result import Verdict
 from dh_to_urdf.table import JointType
 
 ALPHA = [math.pi / 2, 0, 0, math.pi / 2, -math.pi / 2, 0]

@@ -1,0 +1,127 @@
+"""Result of a comparison of two chains: verdict, differences, joints, and their wording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from dh_to_urdf.extraction.extract import Residual
+
+
+class Verdict(StrEnum):
+    """Verdict of a comparison."""
+
+    IDENTICAL = "identical"
+    EQUIVALENT = "equivalent"
+    DIFFERENT = "different"
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """One parameter that differs.
+
+    Attributes:
+        joint: Number of the joint, from 1.
+        name: Its name in the first chain.
+        parameter: alpha, a, d or theta of the standard row; type; or joints, for their number.
+        first: Value in the first chain, rad or m; the type; the number.
+        second: Value in the second chain.
+        difference: second - first, rad (within ±π) or m; None where it is no number.
+        absorbed_by: ``base`` or ``tool`` where a change of it would hide the difference.
+    """
+
+    joint: int
+    name: str
+    parameter: str
+    first: float | str
+    second: float | str
+    difference: float | None
+    absorbed_by: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class JointComparison:
+    """One joint in both chains.
+
+    Attributes:
+        first: Its name in the first chain.
+        second: Its name in the second chain.
+        is_revolute: True where zero_offset is an angle.
+        zero_offset: What to add to q of the first chain to get q of the second, rad or m.
+        position: Largest distance between the frames after this joint, m, over random q, with
+            frames 0 and zero offsets made equal.
+        orientation: Largest angle between them, rad.
+    """
+
+    first: str
+    second: str
+    is_revolute: bool
+    zero_offset: float
+    position: float
+    orientation: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Result of a comparison of two chains.
+
+    Attributes:
+        verdict: identical; equivalent, up to base, tool and zero offsets; or different.
+        differences: What differs beyond the tolerances, base first.
+        joints: Joint by joint, as far as both chains have the same kinds of joints.
+        reversed: Joints of the second chain that run the other way, if that is all.
+        residual: Largest deviation of the tips over random q with base, tool and zero offsets
+            made equal; None where the kinds of joints differ.
+    """
+
+    verdict: Verdict
+    differences: tuple[Difference, ...]
+    joints: tuple[JointComparison, ...]
+    reversed: tuple[str, ...]
+    residual: Residual | None
+
+    @property
+    def words(self) -> str:
+        """Return the verdict in one or two sentences."""
+        if self.verdict is Verdict.IDENTICAL:
+            return "The same arm."
+        said = []
+        if self.reversed:
+            said.append(f"Joint {', '.join(self.reversed)} runs the other way.")
+        if self.differences:
+            said.append(f"They diverge first at {_sentence(self.differences[0])}.")
+            inner = next((d for d in self.differences if d.absorbed_by is None), None)
+            if self.verdict is Verdict.EQUIVALENT and not self.reversed:
+                said.append("Otherwise the same arm" + self._offsets() + ".")
+            elif inner is not None and inner is not self.differences[0]:
+                said.append(f"What neither base nor tool can hide begins at {_sentence(inner)}.")
+        if not said and self.verdict is Verdict.DIFFERENT and self.residual is not None:
+            said.append(
+                "No parameter differs by more than the tolerances, but the tips drift apart by"
+                f" {self.residual.position:.3g} m and {self.residual.orientation:.3g} rad."
+            )
+        if (
+            self.verdict is Verdict.DIFFERENT
+            and sum(not one.is_revolute for one in self.joints) > 1
+        ):
+            said.append(
+                "(Several joints slide: zeros that fit better may exist, and with them a later"
+                " divergence.)"
+            )
+        return " ".join(said) or "The same arm" + self._offsets() + "."
+
+    def _offsets(self) -> str:
+        moved = sum(abs(joint.zero_offset) > 1e-9 for joint in self.joints)
+        return f", with {moved} other zero(s) of the joints" if moved else ""
+
+
+def _sentence(difference: Difference) -> str:
+    what = f"joint {difference.joint} ({difference.name}): {difference.parameter} is"
+    if difference.difference is None:
+        return f"{what} {difference.first} in the first and {difference.second} in the second"
+    unit = "m" if difference.parameter in ("a", "d") else "rad"
+    hidden = f", which another {difference.absorbed_by} hides" if difference.absorbed_by else ""
+    return (
+        f"{what} {difference.first:.9g} {unit} in the first and {difference.second:.9g} {unit} in"
+        f" the second, a difference of {abs(difference.difference):.3g} {unit}{hidden}"
+    )

@@ -1,0 +1,145 @@
+"""Cells of pasted text -> numbers in SI units, with checks of numbers without unit."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from dh_to_urdf.cells.expressions import Cell, CellError, Quantity, parse_cell
+from dh_to_urdf.cells.values import Values
+from dh_to_urdf.documents.checks import Report
+from dh_to_urdf.documents.rows import OWN_LETTERS
+from dh_to_urdf.errors import quoted
+from dh_to_urdf.pasted.latex import plain_cell
+from dh_to_urdf.pasted.raw_table import RawCell, RawTable
+
+MAX_RAW_CELL: Final = 300
+TURN: Final = 2 * math.pi
+"""Bare angles of a table beyond this (rad) look like degrees."""
+LIMIT_TURNS: Final = 20.0
+"""Bare limits beyond this (rad) look like degrees."""
+LONG: Final = 20.0
+"""Bare lengths beyond this (m) look like millimetres."""
+ABSENT: Final = frozenset({"", "-", "–", "—", "−", "--", "---"})
+"""Texts of cells that hold nothing."""
+ANY_VARIABLE: Final = frozenset({"*", "var", "var.", "variable"})
+"""Texts that stand for the joint variable, whatever its name."""
+ANGLES: Final = {"rad": 1.0, "deg": math.pi / 180}
+LENGTHS: Final = {"m": 1.0, "mm": 1e-3}
+
+
+class CellReader:
+    """Reads the cells of one table.
+
+    Attributes:
+        raw: The table.
+        values: What names in the cells stand for.
+        report: Receives faults.
+        warnings: What was assumed.
+    """
+
+    def __init__(self, raw: RawTable, angle: str | None, length: str, values: Values) -> None:
+        self.raw = raw
+        self.values = values
+        self.report = Report()
+        self.warnings: list[str] = []
+        self._angle = angle
+        self._units = {
+            Quantity.ANGLE: ANGLES[angle or "rad"],
+            Quantity.LENGTH: LENGTHS[length],
+            Quantity.NUMBER: 1.0,
+        }
+
+    def add(self, k: int, cell: RawCell | None, message: str) -> None:
+        """Note a fault of joint k (from 0), in a cell or in its row."""
+        line = cell.line if cell else self.raw.rows[k].line
+        column = f", column {cell.column or '1'}" if cell else ""
+        self.report.add(("joints", k), f"joint {k + 1} (line {line}{column}): {message}")
+
+    def read(
+        self, k: int, cell: RawCell, quantity: Quantity, values: Values, bare: float | None = None
+    ) -> Cell | None:
+        """Read one cell; return None after reporting why not.
+
+        Args:
+            k: Number of the joint, from 0.
+            cell: The cell.
+            quantity: What it measures.
+            values: What names in it stand for.
+            bare: An angle without unit beyond this is refused, rad; None for no check.
+        """
+        if len(cell.text) > MAX_RAW_CELL:
+            self.add(k, cell, f"the cell is longer than {MAX_RAW_CELL} characters")
+            return None
+        text = plain_cell(cell.text)
+        unit = cell.unit if cell.unit is not None else self._units[quantity]
+        try:
+            parsed = parse_cell(text, quantity, unit, values, self._units[Quantity.ANGLE])
+        except CellError as error:
+            shown = "" if text == cell.text.strip() else f"{quoted(cell.text)} "
+            self.add(k, cell, f"{shown}{error}")
+            return None
+        undecided = self._angle is None and cell.unit is None and quantity is Quantity.ANGLE
+        if undecided and bare is not None and abs(parsed.plain) > bare:
+            self.add(
+                k,
+                cell,
+                f"{quoted(cell.text)} has no unit and is no angle in rad as people write them;"
+                " write 90° or pi/2, or give angle=deg (or angle=rad if it is meant)",
+            )
+            return None
+        if bare == TURN and unit == ANGLES["deg"] and abs(parsed.plain) > 360.0:
+            self.add(
+                k,
+                cell,
+                f"{quoted(cell.text)} is more than a turn: a 90° that lost its ° reads 900; write"
+                " the angle within ±360, or with its unit (900°) if it is meant",
+            )
+            return None
+        if quantity is Quantity.LENGTH and cell.unit is None and unit == 1.0:
+            self._warn_if_long(k, cell, parsed)
+        return parsed
+
+    def variable(self, k: int, cell: RawCell | None, column: str) -> Cell | None:
+        """Return the cell if it holds the variable that its column may have, else None."""
+        if cell is None or len(cell.text) > MAX_RAW_CELL:
+            return None
+        text = plain_cell(cell.text)
+        if text.lower() in ANY_VARIABLE:
+            return Cell(0.0, "q", text=text)
+        letters = OWN_LETTERS[column]
+        quantity = Quantity.ANGLE if column == "theta" else Quantity.LENGTH
+        try:
+            parsed = parse_cell(text, quantity, 1.0, self.values)
+        except CellError:
+            return None
+        return parsed if parsed.variable in letters and parsed.index in (None, k + 1) else None
+
+    def _warn_if_long(self, k: int, cell: RawCell, parsed: Cell) -> None:
+        if abs(parsed.plain) > LONG and not any("length=mm" in text for text in self.warnings):
+            self.warnings.append(
+                f"joint {k + 1} (line {cell.line}, column {cell.column or '1'}):"
+                f" {quoted(cell.text)} has no unit and is taken as metres; if it is in"
+                " millimetres, give length=mm"
+            )
+
+
+def foreign_variable(cell: Cell, column: str, own: bool, k: int) -> str | None:
+    """Say why a joint variable cannot stand in a cell; None where it can, or there is none.
+
+    Args:
+        cell: The cell.
+        column: Its column.
+        own: Whether the column is that of the joint's variable.
+        k: Number of the joint, from 0.
+    """
+    if cell.variable is None:
+        return None
+    if not own or cell.variable not in OWN_LETTERS[column]:
+        return (
+            f"{quoted(cell.text)} holds {cell.name}, which is not the joint variable of this"
+            f" column; if it is a constant, give values {cell.name}:0.5"
+        )
+    if cell.index not in (None, k + 1):
+        return f"{quoted(cell.text)} is the variable of joint {cell.index}, not {k + 1}"
+    return None

@@ -1,0 +1,115 @@
+"""Types of the joints of a pasted table: by a column, or by the cells of the joint variables."""
+
+from __future__ import annotations
+
+from dh_to_urdf.cells.arithmetic import variable_of
+from dh_to_urdf.documents.joint_types import TYPE_ALIASES
+from dh_to_urdf.errors import quoted
+from dh_to_urdf.pasted.cells import ABSENT, MAX_RAW_CELL, CellReader
+from dh_to_urdf.pasted.latex import plain_cell
+from dh_to_urdf.pasted.raw_table import RawCell, RawRow
+from dh_to_urdf.table import JointType
+
+_SPELLINGS = {
+    JointType.REVOLUTE: "0 rev rot rotational rotation rotary rotoid rotoïde rotoide pivot hinge",
+    JointType.PRISMATIC: "1 glissière glissiere pris prism linear translation translational sliding"
+    " prismatique",
+    JointType.FIXED: "2 fixe",
+}
+_TYPES = {
+    spelling: type_ for type_, listed in _SPELLINGS.items() for spelling in listed.split()
+} | TYPE_ALIASES
+
+
+def joint_types(cells: CellReader, z_column: str) -> list[JointType]:
+    """Return the type of each joint of a table.
+
+    Args:
+        cells: Reads the cells; receives faults and warnings.
+        z_column: The column of the length along z, ``d`` or ``r``.
+
+    Raises:
+        DHError: A type cannot be read or is open.
+    """
+    raw = cells.raw
+    named = {
+        column
+        for k, row in enumerate(raw.rows)
+        for column in ("theta", z_column)
+        if cells.variable(k, row.cells.get(column), column) is not None
+    }
+    types = [_type(cells, k, row, z_column, named) for k, row in enumerate(raw.rows)]
+    cells.report.raise_if_any()
+    unknown = [k for k, type_ in enumerate(types) if type_ is None]
+    if unknown and len(unknown) < len(types):
+        for k in unknown:
+            cells.add(
+                k,
+                None,
+                "no cell holds the joint variable, so that its type is open; write"
+                f" theta{k + 1} or {z_column}{k + 1} in its cell, or add a column type"
+                " (R, P, or F for a row that does not move)",
+            )
+    cells.report.raise_if_any()
+    if unknown and not raw.typed:
+        cells.warnings.append(
+            "no cell holds a joint variable and there is no column type: every joint is taken"
+            " as revolute"
+        )
+    return [type_ or JointType.REVOLUTE for type_ in types]
+
+
+def _type(
+    cells: CellReader, k: int, row: RawRow, z_column: str, named: set[str]
+) -> JointType | None:
+    """Return the type that a row says, by its column or its variable; None if it says none."""
+    cell = row.cells.get("type")
+    if cell is not None and cell.text.strip() not in ABSENT:
+        return _by_word(cells, k, cell)
+    variable = row.cells.get("variable")
+    if variable is not None and variable.text.strip() not in ABSENT:
+        found = _by_variable(cells, k, variable)
+        if found is not None:
+            return found
+    theta = cells.variable(k, row.cells.get("theta"), "theta")
+    along = cells.variable(k, row.cells.get(z_column), z_column)
+    if theta is not None and along is not None and along.variable == "q":
+        cells.add(
+            k,
+            row.cells[z_column],
+            "theta and this cell both hold a joint variable; a joint has one. Add a column"
+            " type, or give the constant in values",
+        )
+        return None
+    if theta is not None:
+        return JointType.REVOLUTE
+    if along is not None:
+        return JointType.PRISMATIC
+    for column, type_ in (("theta", JointType.REVOLUTE), (z_column, JointType.PRISMATIC)):
+        own = row.cells.get(column)
+        absent = own is not None and own.text.strip() in ABSENT
+        # Where other rows name their variable, an empty cell is a row that does not move.
+        if absent and column not in named:
+            return type_
+    if "theta" not in row.cells and z_column in row.cells:
+        return JointType.REVOLUTE
+    return JointType.REVOLUTE if cells.raw.typed else None
+
+
+def _by_word(cells: CellReader, k: int, cell: RawCell) -> JointType:
+    word = plain_cell(cell.text[:MAX_RAW_CELL]).strip("().").lower()
+    found = _TYPES.get(word) or _TYPES.get(word.removesuffix(" joint"))
+    if found is None:
+        cells.add(k, cell, f"the type is {quoted(cell.text)}; write R, P or F (or σ: 0, 1, 2)")
+        return JointType.FIXED
+    return found
+
+
+def _by_variable(cells: CellReader, k: int, cell: RawCell) -> JointType | None:
+    """Return the type by a variable in a column of its own; None for q, which says none."""
+    text = plain_cell(cell.text[:MAX_RAW_CELL])
+    letter, index = variable_of(text.lower()) or ("", None)
+    if not letter or index not in (None, k + 1):
+        cells.add(k, cell, f"{quoted(cell.text)} is not the variable of joint {k + 1}")
+        return JointType.FIXED
+    return {"theta": JointType.REVOLUTE, "q": None}.get(letter, JointType.PRISMATIC)
