@@ -1,7 +1,6 @@
-"""Numba where it is installed: one place that knows about it.
+"""Compile numeric functions with Numba; no other module imports it.
 
-``jit`` compiles without the GIL and keeps the machine code in a cache on disk. Without Numba it
-leaves a function as it is; callers then take their NumPy path (``COMPILED`` is False).
+Compiled functions run without the GIL, and their machine code is kept in a cache on disk.
 """
 
 from __future__ import annotations
@@ -46,12 +45,7 @@ def _choose_cache() -> None:
 
 
 _choose_cache()
-try:
-    from numba import njit
-except ImportError:
-    COMPILED = False
-else:
-    COMPILED = True
+from numba import njit  # noqa: E402 - it reads NUMBA_CACHE_DIR when it is imported
 
 # Reassociation and "no NaN" stay off: results must not depend on the compiler's mood.
 _OPTIONS: dict[str, Any] = {
@@ -80,8 +74,6 @@ def inner(function: F) -> F:
 
 
 def _compiled(function: F, options: dict[str, Any]) -> F:
-    if not COMPILED:
-        return function
     try:
         compiled: Any = njit(cache=True, **_OPTIONS, **options)(function)
     except RuntimeError:  # no place for a cache: compiled anew in every process

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinematics.compiled import COMPILED
 from kinematics.forward import fk
 from kinematics.inverse import IKOptions, solve_ik, solve_ik_batch
 from kinematics.inverse.all_solutions import all_solutions
@@ -23,14 +22,8 @@ from robots.robot import Robot
 from robots.shipped import shipped_robot
 
 
-def warm_up() -> bool:
-    """Runs each compiled function once; seconds the first time, a moment with its cache.
-
-    Returns:
-        False where there is nothing to compile (Numba is not installed).
-    """
-    if not COMPILED:
-        return False
+def warm_up() -> None:
+    """Run each compiled function once; seconds the first time, a moment with its cache."""
     robot = shipped_robot("puma560")
     pose = fk(robot, np.full(robot.dof, 0.5))[robot.tip_frame]
     solve_ik(robot, pose)
@@ -43,7 +36,6 @@ def warm_up() -> bool:
         solve_ik(robot, pose)
         all_solutions(robot, pose)
     _follow_a_path()
-    return True
 
 
 def _follow_a_path() -> None:
