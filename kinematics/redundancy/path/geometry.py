@@ -11,7 +11,7 @@ import numpy as np
 
 from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption, Location
-from kinematics.inverse.damped_least_squares import twist_error
+from kinematics.inverse.task_error import twist_error
 from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.task import Task
 from robots.robot import FloatArray
