@@ -1,7 +1,6 @@
-"""Numba where it is installed: one place that knows about it.
+"""Compile numeric functions with Numba; no other module imports it.
 
-``jit`` compiles without the GIL and keeps the machine code in a cache on disk. Without Numba it
-leaves a function as it is; callers then take their NumPy path (``COMPILED`` is False).
+Compiled functions run without the GIL, and their machine code is kept in a cache on disk.
 """
 
 from __future__ import annotations
@@ -10,19 +9,13 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
+
+from kinematics.kernel_cache import enable_cache
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-
-try:
-    from numba import njit
-
-    from kinematics.kernel_cache import enable_cache
-except ImportError:
-    COMPILED = False
-else:
-    COMPILED = True
 
 # Reassociation and "no NaN" stay off: results must not depend on the compiler's mood.
 _OPTIONS: dict[str, Any] = {
@@ -51,8 +44,6 @@ def inner(function: F) -> F:
 
 
 def _compiled(function: F, options: dict[str, Any]) -> F:
-    if not COMPILED:
-        return function
     compiled: Any = njit(**_OPTIONS, **options)(function)
     enable_cache(compiled, function)
     return compiled  # type: ignore[no-any-return]

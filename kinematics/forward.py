@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from dh_to_urdf.poses import rows_to_rpy
 from kinematics.chain import chain_of
-from kinematics.compiled import COMPILED, writable
+from kinematics.compiled import writable
 from kinematics.configuration import configuration
 from kinematics.deadline import checkpoint
 from kinematics.kernels import forward_many
@@ -39,9 +39,6 @@ def fk(robot: Robot, q: FloatArray, frames: Sequence[str] | None = None) -> dict
     q = configuration(robot, q)
     if q.ndim == 1:
         return _matrices(robot, q, ids)
-    if not COMPILED:
-        single = [_matrices(robot, row, ids) for row in q]
-        return {name: np.array([found[name] for found in single]) for name in ids}
     return {name: _many(robot, q, name) for name in ids}
 
 

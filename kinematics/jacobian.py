@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from kinematics.chain import chain_of
-from kinematics.compiled import COMPILED, writable
+from kinematics.compiled import writable
 from kinematics.configuration import configuration
 from kinematics.deadline import checkpoint
 from kinematics.forward import fk
@@ -57,8 +57,6 @@ def jacobian(
     q = configuration(robot, q)
     if q.ndim == 1:
         return _one(robot, q, frame, reference_frame)
-    if not COMPILED:
-        return np.array([_one(robot, row, frame, reference_frame) for row in q])
     return _many(robot, q, frame, reference_frame)
 
 

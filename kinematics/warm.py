@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 
-from kinematics.compiled import COMPILED
 from kinematics.forward import fk
 from kinematics.inverse import IKOptions, solve_ik, solve_ik_batch
 from kinematics.inverse.all_solutions import all_solutions
@@ -36,18 +35,11 @@ CLOSED_FORMS = ("panda", "puma560", "ur5", "scara", "pa10")
 """Shipped robots: one without a closed form, and one of each."""
 
 
-def warm_up() -> bool:
-    """Run each compiled function once; a minute the first time, a moment with its cache.
-
-    Returns:
-        False where there is nothing to compile (Numba is not installed).
-    """
-    if not COMPILED:
-        return False
+def warm_up() -> None:
+    """Run each compiled function once; a minute the first time, a moment with its cache."""
     for half in HALVES:
         half()
     mark_full()
-    return True
 
 
 def _solve() -> None:

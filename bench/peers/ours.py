@@ -5,8 +5,8 @@ from __future__ import annotations
 from bench.peers.arms import Arm
 from bench.peers.peer import Solve
 from kinematics.inverse.api import solve_ik
-from kinematics.inverse.numeric import solve_on_pinocchio
 from robots.robot import FloatArray
+from tests.oracles.pinocchio_ik import solve_on_pinocchio
 
 
 def denavit(arm: Arm) -> Solve:

@@ -10,10 +10,10 @@ from typing import Literal
 import numpy as np
 
 from kinematics.chain import Chain, chain_of
-from kinematics.compiled import COMPILED
 from kinematics.deadline import checked
 from kinematics.inverse.api import solve_ik
 from kinematics.inverse.bounds import TURN, JointBounds
+from kinematics.inverse.closed_form import closed_form_of, solutions, swivel_of
 from kinematics.inverse.result import IKOptions, IKStatus, Tolerance
 from kinematics.inverse.starts import starts
 from kinematics.jacobian import jacobian
@@ -106,7 +106,7 @@ def all_solutions(
     name = robot.tip_frame if frame is None else frame
     chain, bounds = chain_of(robot, name), JointBounds.of(robot)
     start = bounds.inside(bounds.middle() if seed is None else seed)
-    found = _closed_form(robot, chain, target, task, start) if COMPILED else None
+    found = _closed_form(robot, chain, target, task, start)
     if found is None:
         found = _search(robot, chain, target, name, task, start, options or IKOptions())
     ordered = sorted(
@@ -119,8 +119,6 @@ def all_solutions(
 def _closed_form(
     robot: Robot, chain: Chain, target: FloatArray, task: Task, start: FloatArray
 ) -> IKSolutions | None:
-    from kinematics.inverse.closed_form import closed_form_of, solutions, swivel_of
-
     form = closed_form_of(chain)
     if form is None or task.name not in form.tasks:
         return None

@@ -6,11 +6,8 @@ import time
 
 import numpy as np
 
-from kinematics.compiled import COMPILED
-from kinematics.deadline import current
-from kinematics.inverse.numeric import solve_on_pinocchio
 from kinematics.inverse.prepared_solver import solver_of
-from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus
+from kinematics.inverse.result import IKBatch, IKOptions, IKResult
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
@@ -48,9 +45,7 @@ def solve_ik(
         UnknownFrame: The robot has no such frame.
     """
     name = robot.tip_frame if frame is None else frame
-    if COMPILED:
-        return solver_of(robot, name, task).solve(target, seed, options)
-    return solve_on_pinocchio(robot, target, frame=name, task=task, seed=seed, options=options)
+    return solver_of(robot, name, task).solve(target, seed, options)
 
 
 def solve_ik_batch(
@@ -84,31 +79,5 @@ def solve_ik_batch(
     """
     name = robot.tip_frame if frame is None else frame
     deadline = time.perf_counter() + seconds
-    if COMPILED:
-        solver = solver_of(robot, name, task)
-        return solver.solve_batch(targets, seed, options, threads, deadline)
-    results = []
-    wanted = current()
-    for target in targets:
-        wanted.check_wanted()
-        left = max(0.0, deadline - time.perf_counter())
-        limited = options.within(left)
-        results.append(
-            solve_on_pinocchio(robot, target, frame=name, task=task, seed=seed, options=limited)
-        )
-    return stacked(results)
-
-
-def stacked(results: list[IKResult]) -> IKBatch:
-    """Single results as a batch."""
-    codes = {status: code for code, status in enumerate(IKStatus)}
-    return IKBatch(
-        codes=np.array([codes[result.status] for result in results]),
-        q=np.array([result.q for result in results]),
-        seed=results[0].seed,
-        position_error=np.array([result.position_error for result in results]),
-        orientation_error=np.array([result.orientation_error for result in results]),
-        iterations=np.array([result.iterations for result in results]),
-        restarts=np.array([result.restarts for result in results]),
-        elapsed=np.array([result.elapsed for result in results]),
-    )
+    solver = solver_of(robot, name, task)
+    return solver.solve_batch(targets, seed, options, threads, deadline)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.inverse.damped_least_squares import inside_all
+from kinematics.inverse.damped_step import inside_all
 from robots.robot import FloatArray, Robot
 
 TURN = 2 * np.pi
@@ -48,8 +48,8 @@ class JointBounds:
 
     def nearest(self, q: FloatArray, reference: FloatArray) -> FloatArray:
         """Turns wrapping joints by whole turns towards a reference, within the limits."""
-        is_revolute = np.round((reference - q) / TURN) * TURN
-        candidate = q + np.where(self.wraps, is_revolute, 0.0)
+        whole_turns = np.round((reference - q) / TURN) * TURN
+        candidate = q + np.where(self.wraps, whole_turns, 0.0)
         candidate = np.where(candidate > self.upper, candidate - TURN, candidate)
         candidate = np.where(candidate < self.lower, candidate + TURN, candidate)
         within = (candidate >= self.lower) & (candidate <= self.upper)

@@ -6,21 +6,20 @@ import math
 
 import numpy as np
 
-from kinematics.compiled import jit
+from kinematics.compiled import inner, jit
 from kinematics.inverse.closed_form import Kind, parallel_axes, planar, spherical_wrist
-from kinematics.inverse.closed_form.polish import WORK, improve
+from kinematics.inverse.closed_form.candidates import WORK, Candidates, FormConstants, improve
 from kinematics.inverse.damped_least_squares import (
     CONVERGED,
     GIVEN_UP,
-    HEAD,
-    NUMERIC,
     UNREACHABLE,
-    nearest,
+    Criteria,
     proceed,
-    residual,
-    unpacked,
-    workspace,
+    reached,
 )
+from kinematics.inverse.damped_step import TURN
+from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, unpacked
+from kinematics.inverse.task_error import residual, workspace
 from kinematics.kernels import Array
 
 SPHERICAL_WRIST, PARALLEL_AXES, PLANAR = 0, 1, 2
@@ -35,119 +34,187 @@ KINDS: dict[Kind, int] = {
 
 EXACT = 1e-9
 """What a closed form promises, m and rad; a finer tolerance is the numeric solver's."""
+TOUCH = 1e-12
+"""A limit exceeded by no more than this is rounding, rad or m."""
 MOST = 33
 """Rows for the candidates of any class."""
 DOUBTS = 20
 """Starts of the numeric solver before a closed form without solution is taken at its word."""
 
 
-@jit
-def _closed(P: Array, target: Array, seed: Array, limits: Array, answer: Array) -> bool:
-    """The solution nearest to the seed, and its two errors, into the answer; False: none."""
-    K, _, mask, bounds, C = unpacked(P)
-    kind, constants = int(P[2]), P[HEAD + 20 * K + 12 :]
-    found, errors, work = np.empty((MOST, K)), np.empty((MOST, 2)), np.empty((WORK, 6))
-    codes, free = np.empty((MOST, 3), np.int64), np.empty(MOST, np.int64)
-    is_revolute = bounds[6]
-    if kind == SPHERICAL_WRIST:
-        count = spherical_wrist.solve(
-            constants, C, is_revolute, mask, target, seed, 0.0, False, found, codes, free, errors
-        )
-    elif kind == PARALLEL_AXES:
-        count = parallel_axes.solve(
-            constants, C, is_revolute, mask, target, seed, 0.0, False, found, codes, free, errors
-        )
+@inner
+def _nearest(
+    candidates: Candidates,
+    count: int,
+    constants: SolverConstants,
+    criteria: Criteria,
+    seed: Array,
+    q: Array,
+) -> int:
+    """Choose the candidate nearest to the seed within the limits and the tolerance.
+
+    Angles are turned by whole turns as near to the seed as the limits allow, in place.
+
+    Args:
+        candidates: Solutions in closed form.
+        count: How many there are.
+        constants: Of the chain.
+        criteria: The tolerance.
+        seed: Shape (K,).
+        q: Filled, shape (K or more,).
+
+    Returns:
+        Its index, or -1 where there is none.
+    """
+    found, errors = candidates.q, candidates.errors
+    lower, upper = constants.limits.lower, constants.limits.upper
+    is_revolute = constants.chain.is_revolute
+    K = len(seed)
+    best, index = math.inf, -1
+    for i in range(count):
+        if errors[i, 0] ** 2 > criteria.position or errors[i, 1] ** 2 > criteria.rotation:
+            continue
+        distance = 0.0
+        for k in range(K):
+            low, high, value = lower[k], upper[k], found[i, k]
+            if is_revolute[k]:
+                value += TURN * math.floor((seed[k] - value) / TURN + 0.5)
+                if value > high + TOUCH and value - TURN >= low - TOUCH:
+                    value -= TURN
+                elif value < low - TOUCH and value + TURN <= high + TOUCH:
+                    value += TURN
+            if value > high + TOUCH or value < low - TOUCH:
+                distance = math.inf
+                break
+            value = min(max(value, low), high)
+            found[i, k] = value
+            distance += (value - seed[k]) ** 2
+        if distance < best:
+            best, index = distance, i
+    if index >= 0:
+        for k in range(K):
+            q[k] = found[index, k]
+    return index
+
+
+@inner
+def _closed(
+    constants: SolverConstants, criteria: Criteria, target: Array, seed: Array, answer: Array
+) -> bool:
+    """Put the closed-form solution nearest to the seed, and its two errors, into the answer.
+
+    Returns:
+        Whether there is one within the limits and the tolerance.
+    """
+    chain, limits, K = constants.chain, constants.limits, len(seed)
+    form = FormConstants(constants.form, chain)
+    candidates = Candidates(
+        np.empty((MOST, K)),
+        np.empty((MOST, 3), np.int64),
+        np.empty(MOST, np.int64),
+        np.empty((MOST, 2)),
+    )
+    errors, work = candidates.errors, np.empty((WORK, 6))
+    if constants.kind == SPHERICAL_WRIST:
+        count = spherical_wrist.solve(form, target, seed, 0.0, False, candidates)
+    elif constants.kind == PARALLEL_AXES:
+        count = parallel_axes.solve(form, target, seed, 0.0, False, candidates)
     else:
-        count = planar.solve(
-            constants, C, is_revolute, mask, target, seed, 0.0, False, found, codes, free, errors
-        )
+        count = planar.solve(form, target, seed, 0.0, False, candidates)
     while True:
-        index = nearest(found, errors, count, P, seed, limits, answer)
+        index = _nearest(candidates, count, constants, criteria, seed, answer)
         if index < 0:
             return False
-        candidate = found[index]
-        if improve(C, is_revolute, target, mask, candidate, errors[index], work):
+        candidate = candidates.q[index]
+        if improve(chain, target, candidate, errors[index], work):
             position, rotation = errors[index, 0] ** 2, errors[index, 1] ** 2
             moved = False
             for k in range(K):
-                answer[k] = min(max(candidate[k], bounds[0, k]), bounds[1, k])
+                answer[k] = min(max(candidate[k], limits.lower[k]), limits.upper[k])
                 moved = moved or answer[k] != candidate[k]
             if moved:
                 W = work[: 2 * K + 12].reshape((K + 6, 12))
-                position, rotation = residual(
-                    C, is_revolute, mask, target.reshape(16), answer[:K], W
-                )
-            if position <= limits[0] and rotation <= limits[1]:
+                position, rotation = residual(chain, target.reshape(16), answer[:K], W)
+            if reached(criteria, position, rotation):
                 answer[K], answer[K + 1] = math.sqrt(position), math.sqrt(rotation)
                 return True
         errors[index, 0] = np.inf
 
 
-@jit
-def solve_in(
-    P: Array,
+@inner
+def _solve(
+    constants: SolverConstants,
+    criteria: Criteria,
     target: Array,
     seed: Array,
     first: int,
     budget: int,
-    limits: Array,
     answer: Array,
     W: Array,
 ) -> tuple[int, int, int]:
-    """As :func:`solve_one`, in a workspace."""
-    most, proven = int(limits[3]), False
-    if P[2] != NUMERIC and limits[2] > 0.0:
-        if first == 0 and _closed(P, target, seed, limits, answer):
+    """Solve one target as :func:`solve_one` does, in a workspace."""
+    proven = False
+    if constants.kind != NUMERIC and criteria.steps > 0.0:
+        if first == 0 and _closed(constants, criteria, target, seed, answer):
             return 0, 0, CONVERGED
         # Finding nothing means that there is nothing, where the tolerance is that of the form.
-        proven = limits[0] >= EXACT * EXACT and limits[1] >= EXACT * EXACT
-        if proven:
-            most = min(most, DOUBTS)
+        proven = criteria.position >= EXACT * EXACT and criteria.rotation >= EXACT * EXACT
+    if proven:
+        criteria = Criteria(
+            criteria.position, criteria.rotation, criteria.steps, min(criteria.restarts, DOUBTS)
+        )
     steps, start, code = proceed(
-        P, target.reshape(16), seed, first, budget, limits, most, answer, W
+        constants, criteria, target.reshape(16), seed, first, budget, answer, W
     )
     if proven and code == GIVEN_UP:
         code = UNREACHABLE
     return steps, start, code
 
 
+@inner
+def _criteria(values: Array) -> Criteria:
+    """Return the criteria of :attr:`kinematics.inverse.result.IKOptions.criteria`."""
+    return Criteria(values[0], values[1], values[2], int(values[3]))
+
+
 @jit
 def solve_one(
-    P: Array, target: Array, seed: Array, first: int, budget: int, limits: Array, answer: Array
+    P: Array, target: Array, seed: Array, first: int, budget: int, criteria: Array, answer: Array
 ) -> tuple[int, int, int]:
-    """Solves one target, or goes on with it; see :func:`~.damped_least_squares.proceed`.
+    """Solve one target, or go on with it; see :func:`~.damped_least_squares.proceed`.
 
     Args:
-        P: Constants of the chain; see :func:`kinematics.inverse.damped_least_squares.packed`.
-        target: Shape (4, 4).
-        seed: In the chain's order, within the limits; shape (K,).
+        P: Constants of the chain; see :func:`~.solver_constants.packed`.
+        target: Pose of the frame in base axes, shape (4, 4).
+        seed: In the chain's order, within the limits, rad and m; shape (K,).
         first: The start to begin with.
         budget: Steps after which no new start is begun.
-        limits: Squared tolerances, most steps of a start, most restarts.
+        criteria: Squared tolerances, most steps of a start, most restarts; shape (4,).
         answer: Filled: q, its two errors, what the next call needs; shape (2 K + 5,).
 
     Returns:
         Steps, the start that came last, and a code of :mod:`~.damped_least_squares`.
     """
-    return solve_in(P, target, seed, first, budget, limits, answer, workspace(int(P[0])))
+    W = workspace(int(P[0]))
+    return _solve(unpacked(P), _criteria(criteria), target, seed, first, budget, answer, W)
 
 
 @jit
 def solve_many(
-    P: Array, targets: Array, seed: Array, budget: int, limits: Array, answers: Array, ends: Array
+    P: Array, targets: Array, seed: Array, budget: int, criteria: Array, answers: Array, ends: Array
 ) -> None:
-    """Target by target.
+    """Solve many targets, one after the other.
 
     Args:
-        P: Constants of the chain.
-        targets: Shape (n, 4, 4).
+        P: Constants of the chain; see :func:`~.solver_constants.packed`.
+        targets: Poses of the frame in base axes, shape (n, 4, 4).
         seed: Of all, shape (K,).
         budget: Steps of each target.
-        limits: Squared tolerances, most steps of a start, most restarts.
+        criteria: Squared tolerances, most steps of a start, most restarts; shape (4,).
         answers: Filled as ``answer`` of :func:`solve_one`; shape (n, 2 K + 5).
         ends: Filled: steps, last start, code; shape (n, 3).
     """
-    W = workspace(int(P[0]))
+    constants, ending, W = unpacked(P), _criteria(criteria), workspace(int(P[0]))
     for i in range(len(targets)):
-        steps, start, code = solve_in(P, targets[i], seed, 0, budget, limits, answers[i], W)
+        steps, start, code = _solve(constants, ending, targets[i], seed, 0, budget, answers[i], W)
         ends[i, 0], ends[i, 1], ends[i, 2] = steps, start, code

@@ -1,7 +1,4 @@
-"""Solvers by chain and task: the compiled kernel, prepared once, called with a target at a time.
-
-Where Numba is not installed, :mod:`kinematics.inverse.numeric` does the same on Pinocchio.
-"""
+"""Solvers by chain and task: the compiled kernel, prepared once, called with a target at a time."""
 
 from __future__ import annotations
 
@@ -19,8 +16,11 @@ from kinematics.inverse import damped_least_squares as kernel
 from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.closed_form import closed_form_of
 from kinematics.inverse.compiled_solve import KINDS, solve_many, solve_one
+from kinematics.inverse.damped_step import JointLimits
 from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus
+from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, Starts, packed
 from kinematics.inverse.starts import starts
+from kinematics.inverse.task_error import TaskChain
 from kinematics.kernels import Array
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
@@ -88,7 +88,7 @@ class Solver:
         return {}
 
     def constants(self, random_seed: int) -> Array:
-        """What compiled functions take; see :func:`~.damped_least_squares.packed`."""
+        """Return what compiled functions take; see :func:`~.solver_constants.packed`."""
         known = self._known.get(random_seed)
         if known is not None:
             return known
@@ -97,16 +97,15 @@ class Solver:
         form = closed_form_of(chain)
         if form is not None and (form.kind not in KINDS or self.task.name not in form.tasks):
             form = None
-        made = kernel.packed(
-            chain.placements,
-            chain.is_revolute,
-            self.bounds.wraps[columns],
-            np.array([chain.lower, chain.upper]),
-            starts(random_seed, low[columns], high[columns]),
-            chain.reach if chain.length else np.inf,
-            self.task.mask,
-            kernel.NUMERIC if form is None else KINDS[form.kind],
-            None if form is None else form.constants,
+        made = packed(
+            SolverConstants(
+                TaskChain(chain.placements, chain.is_revolute, self.task.mask),
+                JointLimits(chain.lower, chain.upper, self.bounds.wraps[columns]),
+                Starts(*starts(random_seed, low[columns], high[columns])),
+                chain.reach if chain.length else np.inf,
+                NUMERIC if form is None else KINDS[form.kind],
+                np.empty(0) if form is None else form.constants,
+            )
         )
         if len(self._known) < MAX_SEEDS:
             self._known[random_seed] = made
@@ -124,11 +123,15 @@ class Solver:
             start = self.bounds.inside(seed)
             origin = start if self._whole else start[self.chain.columns]
         K = len(origin)
-        P, limits, answer = self.constants(options.random_seed), options.limits, np.empty(2 * K + 5)
-        steps, last, code = solve_one(P, target, origin, 0, SLICE, limits, answer)
+        P, criteria, answer = (
+            self.constants(options.random_seed),
+            options.criteria,
+            np.empty(2 * K + 5),
+        )
+        steps, last, code = solve_one(P, target, origin, 0, SLICE, criteria, answer)
         while code == kernel.OUT_OF_STEPS and perf_counter() - started < options.time_budget:
             current().check_wanted()
-            more, last, code = solve_one(P, target, origin, last + 1, SLICE, limits, answer)
+            more, last, code = solve_one(P, target, origin, last + 1, SLICE, criteria, answer)
             steps += more
         status = _OF_CODE[code]
         if status is IKStatus.NOT_CONVERGED and options.time_budget <= 0:
@@ -160,16 +163,16 @@ class Solver:
         P = self.constants(options.random_seed)
         budget = int(min(max(options.time_budget / STEP_SECONDS, 1), 2**40))
         at_once = int(min(budget, max(1, PART_STEPS // max(1, K))))
-        none_left, wanted = options.within(0.0).limits, current()
+        none_left, wanted = options.within(0.0).criteria, current()
 
         def work(first: int) -> None:
             wanted.check_wanted()
             part = slice(first, first + size)
             began = perf_counter()
-            limits = options.limits if began < deadline else none_left
+            criteria = options.criteria if began < deadline else none_left
             quick = min(budget, SLICE)
-            solve_many(P, targets[part], origin, quick, limits, answers[part], ends[part])
-            if limits is none_left:
+            solve_many(P, targets[part], origin, quick, criteria, answers[part], ends[part])
+            if criteria is none_left:
                 ends[part, 2][ends[part, 2] == kernel.GIVEN_UP] = kernel.OUT_OF_STEPS
             else:
                 for i in np.flatnonzero(ends[part, 2] == kernel.OUT_OF_STEPS) + first:
@@ -182,14 +185,14 @@ class Solver:
                 wanted.check_wanted()
                 most = min(budget - steps, at_once)
                 more, last, code = solve_one(
-                    P, targets[i], origin, last + 1, most, options.limits, answers[i]
+                    P, targets[i], origin, last + 1, most, options.criteria, answers[i]
                 )
                 # A start that gave up at once counts too, so that this comes to an end.
                 steps += max(1, more)
             ends[i] = steps, last, code
 
         # The first slice of every target, at most: one start, and what it takes to settle.
-        most_steps = SLICE + 2 * int(options.limits[2])
+        most_steps = SLICE + 2 * int(options.criteria[2])
         size = int(min(PART, max(1, PART_STEPS // (most_steps * max(1, K)))))
         parts = range(0, n, size)
         if threads > 1 and len(parts) > 1:

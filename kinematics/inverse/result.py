@@ -79,7 +79,7 @@ class IKOptions:
     time_budget: float = 1.0
 
     @cached_property
-    def limits(self) -> FloatArray:
+    def criteria(self) -> FloatArray:
         """Squared tolerances, most steps of a start, most restarts, as the kernel takes them."""
         steps = self.max_iterations if self.time_budget > 0 else 0
         restarts = self.max_restarts if self.time_budget > 0 else 0

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dh_to_urdf.errors import Location, quoted
 from kinematics.chain import Chain, chain_of
 from kinematics.errors import InvalidOption
-from kinematics.redundancy.kernel import task_at, workspace
+from kinematics.inverse.task_error import TaskChain
+from kinematics.redundancy.kernel import ArmConstants, task_at, workspace
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
 
@@ -78,16 +78,6 @@ class Arm:
         return len(self.task.rows)
 
     @cached_property
-    def mask(self) -> FloatArray:
-        """See :attr:`kinematics.task.Task.mask`."""
-        return self.task.mask
-
-    @cached_property
-    def rows(self) -> NDArray[np.int64]:
-        """Rows of the task, shape (m,)."""
-        return np.array(self.task.rows, dtype=np.int64)
-
-    @cached_property
     def velocity(self) -> FloatArray:
         """Speed limits of the joints, rad/s or m/s, inf where unknown; shape (K,)."""
         speeds = [joint.velocity for joint in self.robot.joints]
@@ -112,18 +102,12 @@ class Arm:
     def task_at(self, q: FloatArray, G: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return error to a pose (m,), Jacobian (m, K) and pose (12,) at q of shape (K,)."""
         W, e, J = workspace(self.K), np.empty(self.m), np.empty((self.m, self.K))
-        task_at(*self.constants, G, q, W, e, J)
+        task_at(self.constants, G, q, W, e, J)
         return e, J, W[self.K].copy()
 
     @cached_property
-    def constants(
-        self,
-    ) -> tuple[FloatArray, NDArray[np.bool_], FloatArray, NDArray[np.int64], bool]:
-        """First arguments of compiled functions: C, is_revolute, mask, rows, own axes."""
-        return (
-            self.chain.placements,
-            self.chain.is_revolute,
-            self.mask,
-            self.rows,
-            self.task.own_axes,
-        )
+    def constants(self) -> ArmConstants:
+        """First argument of compiled functions."""
+        chain = TaskChain(self.chain.placements, self.chain.is_revolute, self.task.mask)
+        rows = np.array(self.task.rows, dtype=np.int64)
+        return ArmConstants(chain, rows, self.task.own_axes)

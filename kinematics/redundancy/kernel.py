@@ -1,40 +1,54 @@
-"""Compiled task error and task Jacobian of a chain, orthonormal rows, pseudo-inverse steps.
+"""Compiled task error and task Jacobian of an arm, orthonormal rows, pseudo-inverse steps.
 
-The workspace W of a chain of K joints has 12 columns: rows 0 to K - 1 hold axis, origin and column
-of the Jacobian of each joint, row K the pose, row K + 1 the error, the last ones the links.
+The workspace W of an arm is that of :func:`kinematics.inverse.task_error.workspace`, with a row for
+each link at its end.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse import damped_least_squares as inverse
-from kinematics.inverse.damped_least_squares import columns, residual, twist_error
+from kinematics.inverse import task_error
+from kinematics.inverse.task_error import TaskChain, columns, residual, twist_error
 from kinematics.kernels import Array
 
 RANK_TOLERANCE = 1e-10
 """As in :mod:`kinematics.singularity`: relative to max(1, largest)."""
 
 
+class ArmConstants(NamedTuple):
+    """What compiled functions know of an arm of K joints with a task of m rows.
+
+    Attributes:
+        chain: The chain, and the task as a mask.
+        rows: Rows of the task, 0 to 5, shape (m,).
+        own: Whether rotations are taken in the frame's own axes.
+    """
+
+    chain: TaskChain
+    rows: Array
+    own: bool
+
+
 @jit
-def task_rows(rows: Array, own: bool, K: int, W: Array, e: Array, J: Array) -> None:
+def task_rows(arm: ArmConstants, W: Array, e: Array, J: Array) -> None:
     """Compute the rows of error and Jacobian that a task counts, from the workspace.
 
     Args:
-        rows: Rows of the task, 0 to 5, shape (m,).
-        own: Whether rotations are taken in the frame's own axes.
-        K: Number of joints.
+        arm: Constants of the arm.
         W: Workspace, after ``residual`` and ``columns``.
-        e: Filled, shape (m,).
-        J: Filled, shape (m, K).
+        e: Filled with the error, m and rad, shape (m,).
+        J: Filled with the Jacobian, shape (m, K).
     """
+    rows, K = arm.rows, len(arm.chain.is_revolute)
     T, error = W[K], W[K + 1]
     for i in range(len(rows)):
         row = rows[i]
-        if own and row >= 3:
+        if arm.own and row >= 3:
             a, b, c = T[row - 3], T[row + 1], T[row + 5]
             e[i] = a * error[3] + b * error[4] + c * error[5]
             for k in range(K):
@@ -47,27 +61,30 @@ def task_rows(rows: Array, own: bool, K: int, W: Array, e: Array, J: Array) -> N
 
 @jit
 def task_at(
-    C: Array,
-    is_revolute: Array,
-    mask: Array,
-    rows: Array,
-    own: bool,
-    G: Array,
-    q: Array,
-    W: Array,
-    e: Array,
-    J: Array,
+    arm: ArmConstants, G: Array, q: Array, W: Array, e: Array, J: Array
 ) -> tuple[float, float]:
-    """Compute error to G and Jacobian at q; return the squared position and rotation errors."""
-    position, rotation = residual(C, is_revolute, mask, G, q, W)
-    columns(is_revolute, mask, len(q), W)
-    task_rows(rows, own, len(q), W, e, J)
+    """Compute the task's error to a pose and its Jacobian at q.
+
+    Args:
+        arm: Constants of the arm.
+        G: Pose of the target in base axes, 12 numbers.
+        q: Joint values, rad and m, shape (K,).
+        W: Workspace.
+        e: Filled with the error, m and rad, shape (m,).
+        J: Filled with the Jacobian, shape (m, K).
+
+    Returns:
+        Squared position error, m², and squared rotation error, rad².
+    """
+    position, rotation = residual(arm.chain, G, q, W)
+    columns(arm.chain, W)
+    task_rows(arm, W, e, J)
     return position, rotation
 
 
 @inner
 def orthonormal_rows(J: Array, Q: Array, L: Array, order: Array) -> int:
-    """Factor the rows of J as ``J[order] = L Q`` with orthonormal rows of Q, pivoted.
+    """Factor J as ``J[order] = L Q`` with Q's rows orthonormal, the longest remainder first.
 
     Gram-Schmidt with the longest remainder first, each row orthogonalised twice.
 
@@ -133,7 +150,16 @@ def orthonormal_rows(J: Array, Q: Array, L: Array, order: Array) -> int:
 
 @inner
 def least_step(Q: Array, L: Array, order: Array, e: Array, y: Array, step: Array) -> None:
-    """Compute ``J† e`` of full row rank from :func:`orthonormal_rows`; y is memory, shape (m,)."""
+    """Fill step, shape (K,), with ``J† e`` of full row rank.
+
+    Args:
+        Q: See :func:`orthonormal_rows`; shape (m, K).
+        L: Shape (m, m).
+        order: Shape (m,).
+        e: Right-hand side, shape (m,).
+        y: Memory, shape (m,).
+        step: Filled, shape (K,).
+    """
     m, K = Q.shape
     for i in range(m):
         s = e[order[i]]
@@ -148,7 +174,7 @@ def least_step(Q: Array, L: Array, order: Array, e: Array, y: Array, step: Array
 
 @inner
 def project_null(Q: Array, z: Array) -> None:
-    """Project z onto the null space in place, ``z ← (I − J†J) z``."""
+    """Project z, shape (K,), on the null space in place: ``z ← (I − J†J) z``."""
     m, K = Q.shape
     for i in range(m):
         s = 0.0
@@ -159,14 +185,18 @@ def project_null(Q: Array, z: Array) -> None:
 
 
 @jit
-def exact_error_columns(mask: Array, K: int, W: Array) -> None:
-    """Turn the Jacobian's columns in W into minus the derivative of the error.
+def exact_error_columns(chain: TaskChain, W: Array) -> None:
+    """Turn the Jacobian's columns in W into minus the derivative of the error, and mask both.
 
     The error's rotation is ``φ = log(R_G R_Tᵀ)``; where the frame turns by δ in base axes, φ
     changes by ``−J_r⁻¹(φ) δ`` with ``J_r⁻¹(φ) = I + ½ [φ]ₓ + c [φ]ₓ²`` and
     ``c = 1/θ² − (1 + cos θ) / (2 θ sin θ)`` (Chirikjian, *Stochastic Models*, vol. 2, 10.86).
-    Call it after ``residual`` with a mask of ones in its rows of rotation, and ``columns``.
+
+    Args:
+        chain: The chain and the task.
+        W: Workspace, after ``residual`` and ``columns`` with a mask of ones.
     """
+    mask, K = chain.mask, len(chain.is_revolute)
     e = W[K + 1]
     x, y, z = e[3], e[4], e[5]
     t2 = x * x + y * y + z * z
@@ -188,14 +218,14 @@ def exact_error_columns(mask: Array, K: int, W: Array) -> None:
 
 
 @inner
-def increment(G: Array, H: Array, mask: Array, W: Array, K: int) -> None:
-    """Write the twist from pose G to pose H into the error's row of the workspace."""
+def increment(chain: TaskChain, G: Array, H: Array, W: Array) -> None:
+    """Write the twist from pose G to pose H, 12 numbers each, into the error's row of W."""
+    K = len(chain.is_revolute)
     twist_error(G, H, W[K + 1])
     for i in range(6):
-        W[K + 1, i] *= mask[i]
+        W[K + 1, i] *= chain.mask[i]
 
 
 def workspace(K: int, links: int = 0) -> Array:
     """Return memory for a chain of K joints that carry links."""
-    chain = len(inverse.workspace(K))
-    return np.zeros((chain + links, 12))
+    return np.zeros((len(task_error.workspace(K)) + links, 12))

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from kinematics.compiled import jit
 from kinematics.deadline import checkpoint
-from kinematics.inverse.damped_least_squares import residual
+from kinematics.inverse.task_error import TaskChain, residual
 from kinematics.kernels import Array
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.distances import clearances
 from kinematics.redundancy.clearance.link_points import link_ends
-from kinematics.redundancy.clearance.sweep import RESOLUTION, swept_clearances
+from kinematics.redundancy.clearance.sweep import most_visits, swept_clearances
 from kinematics.redundancy.kernel import workspace
 from kinematics.redundancy.problem import PathProblem, PathTolerance
 from robots.robot import FloatArray
@@ -75,18 +75,15 @@ def errors_at(problem: PathProblem, Q: FloatArray, first: int = 0) -> tuple[Floa
 def error_vectors(arm: Arm, Q: FloatArray, targets: FloatArray) -> FloatArray:
     """Return task errors of Q, shape (n, K), to poses, shape (n, 12): m and rad, shape (n, 6)."""
     out = np.empty((len(Q), 6))
-    C, is_revolute, mask, _, _ = arm.constants
-    _errors(C, is_revolute, mask, np.ascontiguousarray(Q), targets, workspace(arm.K), out)
+    _errors(arm.constants.chain, np.ascontiguousarray(Q), targets, workspace(arm.K), out)
     return out
 
 
 def clearances_at(problem: PathProblem, Q: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
     """Return the least clearances, m, and link and obstacle of each; Q has shape (n, K)."""
     found, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
-    C, is_revolute, *_ = problem.arm.constants
-    W = workspace(problem.arm.K, len(problem.links))
-    Q = np.ascontiguousarray(Q)
-    clearances(C, is_revolute, Q, problem.obstacles, problem.links.rows, W, found, whose)
+    chain, W = problem.arm.constants.chain, workspace(problem.arm.K, len(problem.links))
+    clearances(chain, np.ascontiguousarray(Q), problem.scene, W, found, whose)
     return found, whose
 
 
@@ -100,10 +97,8 @@ def ends_of_links(problem: PathProblem, Q: FloatArray) -> FloatArray:
     """Return the ends of the links' segments at Q, shape (n, K); shape (n, L, 2, 3), m."""
     rows = problem.links.rows
     out = np.empty((len(Q), len(rows), 6))
-    C, is_revolute, *_ = problem.arm.constants
-    link_ends(
-        C, is_revolute, np.ascontiguousarray(Q), rows, workspace(problem.arm.K, len(rows)), out
-    )
+    chain, W = problem.arm.constants.chain, workspace(problem.arm.K, len(rows))
+    link_ends(chain, np.ascontiguousarray(Q), rows, W, out)
     return out.reshape(len(Q), len(rows), 2, 3)
 
 
@@ -111,15 +106,14 @@ def swept_between(problem: PathProblem, Q: FloatArray) -> FloatArray:
     """Return the swept clearances :attr:`Measures.swept`, m; Q has shape (n, K)."""
     swept = np.full(len(Q) - 1, np.inf)
     if len(problem.obstacles):
-        C, is_revolute, *_ = problem.arm.constants
-        rows = problem.links.rows
-        W = workspace(problem.arm.K, len(rows))
-        world = problem.obstacles, rows, RESOLUTION, W
+        chain, scene = problem.arm.constants.chain, problem.scene
+        W, most = workspace(problem.arm.K, len(problem.links)), most_visits(scene, len(swept))
         Q, least = np.ascontiguousarray(Q), np.inf
         for first in range(0, len(swept), SWEPT):
             checkpoint()
             last = min(first + SWEPT, len(swept))
-            least = swept_clearances(C, is_revolute, Q, *world, swept, first, last, least)
+            part, found = Q[first : last + 1], swept[first:last]
+            least = swept_clearances(chain, part, scene, least, most, W, found)
     return swept
 
 
@@ -146,9 +140,8 @@ def measure(problem: PathProblem, Q: FloatArray) -> Measures:
 
 
 @jit
-def _errors(
-    C: Array, is_revolute: Array, mask: Array, Q: Array, G: Array, W: Array, out: Array
-) -> None:
+def _errors(chain: TaskChain, Q: Array, G: Array, W: Array, out: Array) -> None:
+    """Compute the task errors of Q, shape (n, K), to poses G, shape (n, 12); out (n, 6)."""
     for i in range(len(Q)):
-        residual(C, is_revolute, mask, G[i], Q[i], W)
-        out[i] = W[len(is_revolute) + 1, 0:6]
+        residual(chain, G[i], Q[i], W)
+        out[i] = W[len(chain.is_revolute) + 1, 0:6]

@@ -14,6 +14,7 @@ from dh_to_urdf.errors import Location
 from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption, WrongConfiguration, dotted
 from kinematics.redundancy.arm import Arm
+from kinematics.redundancy.clearance.distances import Scene
 from kinematics.redundancy.clearance.link_geometry import LinkGeometry
 from kinematics.redundancy.clearance.links import Links, skeleton
 from kinematics.redundancy.path.geometry import Path
@@ -130,6 +131,11 @@ class PathProblem:
         if self.shaped is not None:
             return self.shaped.links
         return skeleton(self.arm, self.link_radius)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Links and obstacles, as compiled functions take them."""
+        return Scene(self.obstacles, self.links.rows)
 
     @cached_property
     def first(self) -> FloatArray:

@@ -1,10 +1,8 @@
 """No call compiles anything that the warm-up has not compiled."""
 
 import numpy as np
-import pytest
 
 from kinematics import kernels
-from kinematics.compiled import COMPILED
 from kinematics.forward import fk
 from kinematics.inverse import compiled_solve as routine
 from kinematics.inverse import solve_ik, solve_ik_batch
@@ -13,7 +11,6 @@ from kinematics.warm import warm_up
 from robots.shipped import shipped_robot
 
 
-@pytest.mark.skipif(not COMPILED, reason="Numba is not installed")
 def test_read_only_and_scattered_arrays_are_no_new_types():
     warm_up()
     watched = (kernels.forward_many, kernels.jacobian_many, routine.solve_one, routine.solve_many)

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from kinematics.chain import Chain
 from kinematics.inverse.closed_form import parallel_axes, planar, spherical_wrist, srs
+from kinematics.inverse.closed_form.candidates import Candidates, FormConstants
 from kinematics.inverse.closed_form.classify import ClosedForm, Kind, classify
-from kinematics.inverse.closed_form.polish import IntArray
+from kinematics.inverse.task_error import TaskChain
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray
 
-__all__ = ["ClosedForm", "Kind", "Solutions", "closed_form_of", "solutions", "solver", "swivel_of"]
+__all__ = ["ClosedForm", "Kind", "Solutions", "closed_form_of", "solutions", "swivel_of"]
 
 _SOLVERS: dict[Kind, Callable[..., int]] = {
     "spherical_wrist": spherical_wrist.solve,
@@ -43,7 +44,7 @@ class Solutions:
     """
 
     q: FloatArray
-    codes: IntArray
+    codes: NDArray[np.int64]
     free: NDArray[np.bool_]
     position_errors: FloatArray
     orientation_errors: FloatArray
@@ -60,15 +61,6 @@ class Solutions:
 def closed_form_of(chain: Chain) -> ClosedForm | None:
     """The closed form of a chain, from memory if it was asked for before; None: there is none."""
     return classify(chain)
-
-
-def solver(form: ClosedForm) -> Callable[..., int]:
-    """The compiled function of a class, for callers that keep their own arrays.
-
-    Its arguments are ``(constants, placements, turns, mask, target, given, swivel, measured, q,
-    codes, free, errors)``, see :func:`spherical_wrist.solve`; it returns the number of solutions.
-    """
-    return _SOLVERS[form.kind]
 
 
 def solutions(
@@ -101,26 +93,26 @@ def solutions(
     if task.name not in form.tasks:
         raise ValueError(f"{form.kind} solves {', '.join(form.tasks)}, not {task.name}")
     count, most = chain.length, form.most + 1
-    q = np.empty((most, count))
-    codes = np.zeros((most, len(form.postures)), dtype=np.int64)
-    free = np.zeros(most, dtype=np.int64)
-    errors = np.empty((most, 2))
-    n = solver(form)(
-        form.constants,
-        chain.placements.copy(),
-        chain.is_revolute.astype(np.float64),
-        task.mask,
+    found = Candidates(
+        np.empty((most, count)),
+        np.zeros((most, len(form.postures)), dtype=np.int64),
+        np.zeros(most, dtype=np.int64),
+        np.empty((most, 2)),
+    )
+    n = _SOLVERS[form.kind](
+        FormConstants(
+            form.constants,
+            TaskChain(chain.placements, chain.is_revolute.astype(np.float64), task.mask),
+        ),
         np.ascontiguousarray(target, dtype=np.float64),
         np.zeros(count) if given is None else np.ascontiguousarray(given, dtype=np.float64),
         float(swivel),
         True,
-        q,
-        codes,
-        free,
-        errors,
+        found,
     )
-    bits = (free[:n, None] >> np.arange(count)) & 1
-    return Solutions(q[:n], codes[:n], bits.astype(bool), errors[:n, 0], errors[:n, 1])
+    bits = (found.free[:n, None] >> np.arange(count)) & 1
+    errors = found.errors[:n]
+    return Solutions(found.q[:n], found.codes[:n], bits.astype(bool), errors[:, 0], errors[:, 1])
 
 
 def swivel_of(form: ClosedForm, q: FloatArray) -> float:

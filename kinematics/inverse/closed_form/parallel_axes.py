@@ -13,14 +13,21 @@ Directions and points are those at q = 0 in base axes; a product of exponentials
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.closed_form.polish import WORK, IntArray, keep, none_yet
+from kinematics.inverse.closed_form.candidates import (
+    WORK,
+    Candidates,
+    FormConstants,
+    keep,
+    none_yet,
+    pose_parts,
+)
 from kinematics.inverse.closed_form.quartic import roots, times
-from kinematics.inverse.closed_form.spherical import bend
-from kinematics.inverse.closed_form.spherical import is_revolute as three_turns
+from kinematics.inverse.closed_form.spherical import bend, three_turns
 from kinematics.inverse.closed_form.subproblems import FREE, align, component, distance
 from kinematics.inverse.closed_form.vectors import (
     Vector,
@@ -34,7 +41,7 @@ from kinematics.inverse.closed_form.vectors import (
     turned,
     vector,
 )
-from robots.robot import FloatArray
+from kinematics.kernels import Array
 
 MEETS = 0
 """1 where axes 5 and 6 meet."""
@@ -50,48 +57,64 @@ SIGN3, SIGN4 = 32, 33
 FORWARD = 34
 TRIPLE = 37
 """Axes 2, 5, 6 as in :mod:`spherical`."""
-LENGTH = 52
 
 MOST = 16
 NEARLY_STRAIGHT = 1e-9
 
 
+class Branch(NamedTuple):
+    """One choice of joints 1, 5 and 6.
+
+    Attributes:
+        goal: Where axes 5 and 6 meet (or the point of axis 6 is) at the target, joint 1 turned
+            back; m.
+        point: That point with joint 5 turned, joints 2, 3, 4 at 0; m.
+        total: Sum of joints 2, 3, 4, counted about axis 2, rad.
+        q1: Joint 1, rad.
+        q5: Joint 5, rad.
+        q6: Joint 6, rad.
+        left: Code of the shoulder.
+        side: Code of the wrist.
+        free: Bits of the joints that the branch leaves free.
+    """
+
+    goal: Vector
+    point: Vector
+    total: float
+    q1: float
+    q5: float
+    q6: float
+    left: int
+    side: int
+    free: int
+
+
 @jit
 def solve(
-    constants: FloatArray,
-    placements: FloatArray,
-    is_revolute: FloatArray,
-    mask: FloatArray,
-    target: FloatArray,
-    given: FloatArray,
+    form: FormConstants,
+    target: Array,
+    given: Array,
     swivel: float,  # noqa: ARG001 - the same arguments for every class
     measured: bool,
-    q: FloatArray,
-    codes: IntArray,
-    free: IntArray,
-    errors: FloatArray,
+    candidates: Candidates,
 ) -> int:
-    """All solutions of one target; arguments as in :func:`spherical_wrist.solve`."""
-    work = np.empty((WORK, 6))
-    rotation = work[WORK - 16 : WORK - 14].reshape(-1)
+    """Find all solutions of one target; arguments as of :func:`spherical_wrist.solve`."""
+    numbers, work = form.numbers, np.empty((WORK, 6))
     first = work[WORK - 13, 0:4]
-    for i in range(3):
-        for j in range(3):
-            rotation[3 * i + j] = target[i, j]
-    position = (target[0, 3], target[1, 3], target[2, 3])
-    h1, p1 = vector(constants, H1), vector(constants, P1)
-    h, h5 = vector(constants, TRIPLE), vector(constants, TRIPLE + 3)
-    p5, p6 = vector(constants, P5), vector(constants, POINT)
-    x = sub(add(position, turned(rotation, vector(constants, POINT_IN_TIP))), p1)
-    image_c = turned(rotation, vector(constants, AXIS6_IN_TIP))
-    image_v = turned(rotation, vector(constants, SIDE6_IN_TIP))
-    size = constants[SIZE]
-    meets = constants[MEETS] == 1.0
+    position, rotation = pose_parts(target, work)
+    h1, p1 = vector(numbers, H1), vector(numbers, P1)
+    h, h5 = vector(numbers, TRIPLE), vector(numbers, TRIPLE + 3)
+    p5, p6 = vector(numbers, P5), vector(numbers, POINT)
+    x = sub(add(position, turned(rotation, vector(numbers, POINT_IN_TIP))), p1)
+    image_c = turned(rotation, vector(numbers, AXIS6_IN_TIP))
+    image_v = turned(rotation, vector(numbers, SIDE6_IN_TIP))
+    size = numbers[SIZE]
+    meets = numbers[MEETS] == 1.0
     if meets:
         back = (-h1[0], -h1[1], -h1[2])
         n1, first[0], first[1] = component(h, back, x, dot(h, sub(p6, p1)), size)
     else:
-        n1 = _first_joint(constants, x, image_c, first, work)
+        n1 = _first_joint(numbers, x, image_c, first, work)
     bits = 0
     if n1 == FREE:
         n1, first[0], bits = 1, given[0], 1
@@ -99,15 +122,15 @@ def solve(
     for i in range(n1):
         c1, s1 = math.cos(first[i]), math.sin(first[i])
         y = turn(h1, c1, -s1, x)
-        left = 0 if dot(vector(constants, FORWARD), y) < 0.0 else 1
+        left = 0 if dot(vector(numbers, FORWARD), y) < 0.0 else 1
         goal = add(p1, y)
         wrist_c, wrist_v = turn(h1, c1, -s1, image_c), turn(h1, c1, -s1, image_v)
-        exists, bent = bend(constants, TRIPLE, wrist_c)
+        exists, bent = bend(numbers, TRIPLE, wrist_c)
         if not exists:
             continue
         for side in range(2):
             loose, total, q5, q6 = three_turns(
-                constants, TRIPLE, wrist_c, wrist_v, bent if side else -bent, 0.0
+                numbers, TRIPLE, wrist_c, wrist_v, bent if side else -bent, 0.0
             )
             c5, s5 = math.cos(q5), math.sin(q5)
             point = turn_about(h5, p5, c5, s5, p6)
@@ -115,31 +138,23 @@ def solve(
                 continue
             before = n
             if not loose:
-                n = _plane(
-                    constants, placements, is_revolute, mask, target, given, goal, point, total,
-                    first[i], q5, q6, (left, 1 - side, bits), q, codes, free, errors, n,
-                    measured, work,
-                )  # fmt: skip
-            straight = abs(dot(h5, cross(h, turn(h5, c5, s5, vector(constants, TRIPLE + 6)))))
+                branch = Branch(goal, point, total, first[i], q5, q6, left, 1 - side, bits)
+                n = _plane(form, branch, target, given, measured, candidates, n, work)
+            straight = abs(dot(h5, cross(h, turn(h5, c5, s5, vector(numbers, TRIPLE + 6)))))
             if loose or ((n == before or not measured) and straight < NEARLY_STRAIGHT):
-                total, q6 = _straight(constants, wrist_v, q5, given[5], goal, point)
-                n = _plane(
-                    constants, placements, is_revolute, mask, target, given, goal, point, total,
-                    first[i], q5, q6, (left, 1 - side, bits + 32), q, codes, free, errors, n,
-                    measured, work,
-                )  # fmt: skip
+                total, q6 = _straight(numbers, wrist_v, q5, given[5], goal, point)
+                branch = Branch(goal, point, total, first[i], q5, q6, left, 1 - side, bits + 32)
+                n = _plane(form, branch, target, given, measured, candidates, n, work)
     return n
 
 
 @inner
-def _first_joint(
-    constants: FloatArray, x: Vector, image_c: Vector, first: FloatArray, work: FloatArray
-) -> int:
+def _first_joint(numbers: Array, x: Vector, image_c: Vector, first: Array, work: Array) -> int:
     """Joint 1 where axes 5 and 6 do not meet: joint 5 eliminated, a quartic."""
-    h1, p1 = vector(constants, H1), vector(constants, P1)
-    h, h5 = vector(constants, TRIPLE), vector(constants, TRIPLE + 3)
-    h6, p5 = vector(constants, TRIPLE + 6), vector(constants, P5)
-    b = sub(vector(constants, POINT), p5)
+    h1, p1 = vector(numbers, H1), vector(numbers, P1)
+    h, h5 = vector(numbers, TRIPLE), vector(numbers, TRIPLE + 3)
+    h6, p5 = vector(numbers, TRIPLE + 6), vector(numbers, P5)
+    b = sub(vector(numbers, POINT), p5)
     k1, k2, r, total = work[0, 0:3], work[1, 0:3], work[2, 0:3], work[3, 0:5]
     # g · R1ᵀ v = g·h1 h1·v + c (…) - s g·(h1 × v), for the point and for axis 6.
     along = dot(h, h1) * dot(h1, x)
@@ -166,31 +181,21 @@ def _first_joint(
 
 @inner
 def _plane(
-    constants: FloatArray,
-    placements: FloatArray,
-    is_revolute: FloatArray,
-    mask: FloatArray,
-    target: FloatArray,
-    given: FloatArray,
-    goal: Vector,
-    point: Vector,
-    total: float,
-    q1: float,
-    q5: float,
-    q6: float,
-    branch: tuple[int, int, int],
-    q: FloatArray,
-    codes: IntArray,
-    free: IntArray,
-    errors: FloatArray,
-    n: int,
+    form: FormConstants,
+    branch: Branch,
+    target: Array,
+    given: Array,
     measured: bool,
-    work: FloatArray,
+    candidates: Candidates,
+    n: int,
+    work: Array,
 ) -> int:
-    """Joints 2, 3, 4 of one choice of the others: up to two solutions, added to q."""
-    size, sign3, sign4 = constants[SIZE], constants[SIGN3], constants[SIGN4]
-    h = vector(constants, TRIPLE)
-    p2, p3, p4 = vector(constants, P2), vector(constants, P3), vector(constants, P4)
+    """Add the solutions of joints 2, 3, 4 for one choice of the others: up to two."""
+    numbers, q, codes, free = form.numbers, candidates.q, candidates.codes, candidates.free
+    goal, point, total = branch.goal, branch.point, branch.total
+    size, sign3, sign4 = numbers[SIZE], numbers[SIGN3], numbers[SIGN4]
+    h = vector(numbers, TRIPLE)
+    p2, p3, p4 = vector(numbers, P2), vector(numbers, P3), vector(numbers, P4)
     end = sub(add(goal, turn(h, math.cos(total), math.sin(total), sub(p4, point))), p2)
     across = norm(cross(h, end))
     found, a, b = distance(h, sub(p4, p3), sub(p2, p3), across, size)
@@ -200,18 +205,18 @@ def _plane(
         determined, q2 = align(h, reached, end, size)
         if not determined:
             q2 = given[1]
-        q[n, 0], q[n, 1], q[n, 2] = q1, q2, sign3 * elbow
-        q[n, 3], q[n, 4], q[n, 5] = sign4 * (total - q2 - elbow), q5, q6
+        q[n, 0], q[n, 1], q[n, 2] = branch.q1, q2, sign3 * elbow
+        q[n, 3], q[n, 4], q[n, 5] = sign4 * (total - q2 - elbow), branch.q5, branch.q6
         fold = dot(h, cross(sub(p3, p2), sub(reached, sub(p3, p2))))
-        codes[n, 0], codes[n, 1], codes[n, 2] = branch[0], 0 if fold >= 0.0 else 1, branch[1]
-        free[n] = branch[2] if determined else branch[2] | 2
-        n = keep(placements, is_revolute, target, mask, q, n, measured, errors, work)
+        codes[n, 0], codes[n, 1], codes[n, 2] = branch.left, 0 if fold >= 0.0 else 1, branch.side
+        free[n] = branch.free if determined else branch.free | 2
+        n = keep(form, target, measured, candidates, n, work)
     return n
 
 
 @inner
 def _straight(
-    constants: FloatArray,
+    numbers: Array,
     wrist_v: Vector,
     q5: float,
     given: float,
@@ -223,9 +228,9 @@ def _straight(
     Returns:
         The sum of joints 2, 3, 4 (counted about axis 2), and joint 6, rad.
     """
-    h, h5 = vector(constants, TRIPLE), vector(constants, TRIPLE + 3)
-    h6, v = vector(constants, TRIPLE + 6), vector(constants, TRIPLE + 12)
-    p2, p3, p4 = vector(constants, P2), vector(constants, P3), vector(constants, P4)
+    h, h5 = vector(numbers, TRIPLE), vector(numbers, TRIPLE + 3)
+    h6, v = vector(numbers, TRIPLE + 6), vector(numbers, TRIPLE + 12)
+    p2, p3, p4 = vector(numbers, P2), vector(numbers, P3), vector(numbers, P4)
     c5, s5 = math.cos(q5), math.sin(q5)
     turned_v = turn(h5, c5, s5, turn(h6, math.cos(given), math.sin(given), v))
     _, total = align(h, turned_v, wrist_v, 1.0)

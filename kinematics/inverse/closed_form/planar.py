@@ -12,7 +12,13 @@ import math
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.closed_form.polish import WORK, IntArray, keep, none_yet
+from kinematics.inverse.closed_form.candidates import (
+    WORK,
+    Candidates,
+    FormConstants,
+    keep,
+    none_yet,
+)
 from kinematics.inverse.closed_form.subproblems import align, distance
 from kinematics.inverse.closed_form.vectors import (
     add,
@@ -25,7 +31,7 @@ from kinematics.inverse.closed_form.vectors import (
     turned,
     vector,
 )
-from robots.robot import FloatArray
+from kinematics.kernels import Array
 
 SIZE = 0
 U = 1
@@ -41,47 +47,41 @@ JOINTS = 21
 """Indices of the turning joints and of the slide, -1 for those that are missing."""
 FRAME = 25
 """Rotation of the frame at q = 0, transposed, row by row."""
-LENGTH = 34
 
 MOST = 2
 
 
 @jit
 def solve(
-    constants: FloatArray,
-    placements: FloatArray,
-    is_revolute: FloatArray,
-    mask: FloatArray,
-    target: FloatArray,
-    given: FloatArray,
+    form: FormConstants,
+    target: Array,
+    given: Array,
     swivel: float,  # noqa: ARG001 - the same arguments for every class
     measured: bool,
-    q: FloatArray,
-    codes: IntArray,
-    free: IntArray,
-    errors: FloatArray,
+    candidates: Candidates,
 ) -> int:
-    """All solutions of one target; arguments as in :func:`spherical_wrist.solve`.
+    """Find all solutions of one target; arguments as of :func:`spherical_wrist.solve`.
 
     Where the target is tilted against what the arm can do, its turn about u counts (as a
     rotation vector's component along u does).
     """
+    numbers, q, codes, free = form.numbers, candidates.q, candidates.codes, candidates.free
     work = np.empty((WORK, 6))
-    size, u = constants[SIZE], vector(constants, U)
-    a1, a2, a3 = vector(constants, A1), vector(constants, A2), vector(constants, A3)
+    size, u = numbers[SIZE], vector(numbers, U)
+    a1, a2, a3 = vector(numbers, A1), vector(numbers, A2), vector(numbers, A3)
     end = (target[0, 3], target[1, 3], target[2, 3])
-    height = dot(u, end) - constants[HEIGHT]
-    third, slide = int(constants[JOINTS + 2]), int(constants[JOINTS + 3])
+    height = dot(u, end) - numbers[HEIGHT]
+    third, slide = int(numbers[JOINTS + 2]), int(numbers[JOINTS + 3])
     heading, bits = 0.0, 0
     if third >= 0:
-        heading, known = _heading(constants, target, work)
+        heading, known = _heading(numbers, target, work)
         if not known:
-            heading, bits = constants[SIGNS + 2] * given[third], 1 << third
-        lever = sub(a3, vector(constants, TIP))
+            heading, bits = numbers[SIGNS + 2] * given[third], 1 << third
+        lever = sub(a3, vector(numbers, TIP))
         end = add(end, turn(u, math.cos(heading), math.sin(heading), lever))
     goal = sub(end, a1)
     found, a, b = distance(u, sub(a3, a2), sub(a1, a2), norm(cross(u, goal)), size)
-    first, second = int(constants[JOINTS]), int(constants[JOINTS + 1])
+    first, second = int(numbers[JOINTS]), int(numbers[JOINTS + 1])
     n = none_yet()
     for i in range(found):
         bend = a if i == 0 else b
@@ -89,25 +89,25 @@ def solve(
         determined, swing = align(u, reached, goal, size)
         free[n] = bits
         if not determined:
-            swing = constants[SIGNS] * given[first]
+            swing = numbers[SIGNS] * given[first]
             free[n] = bits | (1 << first)
-        q[n, first] = constants[SIGNS] * swing
-        q[n, second] = constants[SIGNS + 1] * bend
+        q[n, first] = numbers[SIGNS] * swing
+        q[n, second] = numbers[SIGNS + 1] * bend
         if third >= 0:
-            q[n, third] = constants[SIGNS + 2] * (heading - swing - bend)
+            q[n, third] = numbers[SIGNS + 2] * (heading - swing - bend)
         if slide >= 0:
-            q[n, slide] = constants[SIGNS + 3] * height
+            q[n, slide] = numbers[SIGNS + 3] * height
         side = dot(u, cross(reached, sub(a2, a1)))
         codes[n, 0] = 0 if side >= 0.0 else 1
-        n = keep(placements, is_revolute, target, mask, q, n, measured, errors, work)
+        n = keep(form, target, measured, candidates, n, work)
     return n
 
 
 @inner
-def _heading(constants: FloatArray, target: FloatArray, work: FloatArray) -> tuple[float, bool]:
-    """The turn about u from the frame at q = 0 to the target, rad, and whether it has one."""
-    u = vector(constants, U)
-    inverse = constants[FRAME : FRAME + 9]
+def _heading(numbers: Array, target: Array, work: Array) -> tuple[float, bool]:
+    """Return the turn about u from the frame at q = 0 to the target, rad, if it has one."""
+    u = vector(numbers, U)
+    inverse = numbers[FRAME : FRAME + 9]
     rotation = work[0:2].reshape(-1)
     for i in range(3):
         for j in range(3):

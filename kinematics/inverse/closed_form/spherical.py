@@ -21,13 +21,12 @@ from kinematics.inverse.closed_form.vectors import (
     turn,
     vector,
 )
+from kinematics.kernels import Array
 from robots.robot import FloatArray
-
-SIZE = 15
 
 
 def triple(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
-    """Constants of three axes for :func:`turns`.
+    """Return the constants of three axes for :func:`three_turns`.
 
     Args:
         a: Direction of the first axis, unit, shape (3,).
@@ -49,29 +48,29 @@ def triple(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
 
 
 @inner
-def bend(constants: FloatArray, start: int, image_c: Vector) -> tuple[bool, float]:
-    """How far the middle joint is bent, the same in both solutions up to the sign.
+def bend(numbers: Array, start: int, image_c: Vector) -> tuple[bool, float]:
+    """Return how far the middle joint is bent, the same in both solutions up to the sign.
 
     Args:
-        constants: Holds what :func:`triple` gives.
+        numbers: Holds what :func:`triple` gives.
         start: Where it does.
         image_c: D c.
 
     Returns:
         Whether there are solutions, and the angle about b from a to ``R(b, qb) c``, in [0, pi].
     """
-    a = vector(constants, start)
-    return dihedral(constants[start + 9], constants[start + 10], angle_between(a, image_c))
+    a = vector(numbers, start)
+    return dihedral(numbers[start + 9], numbers[start + 10], angle_between(a, image_c))
 
 
 @inner
-def is_revolute(
-    constants: FloatArray, start: int, image_c: Vector, image_v: Vector, bent: float, given: float
+def three_turns(
+    numbers: Array, start: int, image_c: Vector, image_v: Vector, bent: float, given: float
 ) -> tuple[bool, float, float, float]:
-    """One of the two solutions.
+    """Return one of the two solutions.
 
     Args:
-        constants: Holds what :func:`triple` gives.
+        numbers: Holds what :func:`triple` gives.
         start: Where it does.
         image_c: D c.
         image_v: D v.
@@ -81,14 +80,14 @@ def is_revolute(
     Returns:
         Whether qa is free (a and c end up parallel), and qa, qb, qc in rad.
     """
-    a = vector(constants, start)
-    b = vector(constants, start + 3)
-    c = vector(constants, start + 6)
-    qb = bent - constants[start + 11]
+    a = vector(numbers, start)
+    b = vector(numbers, start + 3)
+    c = vector(numbers, start + 6)
+    qb = bent - numbers[start + 11]
     cb, sb = math.cos(qb), math.sin(qb)
     determined, qa = align(a, turn(b, cb, sb, c), image_c, 1.0)
     if not determined:
         qa = given
-    v = vector(constants, start + 12)
+    v = vector(numbers, start + 12)
     w = turn(b, cb, -sb, turn(a, math.cos(qa), -math.sin(qa), image_v))
     return not determined, qa, qb, math.atan2(dot(c, cross(v, w)), dot(v, w))

@@ -17,10 +17,16 @@ import math
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.closed_form.polish import WORK, IntArray, keep, none_yet
+from kinematics.inverse.closed_form.candidates import (
+    WORK,
+    Candidates,
+    FormConstants,
+    keep,
+    none_yet,
+    pose_parts,
+)
 from kinematics.inverse.closed_form.quartic import roots, times
-from kinematics.inverse.closed_form.spherical import bend
-from kinematics.inverse.closed_form.spherical import is_revolute as three_turns
+from kinematics.inverse.closed_form.spherical import bend, three_turns
 from kinematics.inverse.closed_form.subproblems import (
     FREE,
     align,
@@ -42,7 +48,7 @@ from kinematics.inverse.closed_form.vectors import (
     turned,
     vector,
 )
-from robots.robot import FloatArray
+from kinematics.kernels import Array
 
 ELBOW, SHOULDER, COLUMN, GENERAL, TELESCOPE = 0, 1, 2, 3, 4
 
@@ -56,57 +62,42 @@ H1, H2, H3 = 14, 17, 20
 P1, P2, P3 = 23, 26, 29
 FORWARD, ELBOW_SIGN, ELBOW_AXIS = 32, 35, 36
 TRIPLE = 39
-LENGTH = 54
 
 MOST = 8
 
 
 @jit
 def solve(
-    constants: FloatArray,
-    placements: FloatArray,
-    is_revolute: FloatArray,
-    mask: FloatArray,
-    target: FloatArray,
-    given: FloatArray,
+    form: FormConstants,
+    target: Array,
+    given: Array,
     swivel: float,  # noqa: ARG001 - the same arguments for every class
     measured: bool,
-    q: FloatArray,
-    codes: IntArray,
-    free: IntArray,
-    errors: FloatArray,
+    candidates: Candidates,
 ) -> int:
-    """All solutions of one target.
+    """Find all solutions of one target, regardless of joint limits.
 
     Args:
-        constants: See the offsets above.
-        placements: C_0 … C_K, shape (7, 12).
-        is_revolute: Nonzero for an angle, shape (6,).
-        mask: 1 for the rows of the error that count, else 0; shape (6,).
+        form: Constants of the arm; its numbers in the places above.
         target: Pose of the frame in base axes, shape (4, 4).
-        given: Values of joints that a singular branch leaves free, shape (6,).
-        swivel: Not used.
+        given: Values of joints that a singular branch leaves free, rad and m, shape (K,).
+        swivel: Of redundant arms alone: the swivel angle, rad.
         measured: Whether to measure, improve and compare what is found, see :func:`keep`.
-        q: Receives the solutions, shape (8, 6).
-        codes: Receives 0 or 1 for shoulder, elbow and wrist, shape (8, 3).
-        free: Receives a bit for each joint that took its given value, shape (8,).
-        errors: Receives position and rotation errors, m and rad, shape (8, 2).
+        candidates: Filled with the solutions; postures are shoulder, elbow and wrist.
 
     Returns:
         Number of solutions.
     """
+    numbers, is_revolute, q = form.numbers, form.chain.is_revolute, candidates.q
+    codes, free = candidates.codes, candidates.free
     work = np.empty((WORK, 6))
     arms = work[WORK - 24 : WORK - 16]
-    rotation = work[WORK - 16 : WORK - 14].reshape(-1)
-    for i in range(3):
-        for j in range(3):
-            rotation[3 * i + j] = target[i, j]
-    position = (target[0, 3], target[1, 3], target[2, 3])
-    w = add(position, turned(rotation, vector(constants, WRIST_IN_TIP)))
-    image_c = turned(rotation, vector(constants, AXIS6_IN_TIP))
-    image_v = turned(rotation, vector(constants, SIDE6_IN_TIP))
-    found = _positions(constants, w, given, arms, work)
-    h1, h2, h3 = vector(constants, H1), vector(constants, H2), vector(constants, H3)
+    position, rotation = pose_parts(target, work)
+    w = add(position, turned(rotation, vector(numbers, WRIST_IN_TIP)))
+    image_c = turned(rotation, vector(numbers, AXIS6_IN_TIP))
+    image_v = turned(rotation, vector(numbers, SIDE6_IN_TIP))
+    found = _positions(numbers, w, given, arms, work)
+    h1, h2, h3 = vector(numbers, H1), vector(numbers, H2), vector(numbers, H3)
     n = none_yet()
     for i in range(found):
         c1, s1 = math.cos(arms[i, 0]), math.sin(arms[i, 0])
@@ -116,71 +107,69 @@ def solve(
             c3, s3 = math.cos(arms[i, 2]), math.sin(arms[i, 2])
         wrist_c = turn(h3, c3, -s3, turn(h2, c2, -s2, turn(h1, c1, -s1, image_c)))
         wrist_v = turn(h3, c3, -s3, turn(h2, c2, -s2, turn(h1, c1, -s1, image_v)))
-        shoulder, elbow = _posture(constants, is_revolute[2] != 0.0, arms[i, 2], c2, s2, c3, s3)
-        exists, bent = bend(constants, TRIPLE, wrist_c)
+        shoulder, elbow = _posture(numbers, is_revolute[2] != 0.0, arms[i, 2], c2, s2, c3, s3)
+        exists, bent = bend(numbers, TRIPLE, wrist_c)
         if not exists:
             continue
         for side in range(2):
             loose, q4, q5, q6 = three_turns(
-                constants, TRIPLE, wrist_c, wrist_v, bent if side else -bent, given[3]
+                numbers, TRIPLE, wrist_c, wrist_v, bent if side else -bent, given[3]
             )
             q[n, 0], q[n, 1], q[n, 2] = arms[i, 0], arms[i, 1], arms[i, 2]
             q[n, 3], q[n, 4], q[n, 5] = q4, q5, q6
             codes[n, 0], codes[n, 1], codes[n, 2] = shoulder, elbow, side
             free[n] = int(arms[i, 3]) + (8 if loose else 0)
-            n = keep(placements, is_revolute, target, mask, q, n, measured, errors, work)
+            n = keep(form, target, measured, candidates, n, work)
     return n
 
 
 @inner
 def _posture(
-    constants: FloatArray, third_turns: bool, q3: float, c2: float, s2: float, c3: float, s3: float
+    numbers: Array, third_turns: bool, q3: float, c2: float, s2: float, c3: float, s3: float
 ) -> tuple[int, int]:
     """Shoulder (0 front, 1 back) and elbow (0 up, 1 down)."""
-    h2, h3 = vector(constants, H2), vector(constants, H3)
-    p1, p2, p3 = vector(constants, P1), vector(constants, P2), vector(constants, P3)
-    w = vector(constants, WRIST)
+    h2, h3 = vector(numbers, H2), vector(numbers, H3)
+    p1, p2, p3 = vector(numbers, P1), vector(numbers, P2), vector(numbers, P3)
+    w = vector(numbers, WRIST)
     reached = turn_about(h3, p3, c3, s3, w) if third_turns else add(w, scale(q3, h3))
-    if constants[VARIANT] == COLUMN:
+    if numbers[VARIANT] == COLUMN:
         front = dot(h2, cross(sub(p1, p2), sub(reached, p2))) >= 0.0
     else:
         ahead = sub(turn_about(h2, p2, c2, s2, reached), p1)
-        front = dot(vector(constants, FORWARD), ahead) >= 0.0
+        front = dot(vector(numbers, FORWARD), ahead) >= 0.0
     if not third_turns:
-        return (0 if front else 1), (0 if q3 >= constants[ELBOW_SIGN] else 1)
-    fold = dot(vector(constants, ELBOW_AXIS), cross(sub(reached, p2), sub(p3, p2)))
-    side = constants[ELBOW_SIGN] * fold * (1.0 if front else -1.0)
+        return (0 if front else 1), (0 if q3 >= numbers[ELBOW_SIGN] else 1)
+    fold = dot(vector(numbers, ELBOW_AXIS), cross(sub(reached, p2), sub(p3, p2)))
+    side = numbers[ELBOW_SIGN] * fold * (1.0 if front else -1.0)
     return (0 if front else 1), (0 if side >= 0.0 else 1)
 
 
 @inner
-def _put(arms: FloatArray, n: int, q1: float, q2: float, q3: float, bits: int) -> int:
+def _put(arms: Array, n: int, q1: float, q2: float, q3: float, bits: int) -> int:
     arms[n, 0], arms[n, 1], arms[n, 2], arms[n, 3] = q1, q2, q3, bits
     return n + 1
 
 
 @inner
-def _positions(
-    constants: FloatArray, w: Vector, given: FloatArray, arms: FloatArray, work: FloatArray
-) -> int:
+def _positions(numbers: Array, w: Vector, given: Array, arms: Array, work: Array) -> int:
     """Values of the first three joints that bring the wrist centre to w; rows of arms."""
-    variant = constants[VARIANT]
+    variant = numbers[VARIANT]
     if variant == ELBOW:
-        return _elbow(constants, w, given, arms)
+        return _elbow(numbers, w, given, arms)
     if variant == COLUMN:
-        return _column(constants, w, given, arms)
+        return _column(numbers, w, given, arms)
     if variant == GENERAL:
-        return _general(constants, w, given, arms, work)
-    return _shoulder(constants, w, given, arms)
+        return _general(numbers, w, given, arms, work)
+    return _shoulder(numbers, w, given, arms)
 
 
 @inner
-def _elbow(constants: FloatArray, w: Vector, given: FloatArray, arms: FloatArray) -> int:
+def _elbow(numbers: Array, w: Vector, given: Array, arms: Array) -> int:
     """Axes 2 and 3 parallel: joint 1 from the component along axis 2, then a plane 2R arm."""
-    size = constants[SIZE]
-    h1, h2, h3 = vector(constants, H1), vector(constants, H2), vector(constants, H3)
-    p1, p2, p3 = vector(constants, P1), vector(constants, P2), vector(constants, P3)
-    w0 = vector(constants, WRIST)
+    size = numbers[SIZE]
+    h1, h2, h3 = vector(numbers, H1), vector(numbers, H2), vector(numbers, H3)
+    p1, p2, p3 = vector(numbers, P1), vector(numbers, P2), vector(numbers, P3)
+    w0 = vector(numbers, WRIST)
     x = sub(w, p1)
     n1, a, b = component(h2, (-h1[0], -h1[1], -h1[2]), x, dot(h2, sub(w0, p1)), size)
     bits = 0
@@ -203,14 +192,14 @@ def _elbow(constants: FloatArray, w: Vector, given: FloatArray, arms: FloatArray
 
 
 @inner
-def _shoulder(constants: FloatArray, w: Vector, given: FloatArray, arms: FloatArray) -> int:
+def _shoulder(numbers: Array, w: Vector, given: Array, arms: Array) -> int:
     """Axes 1 and 2 meet: joint 3 from the distance to that point, then two turns about it."""
-    size = constants[SIZE]
-    h1, h2, h3 = vector(constants, H1), vector(constants, H2), vector(constants, H3)
-    p, p3 = vector(constants, P1), vector(constants, P3)
-    w0 = vector(constants, WRIST)
+    size = numbers[SIZE]
+    h1, h2, h3 = vector(numbers, H1), vector(numbers, H2), vector(numbers, H3)
+    p, p3 = vector(numbers, P1), vector(numbers, P3)
+    w0 = vector(numbers, WRIST)
     goal = sub(w, p)
-    slides = constants[VARIANT] == TELESCOPE
+    slides = numbers[VARIANT] == TELESCOPE
     if slides:
         along = dot(h3, sub(w0, p))
         inside = along * along - dot(sub(w0, p), sub(w0, p)) + dot(goal, goal)
@@ -251,12 +240,12 @@ def _shoulder(constants: FloatArray, w: Vector, given: FloatArray, arms: FloatAr
 
 
 @inner
-def _column(constants: FloatArray, w: Vector, given: FloatArray, arms: FloatArray) -> int:
+def _column(numbers: Array, w: Vector, given: Array, arms: Array) -> int:
     """Axes 1 and 2 parallel: joint 3 from the component along them, then a plane 2R arm."""
-    size = constants[SIZE]
-    h1, h2, h3 = vector(constants, H1), vector(constants, H2), vector(constants, H3)
-    p1, p2, p3 = vector(constants, P1), vector(constants, P2), vector(constants, P3)
-    w0 = vector(constants, WRIST)
+    size = numbers[SIZE]
+    h1, h2, h3 = vector(numbers, H1), vector(numbers, H2), vector(numbers, H3)
+    p1, p2, p3 = vector(numbers, P1), vector(numbers, P2), vector(numbers, P3)
+    w0 = vector(numbers, WRIST)
     goal = sub(w, p1)
     n3, c, d = component(h1, h3, sub(w0, p3), dot(h1, sub(w, p3)), size)
     n = 0
@@ -279,19 +268,17 @@ def _column(constants: FloatArray, w: Vector, given: FloatArray, arms: FloatArra
 
 
 @inner
-def _general(
-    constants: FloatArray, w: Vector, given: FloatArray, arms: FloatArray, work: FloatArray
-) -> int:
+def _general(numbers: Array, w: Vector, given: Array, arms: Array, work: Array) -> int:
     """Axes 1 and 2 skew: eliminating joint 2 leaves a quartic for joint 3.
 
     With y the wrist centre from axis 2, b the common normal of axes 1 and 2 and r what joint 2
     makes of y across axis 2: ``2 b · r = |w|² - |b|² - |y|²`` and ``h1 · r`` from the component
     along axis 1. b and h1 across h2 are perpendicular, and r is as long as y across axis 2.
     """
-    size = constants[SIZE]
-    h1, h2, h3 = vector(constants, H1), vector(constants, H2), vector(constants, H3)
-    p1, p2, p3 = vector(constants, P1), vector(constants, P2), vector(constants, P3)
-    w0 = vector(constants, WRIST)
+    size = numbers[SIZE]
+    h1, h2, h3 = vector(numbers, H1), vector(numbers, H2), vector(numbers, H3)
+    p1, p2, p3 = vector(numbers, P1), vector(numbers, P2), vector(numbers, P3)
+    w0 = vector(numbers, WRIST)
     goal, b, lever = sub(w, p1), sub(p2, p1), sub(p3, p2)
     y0 = sub(w0, p3)
     fixed = add(lever, scale(dot(h3, y0), h3))

@@ -20,9 +20,15 @@ import math
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.closed_form.polish import WORK, IntArray, keep, none_yet
-from kinematics.inverse.closed_form.spherical import bend
-from kinematics.inverse.closed_form.spherical import is_revolute as three_turns
+from kinematics.inverse.closed_form.candidates import (
+    WORK,
+    Candidates,
+    FormConstants,
+    keep,
+    none_yet,
+    pose_parts,
+)
+from kinematics.inverse.closed_form.spherical import bend, three_turns
 from kinematics.inverse.closed_form.subproblems import distance
 from kinematics.inverse.closed_form.vectors import (
     Vector,
@@ -37,7 +43,7 @@ from kinematics.inverse.closed_form.vectors import (
     turned,
     vector,
 )
-from robots.robot import FloatArray
+from kinematics.kernels import Array
 
 SIZE = 0
 SHOULDER, ELBOW, WRIST = 1, 4, 7
@@ -47,7 +53,6 @@ FIRST = 22
 """Axes 1, 2, 3 as in :mod:`spherical`."""
 LAST = 37
 """Axes 5, 6, 7."""
-LENGTH = 52
 
 MOST = 8
 STRETCHED = 1e-7
@@ -58,64 +63,40 @@ UPRIGHT = 1e-6
 
 @jit
 def solve(
-    constants: FloatArray,
-    placements: FloatArray,
-    is_revolute: FloatArray,
-    mask: FloatArray,
-    target: FloatArray,
-    given: FloatArray,
+    form: FormConstants,
+    target: Array,
+    given: Array,
     swivel: float,
     measured: bool,
-    q: FloatArray,
-    codes: IntArray,
-    free: IntArray,
-    errors: FloatArray,
+    candidates: Candidates,
 ) -> int:
-    """All solutions of one target and swivel angle; arguments as in the other classes.
+    """Find all solutions of one target and swivel angle; arguments as in the other classes.
 
-    Args:
-        constants: See the offsets above.
-        placements: C_0 … C_K, shape (8, 12).
-        is_revolute: Nonzero for an angle, shape (7,).
-        mask: 1 for the rows of the error that count, else 0; shape (6,).
-        target: Pose of the frame in base axes, shape (4, 4).
-        given: Values of joints that a singular branch leaves free, shape (7,).
-        swivel: psi, rad.
-        measured: Whether to measure, improve and compare what is found, see :func:`keep`.
-        q: Receives the solutions, shape (8, 7).
-        codes: Receives 0 or 1 for shoulder, elbow and wrist, shape (8, 3).
-        free: Receives a bit for each joint that took its given value, shape (8,).
-        errors: Receives position and rotation errors, m and rad, shape (8, 2).
-
-    Returns:
-        Number of solutions.
+    The postures are those of shoulder, elbow and wrist. At most 8 solutions.
     """
+    numbers, q, codes, free = form.numbers, candidates.q, candidates.codes, candidates.free
     work = np.empty((WORK, 6))
-    rotation = work[WORK - 16 : WORK - 14].reshape(-1)
-    for i in range(3):
-        for j in range(3):
-            rotation[3 * i + j] = target[i, j]
-    position = (target[0, 3], target[1, 3], target[2, 3])
-    size = constants[SIZE]
-    s, e, w0 = vector(constants, SHOULDER), vector(constants, ELBOW), vector(constants, WRIST)
-    h4 = vector(constants, H4)
-    line = sub(add(position, turned(rotation, vector(constants, WRIST_IN_TIP))), s)
+    position, rotation = pose_parts(target, work)
+    size = numbers[SIZE]
+    s, e, w0 = vector(numbers, SHOULDER), vector(numbers, ELBOW), vector(numbers, WRIST)
+    h4 = vector(numbers, H4)
+    line = sub(add(position, turned(rotation, vector(numbers, WRIST_IN_TIP))), s)
     length = norm(line)
     if length <= 1e-9 * size:
         return 0
-    image_c = turned(rotation, vector(constants, AXIS7_IN_TIP))
-    image_v = turned(rotation, vector(constants, SIDE7_IN_TIP))
+    image_c = turned(rotation, vector(numbers, AXIS7_IN_TIP))
+    image_v = turned(rotation, vector(numbers, SIDE7_IN_TIP))
     axis = scale(1.0 / length, line)
-    upright = _reference(vector(constants, FIRST), axis)
+    upright = _reference(vector(numbers, FIRST), axis)
     ahead = turn(axis, math.cos(swivel), math.sin(swivel), upright)
     third = cross(axis, ahead)
-    c3, v3 = vector(constants, FIRST + 6), vector(constants, FIRST + 12)
+    c3, v3 = vector(numbers, FIRST + 6), vector(numbers, FIRST + 12)
     found, a, b = distance(h4, sub(w0, e), sub(s, e), length, size)
     n = none_yet()
     for i in range(found):
         q4 = a if i == 0 else b
         c4, s4 = math.cos(q4), math.sin(q4)
-        along, outward = _arm_plane(constants, c4, s4)
+        along, outward = _arm_plane(numbers, c4, s4)
         side = cross(along, outward)
         # R1 R2 R3 turns (along, outward, side) to (axis, ahead, third).
         shoulder_c = _mapped(along, outward, side, axis, ahead, third, c3)
@@ -123,40 +104,40 @@ def solve(
         wrist_c = turn(h4, c4, -s4, _mapped(axis, ahead, third, along, outward, side, image_c))
         wrist_v = turn(h4, c4, -s4, _mapped(axis, ahead, third, along, outward, side, image_v))
         fold = dot(h4, cross(sub(s, e), sub(turn_about(h4, e, c4, s4, w0), e)))
-        exists1, bent1 = bend(constants, FIRST, shoulder_c)
-        exists5, bent5 = bend(constants, LAST, wrist_c)
+        exists1, bent1 = bend(numbers, FIRST, shoulder_c)
+        exists5, bent5 = bend(numbers, LAST, wrist_c)
         if not (exists1 and exists5):
             continue
         for j in range(2):
             loose1, q1, q2, q3 = three_turns(
-                constants, FIRST, shoulder_c, shoulder_v, -bent1 if j else bent1, given[0]
+                numbers, FIRST, shoulder_c, shoulder_v, -bent1 if j else bent1, given[0]
             )
             for k in range(2):
                 loose5, q5, q6, q7 = three_turns(
-                    constants, LAST, wrist_c, wrist_v, -bent5 if k else bent5, given[4]
+                    numbers, LAST, wrist_c, wrist_v, -bent5 if k else bent5, given[4]
                 )
                 q[n, 0], q[n, 1], q[n, 2], q[n, 3] = q1, q2, q3, q4
                 q[n, 4], q[n, 5], q[n, 6] = q5, q6, q7
                 codes[n, 0], codes[n, 1], codes[n, 2] = j, 0 if fold <= 0.0 else 1, k
                 free[n] = (1 if loose1 else 0) + (16 if loose5 else 0)
-                n = keep(placements, is_revolute, target, mask, q, n, measured, errors, work)
+                n = keep(form, target, measured, candidates, n, work)
     return n
 
 
 @jit
-def swivel_of(constants: FloatArray, q: FloatArray) -> float:
+def swivel_of(numbers: Array, q: Array) -> float:
     """The swivel angle psi of a configuration, rad, in (-pi, pi].
 
     Args:
-        constants: See the offsets above.
+        numbers: See the places above.
         q: Shape (7,), rad.
     """
-    along, outward = _arm_plane(constants, math.cos(q[3]), math.sin(q[3]))
+    along, outward = _arm_plane(numbers, math.cos(q[3]), math.sin(q[3]))
     for i in range(2, -1, -1):
-        h = vector(constants, FIRST + 3 * i)
+        h = vector(numbers, FIRST + 3 * i)
         along = turn(h, math.cos(q[i]), math.sin(q[i]), along)
         outward = turn(h, math.cos(q[i]), math.sin(q[i]), outward)
-    upright = _reference(vector(constants, FIRST), along)
+    upright = _reference(vector(numbers, FIRST), along)
     return math.atan2(dot(along, cross(upright, outward)), dot(upright, outward))
 
 
@@ -171,14 +152,14 @@ def _reference(h1: Vector, n: Vector) -> Vector:
 
 
 @inner
-def _arm_plane(constants: FloatArray, c4: float, s4: float) -> tuple[Vector, Vector]:
+def _arm_plane(numbers: Array, c4: float, s4: float) -> tuple[Vector, Vector]:
     """At q1 = q2 = q3 = 0: the unit vectors from S to W, and across it towards the elbow."""
-    s, e, w0 = vector(constants, SHOULDER), vector(constants, ELBOW), vector(constants, WRIST)
-    h4 = vector(constants, H4)
+    s, e, w0 = vector(numbers, SHOULDER), vector(numbers, ELBOW), vector(numbers, WRIST)
+    h4 = vector(numbers, H4)
     line = sub(turn_about(h4, e, c4, s4, w0), s)
     along = scale(1.0 / norm(line), line)
     outward = sub(sub(e, s), scale(dot(sub(e, s), along), along))
-    if norm(outward) <= STRETCHED * constants[SIZE]:
+    if norm(outward) <= STRETCHED * numbers[SIZE]:
         outward = cross(h4, along)
     return along, _across(outward, along)
 

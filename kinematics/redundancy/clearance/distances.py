@@ -1,21 +1,49 @@
 """Compiled distances between the links of an arm and obstacles, with witnesses and gradients.
 
-Links are capsules, the rows S of :class:`~.links.Links`. Distances are signed:
-negative is the depth of overlap. The formulas are exact; see Ericson, *Real-Time Collision
-Detection*, 5.1 and 4.4 (segments, separating axes).
+Distances are signed, in m: negative is the depth of overlap. The formulas are exact; see Ericson,
+*Real-Time Collision Detection*, 5.1 and 4.4 (segments, separating axes).
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from kinematics.compiled import inner, jit
+from kinematics.inverse.task_error import TaskChain
 from kinematics.kernels import Array
 from kinematics.redundancy.clearance.link_points import RADIUS, WHOLE, link_points
+from kinematics.redundancy.clearance.obstacles import CAPSULE, CIRCLE, HALF_SPACE
 
 TINY = 1e-12
+
+
+class Scene(NamedTuple):
+    """What is to keep clear of what.
+
+    Attributes:
+        obstacles: See :func:`kinematics.redundancy.clearance.obstacles.encoded`; shape (M, 16).
+        links: Capsules of the arm, see :class:`~.links.Links`; shape (L, 11).
+    """
+
+    obstacles: Array
+    links: Array
+
+
+class Pairs(NamedTuple):
+    """Room for P pairs of link and obstacle.
+
+    Attributes:
+        d: Clearances, m, shape (P,).
+        g: Their gradients with respect to q, m/rad or m/m, shape (P, K).
+        whose: Link and obstacle of each, shape (P, 2).
+    """
+
+    d: Array
+    g: Array
+    whose: Array
 
 
 @jit
@@ -23,18 +51,18 @@ def pair_distance(A: Array, B: Array, obstacle: Array, out: Array) -> float:
     """Return the signed distance between a segment and an obstacle's surface, m.
 
     Args:
-        A: Start of the segment, shape (3,).
+        A: Start of the segment, base axes, m, shape (3,).
         B: End of the segment.
         obstacle: A row of :func:`kinematics.redundancy.clearance.obstacles.encoded`.
         out: Filled: part of the segment where the witness is (0 to 1), the direction from the
             obstacle to the segment there; shape (4,).
     """
     kind = obstacle[0]
-    if kind <= 1.0:
-        return float(_to_point(A, B, obstacle[1:4], kind == 1.0, out) - obstacle[4])
-    if kind == 2.0:
+    if kind <= CIRCLE:
+        return float(_to_point(A, B, obstacle[1:4], kind == CIRCLE, out) - obstacle[4])
+    if kind == CAPSULE:
         return float(_to_segment(A, B, obstacle[1:4], obstacle[4:7], out) - obstacle[7])
-    if kind == 3.0:
+    if kind == HALF_SPACE:
         n = obstacle[1:4]
         a = n[0] * A[0] + n[1] * A[1] + n[2] * A[2]
         b = n[0] * B[0] + n[1] * B[1] + n[2] * B[2]
@@ -204,28 +232,47 @@ def _slope(a: Array, d: Array, box: Array, t: float) -> float:
 
 
 @inner
-def link_distance(W: Array, S: Array, k: int, obstacle: Array, out: Array) -> float:
-    """Return the clearance of link k, m, after ``link_points``; out as of :func:`pair_distance`.
+def link_distance(scene: Scene, k: int, o: int, W: Array, out: Array) -> float:
+    """Return the clearance of link k from obstacle o, m, after ``link_points``.
 
     For a half-space, only the end of a link that is not ``WHOLE`` counts.
+
+    Args:
+        scene: Links and obstacles.
+        k: Number of the link.
+        o: Number of the obstacle.
+        W: Workspace.
+        out: Filled with the witness, see :func:`pair_distance`; shape (4,).
     """
-    P = W[len(W) - len(S) + k]
-    if obstacle[0] == 3.0 and S[k, WHOLE] == 0.0:
-        return float(pair_distance(P[3:6], P[3:6], obstacle, out) - S[k, RADIUS])
-    return float(pair_distance(P[0:3], P[3:6], obstacle, out) - S[k, RADIUS])
+    links, obstacle = scene.links, scene.obstacles[o]
+    P = W[len(W) - len(links) + k]
+    if obstacle[0] == HALF_SPACE and links[k, WHOLE] == 0.0:
+        return float(pair_distance(P[3:6], P[3:6], obstacle, out) - links[k, RADIUS])
+    return float(pair_distance(P[0:3], P[3:6], obstacle, out) - links[k, RADIUS])
 
 
 @inner
 def link_gradient(
-    W: Array, is_revolute: Array, K: int, S: Array, k: int, out: Array, half: bool, g: Array
+    chain: TaskChain, scene: Scene, k: int, o: int, W: Array, out: Array, g: Array
 ) -> None:
-    """Compute the gradient in q of a link's distance from its witness; g of shape (K,)."""
+    """Compute the gradient of the clearance of link k from obstacle o with respect to q.
+
+    Args:
+        chain: The chain.
+        scene: Links and obstacles.
+        k: Number of the link.
+        o: Number of the obstacle.
+        W: Workspace.
+        out: Witness, as :func:`link_distance` left it.
+        g: Filled, m/rad or m/m, shape (K,).
+    """
+    is_revolute, links = chain.is_revolute, scene.links
     t, nx, ny, nz = out[0], out[1], out[2], out[3]
-    if half and S[k, WHOLE] == 0.0:
+    if scene.obstacles[o, 0] == HALF_SPACE and links[k, WHOLE] == 0.0:
         t = 1.0
-    P = W[len(W) - len(S) + k]
-    first, last = int(S[k, 0]), int(S[k, 1])
-    for j in range(K):
+    P = W[len(W) - len(links) + k]
+    first, last = int(links[k, 0]), int(links[k, 1])
+    for j in range(len(is_revolute)):
         share, x, y, z = 1.0, P[3], P[4], P[5]
         if j <= first:
             x, y, z = P[0] + t * (x - P[0]), P[1] + t * (y - P[1]), P[2] + t * (z - P[2])
@@ -244,12 +291,12 @@ def link_gradient(
 
 
 @inner
-def least_distance(W: Array, S: Array, obstacles: Array, out: Array) -> tuple[float, int, int]:
-    """Return the smallest clearance of all links and obstacles, m, with link and obstacle."""
+def least_distance(scene: Scene, W: Array, out: Array) -> tuple[float, int, int]:
+    """Return the smallest clearance of all links and obstacles, m, and whose it is."""
     best, link, which = math.inf, -1, -1
-    for k in range(len(S)):
-        for o in range(len(obstacles)):
-            d = link_distance(W, S, k, obstacles[o], out)
+    for k in range(len(scene.links)):
+        for o in range(len(scene.obstacles)):
+            d = link_distance(scene, k, o, W, out)
             if d < best:
                 best, link, which = d, k, o
     return best, link, which
@@ -257,71 +304,48 @@ def least_distance(W: Array, S: Array, obstacles: Array, out: Array) -> tuple[fl
 
 @jit
 def clearances(
-    C: Array,
-    is_revolute: Array,
-    Q: Array,
-    obstacles: Array,
-    S: Array,
-    W: Array,
-    found: Array,
-    whose: Array,
+    chain: TaskChain, Q: Array, scene: Scene, W: Array, found: Array, whose: Array
 ) -> None:
-    """Compute the least clearance at many configurations, m.
+    """Compute the least clearance at many configurations.
 
     Args:
-        C: Constants of the chain.
-        is_revolute: Shape (K,).
-        Q: Shape (n, K).
-        obstacles: Shape (M, 16).
-        S: Links, shape (L, 11).
+        chain: The chain.
+        Q: Joint values, rad and m, shape (n, K).
+        scene: Links and obstacles.
         W: Workspace.
-        found: Filled, shape (n,).
-        whose: Filled: link and obstacle, shape (n, 2).
+        found: Filled, m, shape (n,); inf where there are no pairs.
+        whose: Filled: link and obstacle, -1 where there are no pairs; shape (n, 2).
     """
     out = np.empty(4)
     for i in range(len(Q)):
-        link_points(C, is_revolute, Q[i], S, W)
-        found[i], link, which = least_distance(W, S, obstacles, out)
+        link_points(chain, Q[i], scene.links, W)
+        found[i], link, which = least_distance(scene, W, out)
         whose[i, 0], whose[i, 1] = link, which
 
 
 @jit
 def near_pairs(
-    C: Array,
-    is_revolute: Array,
-    q: Array,
-    obstacles: Array,
-    S: Array,
-    within: float,
-    W: Array,
-    d: Array,
-    g: Array,
-    whose: Array,
+    chain: TaskChain, q: Array, scene: Scene, within: float, W: Array, pairs: Pairs
 ) -> tuple[int, float]:
     """List pairs of link and obstacle nearer than ``within``, with clearances and gradients.
 
     Args:
-        C: Constants of the chain.
-        is_revolute: Shape (K,).
-        q: Shape (K,).
-        obstacles: Shape (M, 16).
-        S: Links, shape (L, 11).
+        chain: The chain.
+        q: Joint values, rad and m, shape (K,).
+        scene: Links and obstacles.
         within: Largest clearance of a pair that is listed, m.
         W: Workspace.
-        d: Filled: clearances, m, shape (P,); of more than P pairs the nearest are listed.
-        g: Filled: gradients, shape (P, K).
-        whose: Filled: link and obstacle, shape (P, 2).
+        pairs: Filled; of more pairs than it has room for the nearest are listed.
 
     Returns:
-        Pairs listed, and the least clearance of all.
+        Pairs listed, and the least clearance of all, m.
     """
-    K = len(is_revolute)
-    out = np.empty(4)
-    link_points(C, is_revolute, q, S, W)
+    d, out = pairs.d, np.empty(4)
+    link_points(chain, q, scene.links, W)
     count, least, most = 0, math.inf, len(d)
-    for k in range(len(S)):
-        for o in range(len(obstacles)):
-            c = link_distance(W, S, k, obstacles[o], out)
+    for k in range(len(scene.links)):
+        for o in range(len(scene.obstacles)):
+            c = link_distance(scene, k, o, W, out)
             least = min(least, c)
             if c > within:
                 continue
@@ -336,29 +360,17 @@ def near_pairs(
             else:
                 count += 1
             d[place] = c
-            whose[place, 0], whose[place, 1] = k, o
-            link_gradient(W, is_revolute, K, S, k, out, obstacles[o, 0] == 3.0, g[place])
+            pairs.whose[place, 0], pairs.whose[place, 1] = k, o
+            link_gradient(chain, scene, k, o, W, out, pairs.g[place])
     return count, least
 
 
-@jit
-def listed_pairs(
-    C: Array,
-    is_revolute: Array,
-    q: Array,
-    obstacles: Array,
-    S: Array,
-    whose: Array,
-    count: int,
-    W: Array,
-    d: Array,
-    g: Array,
-) -> None:
-    """Compute clearances and gradients of given pairs; see :func:`near_pairs`."""
-    K = len(is_revolute)
+@inner
+def listed_pairs(chain: TaskChain, q: Array, scene: Scene, W: Array, pairs: Pairs) -> None:
+    """Compute clearances and gradients of the pairs that ``pairs.whose`` lists."""
     out = np.empty(4)
-    link_points(C, is_revolute, q, S, W)
-    for i in range(count):
-        k, o = int(whose[i, 0]), int(whose[i, 1])
-        d[i] = link_distance(W, S, k, obstacles[o], out)
-        link_gradient(W, is_revolute, K, S, k, out, obstacles[o, 0] == 3.0, g[i])
+    link_points(chain, q, scene.links, W)
+    for i in range(len(pairs.d)):
+        k, o = int(pairs.whose[i, 0]), int(pairs.whose[i, 1])
+        pairs.d[i] = link_distance(scene, k, o, W, out)
+        link_gradient(chain, scene, k, o, W, out, pairs.g[i])

@@ -14,8 +14,9 @@ import math
 import numpy as np
 
 from kinematics.compiled import inner, jit
+from kinematics.inverse.task_error import TaskChain
 from kinematics.kernels import Array
-from kinematics.redundancy.clearance.distances import least_distance, link_distance
+from kinematics.redundancy.clearance.distances import Scene, least_distance, link_distance
 from kinematics.redundancy.clearance.link_points import OFFSET, link_points
 
 RESOLUTION = 1e-5
@@ -28,8 +29,12 @@ MAX_DISTANCES = 100_000_000
 
 
 @inner
-def reaches(W: Array, K: int, R: Array) -> None:
-    """Compute bounds R[j, k] of the distance of joint j from joint k (K: the frame), m."""
+def _reaches(W: Array, R: Array) -> None:
+    """Raise R[j, k] to the distance of joint j from joint k (K: the frame), m, or above.
+
+    It is at most the lengths between, added up. R has shape (K, K + 1).
+    """
+    K = len(R)
     for j in range(K):
         total = 0.0
         for k in range(j + 1, K + 1):
@@ -42,53 +47,47 @@ def reaches(W: Array, K: int, R: Array) -> None:
 
 @jit
 def swept_clearance(
-    C: Array,
-    is_revolute: Array,
+    chain: TaskChain,
     a: Array,
     b: Array,
-    obstacles: Array,
-    S: Array,
+    scene: Scene,
     enough: float,
-    resolution: float,
     W: Array,
     most: int = MAX_VISITS,
 ) -> float:
     """Return a lower bound of the clearance of all configurations between a and b, m.
 
     Args:
-        C: Constants of the chain.
-        is_revolute: Shape (K,).
-        a: One end, shape (K,).
+        chain: The chain.
+        a: One end, rad and m, shape (K,).
         b: The other.
-        obstacles: Shape (M, 16).
-        S: Links, shape (L, 11).
+        scene: Links and obstacles.
         enough: Clearance at whose proof the search stops, m.
-        resolution: Largest difference of the bound from an attained clearance, m.
         W: Workspace.
         most: Configurations evaluated before the bound proved so far is returned.
 
     Returns:
-        The bound, m; at least ``enough`` where that is proved.
+        The bound: at most ``RESOLUTION`` below an attained clearance, or at least ``enough``.
     """
-    K = len(is_revolute)
-    if len(obstacles) == 0:
+    is_revolute, links, K = chain.is_revolute, scene.links, len(chain.is_revolute)
+    if len(scene.obstacles) == 0:
         return math.inf
     d, q, out = b - a, np.empty(K), np.empty(4)
     R = np.zeros((K, K + 1))
-    link_points(C, is_revolute, a, S, W)
-    reaches(W, K, R)
-    attained, _, _ = least_distance(W, S, obstacles, out)
-    link_points(C, is_revolute, b, S, W)
-    reaches(W, K, R)
-    other, _, _ = least_distance(W, S, obstacles, out)
+    link_points(chain, a, links, W)
+    _reaches(W, R)
+    attained, _, _ = least_distance(scene, W, out)
+    link_points(chain, b, links, W)
+    _reaches(W, R)
+    other, _, _ = least_distance(scene, W, out)
     attained = min(attained, other)
     spin = 0.0
     for j in range(K):
         spin += abs(d[j]) if is_revolute[j] else 0.0
-    acceleration = np.zeros(len(S))
-    for k in range(len(S)):
+    acceleration = np.zeros(len(links))
+    for k in range(len(links)):
         for j in range(K):
-            arm = max(_lever(S, R, is_revolute, j, k, 0), _lever(S, R, is_revolute, j, k, 1))
+            arm = max(_lever(chain, links, R, j, k, 0), _lever(chain, links, R, j, k, 1))
             acceleration[k] += 2.0 * spin * abs(d[j]) * arm
     bound, visits = math.inf, 0
     stack = np.empty((MAX_DEPTH + 2, 2))
@@ -100,17 +99,17 @@ def swept_clearance(
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         for j in range(K):
             q[j] = a[j] + middle * d[j]
-        link_points(C, is_revolute, q, S, W)
+        link_points(chain, q, links, W)
         visits += 1
         certain = math.inf
-        for k in range(len(S)):
-            v = max(_speed(W, is_revolute, d, S, k, 0), _speed(W, is_revolute, d, S, k, 1))
+        for k in range(len(links)):
+            v = max(_speed(chain, links, W, d, k, 0), _speed(chain, links, W, d, k, 1))
             loss = half * v + 0.5 * half * half * acceleration[k]
-            for o in range(len(obstacles)):
-                c = link_distance(W, S, k, obstacles[o], out)
+            for o in range(len(scene.obstacles)):
+                c = link_distance(scene, k, o, W, out)
                 attained = min(attained, c)
                 certain = min(certain, c - loss)
-        if certain >= min(enough, attained - resolution) or top >= MAX_DEPTH or visits >= most:
+        if certain >= min(enough, attained - RESOLUTION) or top >= MAX_DEPTH or visits >= most:
             bound = min(bound, certain)
         else:
             stack[top, 0], stack[top, 1] = middle, high
@@ -120,26 +119,29 @@ def swept_clearance(
 
 
 @inner
-def _lever(S: Array, R: Array, is_revolute: Array, j: int, k: int, end: int) -> float:
-    """Return the largest distance of joint j from an end of link k; 1 if prismatic, 0 if beyond."""
-    row = int(S[k, end])
+def _lever(chain: TaskChain, links: Array, R: Array, j: int, k: int, end: int) -> float:
+    """Return the largest distance of joint j from an end of link k, m.
+
+    1 if the joint is prismatic, 0 if it is beyond the link.
+    """
+    row = int(links[k, end])
     if j > row:
         return 0.0
-    if not is_revolute[j]:
+    if not chain.is_revolute[j]:
         return 1.0
     at = OFFSET + 3 * end
-    x, y, z = S[k, at], S[k, at + 1], S[k, at + 2]
+    x, y, z = links[k, at], links[k, at + 1], links[k, at + 2]
     return float(R[j, row] + math.sqrt(x * x + y * y + z * z))
 
 
 @inner
-def _speed(W: Array, is_revolute: Array, d: Array, S: Array, k: int, end: int) -> float:
-    """Return the speed of an end of link k per unit of the interval, m."""
-    P = W[len(W) - len(S) + k, 3 * end : 3 * end + 3]
+def _speed(chain: TaskChain, links: Array, W: Array, d: Array, k: int, end: int) -> float:
+    """Return the speed of an end of link k where the joints move with speeds d, shape (K,)."""
+    P = W[len(W) - len(links) + k, 3 * end : 3 * end + 3]
     x = y = z = 0.0
-    for j in range(min(int(S[k, end]), len(d) - 1) + 1):
+    for j in range(min(int(links[k, end]), len(d) - 1) + 1):
         zx, zy, zz = W[j, 0], W[j, 1], W[j, 2]
-        if is_revolute[j]:
+        if chain.is_revolute[j]:
             rx, ry, rz = P[0] - W[j, 3], P[1] - W[j, 4], P[2] - W[j, 5]
             x += d[j] * (zy * rz - zz * ry)
             y += d[j] * (zz * rx - zx * rz)
@@ -151,43 +153,31 @@ def _speed(W: Array, is_revolute: Array, d: Array, S: Array, k: int, end: int) -
 
 @jit
 def swept_clearances(
-    C: Array,
-    is_revolute: Array,
-    Q: Array,
-    obstacles: Array,
-    S: Array,
-    resolution: float,
-    W: Array,
-    found: Array,
-    first: int,
-    last: int,
-    enough: float,
+    chain: TaskChain, Q: Array, scene: Scene, enough: float, most: int, W: Array, found: Array
 ) -> float:
-    """Compute :func:`swept_clearance` between successive configurations, shape (n - 1,).
+    """Compute :func:`swept_clearance` between successive configurations.
 
     Only the least of all is resolved; the others are proved not to be below it.
 
     Args:
-        C: Constants of the chain.
-        is_revolute: Shape (K,).
-        Q: Configurations, shape (n, K).
-        obstacles: Shape (M, 16).
-        S: Links, see :mod:`kinematics.redundancy.clearance.link_points`.
-        resolution: Largest difference of the bound from an attained clearance, m.
+        chain: The chain.
+        Q: Configurations, rad and m, shape (n, K).
+        scene: Links and obstacles.
+        enough: The least clearance of the intervals before, m.
+        most: Configurations looked at in one interval.
         W: Workspace.
-        found: Filled from ``first`` up to before ``last``.
-        first: The first interval.
-        last: The one after the last.
-        enough: Least clearance of the intervals before, m.
+        found: Filled, m, shape (n - 1,).
 
     Returns:
         The least clearance so far, m.
     """
-    work = max(1, len(S) * len(obstacles) * (len(Q) - 1))
-    most = max(16, min(MAX_VISITS, MAX_DISTANCES // work))
-    for i in range(first, last):
-        found[i] = swept_clearance(
-            C, is_revolute, Q[i], Q[i + 1], obstacles, S, enough, resolution, W, most
-        )
+    for i in range(len(found)):
+        found[i] = swept_clearance(chain, Q[i], Q[i + 1], scene, enough, W, most)
         enough = min(enough, found[i])
     return enough
+
+
+def most_visits(scene: Scene, intervals: int) -> int:
+    """Return how many configurations may be looked at in each interval of a path."""
+    distances = max(1, len(scene.links) * len(scene.obstacles) * intervals)
+    return max(16, min(MAX_VISITS, MAX_DISTANCES // distances))

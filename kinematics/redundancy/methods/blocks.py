@@ -1,9 +1,12 @@
-"""Compiled methods in blocks of samples: between two of them others get a turn."""
+"""Compiled methods work in blocks of samples: between two of them others get a turn."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from typing import NamedTuple
 
+from kinematics.compiled import inner
+from kinematics.kernels import Array
 from kinematics.redundancy.problem import PathProblem
 from kinematics.redundancy.stop import Stop, StopReason
 
@@ -11,10 +14,30 @@ BLOCK = 64
 """Samples computed in one call."""
 
 
+class Course(NamedTuple):
+    """A path that is being followed, N samples.
+
+    Attributes:
+        targets: Poses in base axes, shape (N, 12).
+        leaving: Where the arm sets out from for sample 1, rad and m, shape (K,).
+        Q: Samples; sample 0 is given, the others are filled; rad and m, shape (N, K).
+    """
+
+    targets: Array
+    leaving: Array
+    Q: Array
+
+
+@inner
+def sample_before(course: Course, i: int) -> Array:
+    """Return the configuration from which sample i > 0 is to be reached, shape (K,)."""
+    return course.leaving if i == 1 else course.Q[i - 1]
+
+
 def in_blocks(
     problem: PathProblem, samples: int, solve: Callable[[int, int], tuple[int, int]]
 ) -> Generator[int, None, Stop | None]:
-    """Solves samples 1 to the last, block by block, and gives how many are done.
+    """Solve samples 1 to the last, block by block, and give how many are done.
 
     Args:
         problem: What is followed.

@@ -11,10 +11,11 @@ from collections.abc import Generator
 import numpy as np
 
 from kinematics.compiled import jit
-from kinematics.inverse.damped_least_squares import columns, damped, residual
+from kinematics.inverse.damped_step import damped
+from kinematics.inverse.task_error import TaskChain, columns, residual
 from kinematics.kernels import Array
 from kinematics.redundancy.kernel import workspace
-from kinematics.redundancy.methods.blocks import in_blocks
+from kinematics.redundancy.methods.blocks import Course, in_blocks, sample_before
 from kinematics.redundancy.problem import PathOptions, PathProblem, departure
 from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
@@ -27,46 +28,39 @@ def follow(
     problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
     """See :class:`kinematics.redundancy.methods.Method`."""
-    arm = problem.arm
-    leaving, W = departure(problem, options), workspace(arm.K)
-    C, is_revolute, mask, _, _ = arm.constants
+    chain, m = problem.arm.constants.chain, problem.arm.m
+    course, W = Course(problem.path.targets, departure(problem, options), Q), workspace(Q.shape[1])
 
     def solve(first: int, last: int) -> tuple[int, int]:
-        _follow(
-            C, is_revolute, mask, problem.path.targets, Q, leaving, first, last,
-            options.damping, options.iterations, W,
-        )  # fmt: skip
-        return last, arm.m
+        _follow(chain, course, first, last, options.damping, options.iterations, W)
+        return last, m
 
     return (yield from in_blocks(problem, len(Q), solve))
 
 
 @jit
 def _follow(
-    C: Array,
-    is_revolute: Array,
-    mask: Array,
-    G: Array,
-    Q: Array,
-    leaving: Array,
+    chain: TaskChain,
+    course: Course,
     first: int,
     last: int,
     damping: float,
     iterations: int,
     W: Array,
 ) -> None:
-    K = len(is_revolute)
+    """Fill samples from ``first`` up to before ``last``."""
+    G, K = course.targets, len(chain.is_revolute)
     y, trial, floor = np.empty(6), np.empty(K), damping * damping
     for i in range(first, last):
-        q, strength = Q[i], floor
+        q, before, strength = course.Q[i], sample_before(course, i), floor
         for k in range(K):
-            q[k] = leaving[k] if i == 1 else Q[i - 1, k]
-        position, rotation = residual(C, is_revolute, mask, G[i], q, W)
+            q[k] = before[k]
+        position, rotation = residual(chain, G[i], q, W)
         for _ in range(iterations):
             if position <= EXACT * EXACT and rotation <= EXACT * EXACT:
                 break
-            columns(is_revolute, mask, K, W)
-            damped(W[0:K, 6:12], K, strength, W[K + 1, 0:6], y)
+            columns(chain, W)
+            damped(W[0:K, 6:12], strength, W[K + 1, 0:6], y)
             moved = 0.0
             for k in range(K):
                 d = 0.0
@@ -76,7 +70,7 @@ def _follow(
                 moved = max(moved, abs(d))
             if moved < 1e-15:
                 break
-            p, r2 = residual(C, is_revolute, mask, G[i], trial, W)
+            p, r2 = residual(chain, G[i], trial, W)
             if p + r2 < position + rotation:
                 for k in range(K):
                     q[k] = trial[k]
@@ -84,4 +78,4 @@ def _follow(
                 strength = max(floor, 0.2 * strength)
             else:
                 strength *= 8.0
-                residual(C, is_revolute, mask, G[i], q, W)
+                residual(chain, G[i], q, W)

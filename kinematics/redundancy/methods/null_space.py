@@ -9,24 +9,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
+from typing import NamedTuple
 
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.damped_least_squares import residual
+from kinematics.inverse.task_error import residual
 from kinematics.kernels import Array
+from kinematics.redundancy.clearance.distances import Scene
 from kinematics.redundancy.kernel import (
+    ArmConstants,
     least_step,
     orthonormal_rows,
     project_null,
     task_at,
     workspace,
 )
-from kinematics.redundancy.methods.blocks import in_blocks
+from kinematics.redundancy.methods.blocks import Course, in_blocks, sample_before
 from kinematics.redundancy.methods.damped import EXACT
 from kinematics.redundancy.methods.pseudo_inverse import HUGE
 from kinematics.redundancy.problem import Gains, PathOptions, PathProblem, departure
 from kinematics.redundancy.steps.gradients import (
+    Repulsion,
     limit_potential,
     manipulability_potential,
     obstacle_potential,
@@ -45,57 +49,66 @@ def follow(
     problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
     """See :class:`kinematics.redundancy.methods.Method`."""
-    arm, chain = problem.arm, problem.arm.chain
-    leaving, W = departure(problem, options), workspace(arm.K, len(problem.links))
+    arm, scene, chain = problem.arm.constants, problem.scene, problem.arm.chain
+    course = Course(problem.path.targets, departure(problem, options), Q)
     chosen = options.gains or GAINS
-    gains = np.array([chosen.limits, chosen.manipulability, chosen.obstacles, chosen.posture])
-    wanted = problem.first if options.posture_q is None else options.posture_q
-    world = problem.obstacles, problem.links.rows, problem.d_safe
-    influence = options.reach_of_obstacles(problem)
+    wishes = Wishes(
+        chain.lower,
+        chain.upper,
+        problem.first if options.posture_q is None else options.posture_q,
+        Repulsion(float(problem.d_safe), float(options.reach_of_obstacles(problem))),
+        np.array([chosen.limits, chosen.manipulability, chosen.obstacles, chosen.posture]),
+    )
+    W = workspace(Q.shape[1], len(problem.links))
 
     def solve(first: int, last: int) -> tuple[int, int]:
-        return _follow(
-            *arm.constants, problem.path.targets, Q, leaving, first, last, chain.lower,
-            chain.upper, wanted, *world, influence, gains, options.iterations, W,
-        )  # fmt: skip
+        return _follow(arm, scene, wishes, course, first, last, options.iterations, W)
 
     return (yield from in_blocks(problem, len(Q), solve))
 
 
+class Wishes(NamedTuple):
+    """The potentials that the null-space motion goes down, and their gains.
+
+    Attributes:
+        lower: Lower limits, -inf where none; rad and m, shape (K,).
+        upper: Upper limits, inf where none.
+        posture: Wanted posture, rad and m, shape (K,).
+        repulsion: How obstacles repel.
+        gains: Of limits, manipulability, obstacles and posture; see
+            :class:`~kinematics.redundancy.problem.Gains`; shape (4,).
+    """
+
+    lower: Array
+    upper: Array
+    posture: Array
+    repulsion: Repulsion
+    gains: Array
+
+
 @jit
 def _follow(
-    C: Array,
-    is_revolute: Array,
-    mask: Array,
-    rows: Array,
-    own: bool,
-    G: Array,
-    Q: Array,
-    leaving: Array,
+    arm: ArmConstants,
+    scene: Scene,
+    wishes: Wishes,
+    course: Course,
     first: int,
     last: int,
-    lower: Array,
-    upper: Array,
-    wanted: Array,
-    obstacles: Array,
-    S: Array,
-    safe: float,
-    influence: float,
-    gains: Array,
     iterations: int,
     W: Array,
 ) -> tuple[int, int]:
-    K, m = len(is_revolute), len(rows)
+    """Fill samples from ``first`` up to before ``last``; see :func:`~.blocks.in_blocks`."""
+    G, K, m = course.targets, len(arm.chain.is_revolute), len(arm.rows)
     e, y, step, z = np.empty(m), np.empty(m), np.empty(K), np.empty(K)
     J, B, L = np.empty((m, K)), np.empty((m, K)), np.empty((m, m))
     order = np.empty(m, dtype=np.int64)
     part = 1.0 / (len(G) - 1)
     for i in range(first, last):
-        q = Q[i]
+        q, before = course.Q[i], sample_before(course, i)
         for k in range(K):
-            q[k] = leaving[k] if i == 1 else Q[i - 1, k]
+            q[k] = before[k]
         for iteration in range(iterations):
-            position, rotation = task_at(C, is_revolute, mask, rows, own, G[i], q, W, e, J)
+            position, rotation = task_at(arm, G[i], q, W, e, J)
             if iteration > 0 and position <= EXACT * EXACT and rotation <= EXACT * EXACT:
                 break
             rank = orthonormal_rows(J, B, L, order)
@@ -103,10 +116,7 @@ def _follow(
                 return i, rank
             least_step(B, L, order, e, y, step)
             if iteration == 0:
-                downhill(
-                    C, is_revolute, mask, rows, own, G[i], q, lower, upper, wanted, obstacles, S,
-                    safe, influence, gains, part, W, z,
-                )  # fmt: skip
+                downhill(arm, scene, wishes, G[i], q, part, W, z)
                 project_null(B, z)
                 most = 0.0
                 for k in range(K):
@@ -123,29 +133,30 @@ def _follow(
 
 @inner
 def downhill(
-    C: Array,
-    is_revolute: Array,
-    mask: Array,
-    rows: Array,
-    own: bool,
+    arm: ArmConstants,
+    scene: Scene,
+    wishes: Wishes,
     target: Array,
     q: Array,
-    lower: Array,
-    upper: Array,
-    wanted: Array,
-    obstacles: Array,
-    S: Array,
-    safe: float,
-    influence: float,
-    gains: Array,
     part: float,
     W: Array,
     z: Array,
 ) -> None:
-    """Z: minus the gradients times gains and the part of the path, into z of shape (K,).
+    """Compute Z: minus the gradients times gains and the part of the path.
 
     No potential is stepped over: its step stays below half of what its curvature allows.
+
+    Args:
+        arm: Constants of the arm.
+        scene: Links and obstacles.
+        wishes: The potentials and their gains.
+        target: Pose in base axes, 12 numbers.
+        q: Joint values, rad and m, shape (K,).
+        part: Part of the path that a sample is.
+        W: Workspace.
+        z: Filled, rad and m, shape (K,).
     """
+    chain, gains, lower, upper = arm.chain, wishes.gains, wishes.lower, wishes.upper
     K = len(q)
     g = np.empty(K)
     z[:] = 0.0
@@ -160,16 +171,16 @@ def downhill(
         for k in range(K):
             z[k] -= scale * g[k]
     if gains[1] > 0.0:
-        residual(C, is_revolute, mask, target, q, W)
-        manipulability_potential(is_revolute, rows, own, K, W, g)
+        residual(chain, target, q, W)
+        manipulability_potential(arm, W, g)
         for k in range(K):
             z[k] -= gains[1] * part * g[k]
-    if gains[2] > 0.0 and len(obstacles) > 0:
-        obstacle_potential(C, is_revolute, q, obstacles, S, safe, influence, W, g)
+    if gains[2] > 0.0 and len(scene.obstacles) > 0:
+        obstacle_potential(chain, q, scene, wishes.repulsion, W, g)
         for k in range(K):
             z[k] -= gains[2] * part * g[k]
     if gains[3] > 0.0:
-        posture_potential(q, wanted, g)
+        posture_potential(q, wishes.posture, g)
         scale = min(gains[3] * part, 0.5)
         for k in range(K):
             z[k] -= scale * g[k]

@@ -12,9 +12,10 @@ from collections.abc import Generator
 
 import numpy as np
 
-from kinematics.compiled import inner, jit
+from kinematics.compiled import jit
 from kinematics.kernels import Array
 from kinematics.redundancy.kernel import (
+    ArmConstants,
     increment,
     least_step,
     orthonormal_rows,
@@ -22,7 +23,7 @@ from kinematics.redundancy.kernel import (
     task_rows,
     workspace,
 )
-from kinematics.redundancy.methods.blocks import in_blocks
+from kinematics.redundancy.methods.blocks import Course, in_blocks, sample_before
 from kinematics.redundancy.problem import PathOptions, PathProblem, departure
 from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
@@ -35,40 +36,31 @@ def follow(
     problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
     """See :class:`kinematics.redundancy.methods.Method`."""
-    arm, G = problem.arm, problem.path.targets
-    leaving, W = departure(problem, options), workspace(arm.K)
+    arm = problem.arm.constants
+    course, W = Course(problem.path.targets, departure(problem, options), Q), workspace(Q.shape[1])
 
     def solve(first: int, last: int) -> tuple[int, int]:
-        return _follow(*arm.constants, G, Q, leaving, first, last, options.closed_loop, W)
+        return _follow(arm, course, first, last, options.closed_loop, W)
 
     return (yield from in_blocks(problem, len(Q), solve))
 
 
 @jit
 def _follow(
-    C: Array,
-    is_revolute: Array,
-    mask: Array,
-    rows: Array,
-    own: bool,
-    G: Array,
-    Q: Array,
-    leaving: Array,
-    first: int,
-    last: int,
-    closed: bool,
-    W: Array,
+    arm: ArmConstants, course: Course, first: int, last: int, closed: bool, W: Array
 ) -> tuple[int, int]:
-    K, m = len(is_revolute), len(rows)
+    """Fill samples from ``first`` up to before ``last``; see :func:`~.blocks.in_blocks`."""
+    G, Q = course.targets, course.Q
+    K, m = len(arm.chain.is_revolute), len(arm.rows)
     e, y, step = np.empty(m), np.empty(m), np.empty(K)
     J, B, L = np.empty((m, K)), np.empty((m, K)), np.empty((m, m))
-    order = np.empty(m, dtype=np.int64)
+    unused, order = np.empty((m, K)), np.empty(m, dtype=np.int64)
     for i in range(first, last):
-        q = leaving if i == 1 else Q[i - 1]
-        task_at(C, is_revolute, mask, rows, own, G[i], q, W, e, J)
+        q = sample_before(course, i)
+        task_at(arm, G[i], q, W, e, J)
         if not closed:
-            increment(G[i - 1], G[i], mask, W, K)
-            _only_error(rows, own, K, W, e)
+            increment(arm.chain, G[i - 1], G[i], W)
+            task_rows(arm, W, e, unused)
         rank = orthonormal_rows(J, B, L, order)
         if rank < m:
             return i, rank
@@ -78,8 +70,3 @@ def _follow(
             if not math.fabs(Q[i, k]) < HUGE:
                 return i, rank
     return last, m
-
-
-@inner
-def _only_error(rows: Array, own: bool, K: int, W: Array, e: Array) -> None:
-    task_rows(rows, own, K, W, e, np.empty((len(rows), K)))

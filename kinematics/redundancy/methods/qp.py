@@ -90,7 +90,7 @@ def advance(
         between.append(nearest_part(model.problem, previous, q))
         if need != model.least:
             need = max(need, model.in_between)
-        model.look_between(np.array(between))
+        model.look_between(between)
 
 
 def _sample(
@@ -137,5 +137,5 @@ def _from(
         delta, _, flag, _ = daqp.solve(eye, q - previous, A, upper, lower, sense)
         if flag <= 0:
             return None
-        q = np.clip(q + delta, model.low, model.high)
+        q = np.clip(q + delta, model.region.low, model.region.high)
     return None

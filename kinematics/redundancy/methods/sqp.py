@@ -10,21 +10,26 @@ of itself is not believed: error and clearance are measured, and where they do n
 from __future__ import annotations
 
 from collections.abc import Generator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
 
 from kinematics.compiled import jit
 from kinematics.deadline import checkpoint
-from kinematics.inverse.damped_least_squares import columns, residual
+from kinematics.inverse.task_error import TaskChain, columns, residual
 from kinematics.kernels import Array
-from kinematics.redundancy.clearance.distances import listed_pairs, near_pairs
-from kinematics.redundancy.kernel import exact_error_columns, task_rows, workspace
+from kinematics.redundancy.clearance.distances import Pairs, Scene, listed_pairs, near_pairs
+from kinematics.redundancy.kernel import (
+    ArmConstants,
+    exact_error_columns,
+    task_rows,
+    workspace,
+)
 from kinematics.redundancy.methods.qp import advance
 from kinematics.redundancy.problem import PathOptions, PathProblem, departure
-from kinematics.redundancy.steps.gradients import obstacle_potential
-from kinematics.redundancy.steps.linearised import MOST_PAIRS, Linearised
+from kinematics.redundancy.steps.gradients import Repulsion, obstacle_potential
+from kinematics.redundancy.steps.linearised import MOST_PAIRS, Linearised, Way, place_on_way
 from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
 
@@ -49,42 +54,63 @@ def follow(
     return None
 
 
+class ProgramArrays(NamedTuple):
+    """What the program of a sample is at one q, filled by :func:`look`.
+
+    Attributes:
+        e: Task error, m and rad, shape (m,).
+        J: Minus its derivative, shape (m, K).
+        d: Clearances at P parts of the way, m, shape (P, count).
+        g: Their gradients with respect to q, shape (P, count, K).
+        whose: Link and obstacle of each pair, shape (count or more, 2).
+        phi: Gradient of the repulsion, shape (K,).
+    """
+
+    e: Array
+    J: Array
+    d: Array
+    g: Array
+    whose: Array
+    phi: Array
+
+
 class _Program:
     """The program of one sample, with values and gradients computed together."""
 
     def __init__(self, problem: PathProblem, options: PathOptions) -> None:
-        arm = problem.arm
+        K, m = problem.arm.K, problem.arm.m
         self.problem = problem
         self.weight = options.obstacle_weight if len(problem.obstacles) else 0.0
-        self.influence = options.reach_of_obstacles(problem)
-        pairs = min(MOST_PAIRS, len(problem.links) * len(problem.obstacles))
-        self._d, self._g = np.empty(pairs), np.empty((pairs, arm.K))
-        self.whose = np.empty((pairs, 2), dtype=np.int64)
-        self.count = 0
-        self.parts, self.previous = np.ones(1), np.empty(arm.K)
-        self.d, self.g = np.empty((1, 0)), np.empty((1, 0, arm.K))
-        self.e, self.J = np.empty(arm.m), np.empty((arm.m, arm.K))
-        self.phi = np.empty(arm.K)
-        self.W = workspace(arm.K, len(problem.links))
-        self.seen = np.full(arm.K, np.nan)
+        influence = options.reach_of_obstacles(problem)
+        self.repulsion = Repulsion(float(problem.d_safe), float(influence))
+        room = min(MOST_PAIRS, len(problem.links) * len(problem.obstacles))
+        whose = np.empty((room, 2), dtype=np.int64)
+        self.near = Pairs(np.empty(room), np.empty((room, K)), whose)
+        self.e, self.J, self.phi = np.empty(m), np.empty((m, K)), np.empty(K)
+        self.way, self.arrays = Way(np.empty(K), np.ones(1)), self._arrays(1, 0)
+        self.W = workspace(K, len(problem.links))
+        self.seen = np.full(K, np.nan)
         self.value = 0.0
+
+    def _arrays(self, parts: int, count: int) -> ProgramArrays:
+        """Return room for so many pairs at so many parts of the way."""
+        d, g = np.empty((parts, count)), np.empty((parts, count, self.problem.arm.K))
+        return ProgramArrays(self.e, self.J, d, g, self.near.whose, self.phi)
 
     def solve(
         self, model: Linearised, previous: FloatArray, target: FloatArray, need: float
     ) -> FloatArray | None:
-        """The sample after ``previous``; None where the program was not solved, as measured."""
+        """Return the sample after ``previous``; None where it was not solved, as measured."""
         problem, count, K = self.problem, 0, len(previous)
+        low, high, near, _ = model.region
         if len(problem.obstacles):
-            C, is_revolute, *_ = problem.arm.constants
-            count, _ = near_pairs(
-                C, is_revolute, previous, problem.obstacles, problem.links.rows, model.near, self.W,
-                self._d, self._g, self.whose,
-            )  # fmt: skip
-        self.count, self.parts, self.previous = count, model.parts, previous
-        self.d, self.g = np.empty((len(self.parts), count)), np.empty((len(self.parts), count, K))
-        needs = model.needs(need)[:, None]
+            chain = problem.arm.constants.chain
+            count, _ = near_pairs(chain, previous, problem.scene, near, self.W, self.near)
+        self.way = Way(previous, model.way.parts)
+        self.arrays = self._arrays(len(self.way.parts), count)
+        d, g, needs = self.arrays.d, self.arrays.g, model.needs(need)[:, None]
         self.seen[:] = np.nan
-        start = np.clip(previous, model.low, model.high)
+        start = np.clip(previous, low, high)
         self._look(start, target)
         # Rows that the arm cannot move and need not move would make the equations singular.
         rows = (np.abs(self.J).max(axis=1) > 1e-12) | (np.abs(self.e) > 1e-12)
@@ -105,11 +131,11 @@ class _Program:
 
         def apart(q: FloatArray) -> FloatArray:
             self._look(q, target)
-            return np.asarray((self.d - needs).reshape(-1))
+            return np.asarray((d - needs).reshape(-1))
 
         def apart_slope(q: FloatArray) -> FloatArray:
             self._look(q, target)
-            return self.g.reshape(-1, K).copy()
+            return g.reshape(-1, K).copy()
 
         constraints: Any = [{"type": "eq", "fun": on_path, "jac": on_path_slope}]
         if count:
@@ -119,14 +145,14 @@ class _Program:
             objective,
             start,
             jac=True,
-            bounds=np.column_stack((model.low, model.high)),
+            bounds=np.column_stack((low, high)),
             constraints=constraints,
             method="SLSQP",
             options={"ftol": ACCURACY, "maxiter": ITERATIONS},
         )
         if not np.isfinite(found.x).all():
             return None
-        q = np.clip(found.x, model.low, model.high)
+        q = np.clip(found.x, low, high)
         model.at(q, target, need)
         solved = model.error <= EXACT * EXACT and model.missing <= EXACT
         return q if solved else None
@@ -136,67 +162,74 @@ class _Program:
             return
         checkpoint()
         self.seen[:] = q
-        problem = self.problem
+        arm, scene = self.problem.arm.constants, self.problem.scene
         self.value = look(
-            *problem.arm.constants, target, self.seen, self.previous, self.parts,
-            problem.obstacles, problem.links.rows, problem.d_safe, self.influence, self.weight,
-            self.whose, self.count, self.W, self.e, self.J, self.d, self.g, self.phi,
-        )  # fmt: skip
+            arm,
+            scene,
+            self.repulsion,
+            self.weight,
+            self.way,
+            target,
+            self.seen,
+            self.W,
+            self.arrays,
+        )
 
 
 @jit
 def look(
-    C: Array,
-    is_revolute: Array,
-    mask: Array,
-    rows: Array,
-    own: bool,
+    arm: ArmConstants,
+    scene: Scene,
+    repulsion: Repulsion,
+    weight: float,
+    way: Way,
     target: Array,
     q: Array,
-    previous: Array,
-    parts: Array,
-    obstacles: Array,
-    S: Array,
-    safe: float,
-    influence: float,
-    weight: float,
-    whose: Array,
-    count: int,
     W: Array,
-    e: Array,
-    J: Array,
-    d: Array,
-    g: Array,
-    phi: Array,
+    out: ProgramArrays,
 ) -> float:
-    """Everything of the program at q: error, its exact derivative, clearances, repulsion.
+    """Compute everything of the program at q: error, its derivative, clearances, repulsion.
 
-    Clearances d, shape (P, count), and their gradients with respect to q, shape (P, count, K), are
-    those where the parts of the way from ``previous`` to q are done.
+    Clearances and their gradients with respect to q are those where the parts of the way to q are
+    done. With ``own`` axes the derivative is that of the linear model, exact on the path.
 
-    With ``own`` axes the derivative is that of the linear model, exact on the path.
+    Args:
+        arm: Constants of the arm.
+        scene: Links and obstacles.
+        repulsion: How obstacles repel.
+        weight: Of the repulsion; 0: it is not computed.
+        way: The way to q.
+        target: Pose in base axes, 12 numbers.
+        q: Joint values, rad and m, shape (K,).
+        W: Workspace.
+        out: Filled.
+
+    Returns:
+        The potential of the repulsion.
     """
-    K = len(q)
-    if own:
-        residual(C, is_revolute, mask, target, q, W)
-        columns(is_revolute, mask, K, W)
+    chain = arm.chain
+    if arm.own:
+        residual(chain, target, q, W)
+        columns(chain, W)
     else:
-        every = np.ones(7)
-        every[6] = 0.0
-        residual(C, is_revolute, every, target, q, W)
-        columns(is_revolute, every, K, W)
-        exact_error_columns(mask, K, W)
-    task_rows(rows, own, K, W, e, J)
+        ones = np.ones(7)
+        ones[6] = 0.0
+        every = TaskChain(chain.C, chain.is_revolute, ones)
+        residual(every, target, q, W)
+        columns(every, W)
+        exact_error_columns(chain, W)
+    task_rows(arm, W, out.e, out.J)
+    parts, count, K = way.parts, out.d.shape[1], len(q)
     if count > 0:
         x = np.empty(K)
         for p in range(len(parts)):
-            for j in range(K):
-                x[j] = q[j] if p == 0 else previous[j] + parts[p] * (q[j] - previous[j])
-            listed_pairs(C, is_revolute, x, obstacles, S, whose, count, W, d[p], g[p])
+            place_on_way(way, p, q, x)
+            g = out.g[p]
+            listed_pairs(chain, x, scene, W, Pairs(out.d[p], g, out.whose))
             for i in range(count):
                 for j in range(K):
-                    g[p, i, j] *= parts[p]
-    phi[:] = 0.0
+                    g[i, j] *= parts[p]
+    out.phi[:] = 0.0
     if weight > 0.0:
-        return obstacle_potential(C, is_revolute, q, obstacles, S, safe, influence, W, phi)
+        return obstacle_potential(chain, q, scene, repulsion, W, out.phi)
     return 0.0

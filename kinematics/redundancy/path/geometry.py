@@ -12,7 +12,7 @@ import numpy as np
 from dh_to_urdf.errors import Location
 from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption
-from kinematics.inverse.damped_least_squares import twist_error
+from kinematics.inverse.task_error import twist_error
 from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.task import Task
 from robots.robot import FloatArray

@@ -32,19 +32,20 @@ def best_effort(
         target: Pose in base axes, shape (12,).
         need: Clearance to keep, m.
     """
-    q = np.clip(previous, model.low, model.high)
+    q = np.clip(previous, model.region.low, model.region.high)
     eye = np.eye(len(q))
     model.at(q, target, need)
     value = merit(model)
     damping = 1e-2 * min(1.0, value) + 1e-6
     for _ in range(ITERATIONS):
-        H = model.J.T @ model.J + damping * eye
-        f = -(model.J.T @ model.e)
+        e, J = model.arrays.e, model.arrays.J
+        H = J.T @ J + damping * eye
+        f = -(J.T @ e)
         A, upper, lower, sense = model.rows(task=False)
         delta = solved(H, f, A, upper, lower, sense)
         if delta is None:
             break
-        trial = np.clip(q + delta, model.low, model.high)
+        trial = np.clip(q + delta, model.region.low, model.region.high)
         model.at(trial, target, need)
         now = merit(model)
         if now < value:

@@ -6,21 +6,36 @@ A method descends a potential; a quantity to maximise (manipulability) enters wi
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from kinematics.compiled import inner, jit
+from kinematics.inverse.task_error import TaskChain
 from kinematics.kernels import Array
-from kinematics.redundancy.clearance.distances import link_distance, link_gradient
+from kinematics.redundancy.clearance.distances import Scene, link_distance, link_gradient
 from kinematics.redundancy.clearance.link_points import link_points
-from kinematics.redundancy.kernel import least_step, orthonormal_rows
+from kinematics.redundancy.kernel import ArmConstants, least_step, orthonormal_rows
+
+
+class Repulsion(NamedTuple):
+    """How obstacles repel.
+
+    Attributes:
+        safe: Clearance that is kept, m.
+        influence: Clearance from which on an obstacle repels, m; above ``safe``.
+    """
+
+    safe: float
+    influence: float
 
 
 @jit
 def limit_potential(q: Array, lower: Array, upper: Array, g: Array) -> float:
     """Return ``H = 1/n Σ ((q_j − mid_j) / (upper_j − mid_j))²``; write its gradient into g.
 
-    Joints without limits contribute nothing (Liégeois, IEEE Trans. SMC 7(12), 1977).
+    Joints without limits contribute nothing (Liégeois, IEEE Trans. SMC 7(12), 1977). Arrays
+    of shape (n,), rad and m.
     """
     n, total = len(q), 0.0
     for j in range(n):
@@ -35,7 +50,7 @@ def limit_potential(q: Array, lower: Array, upper: Array, g: Array) -> float:
 
 @jit
 def posture_potential(q: Array, wanted: Array, g: Array) -> float:
-    """Return ``½ ‖q − wanted‖²``; write its gradient into g."""
+    """Return ``½ ‖q − wanted‖²``; write its gradient into g; all of shape (K,), rad and m."""
     total = 0.0
     for j in range(len(q)):
         g[j] = q[j] - wanted[j]
@@ -45,49 +60,36 @@ def posture_potential(q: Array, wanted: Array, g: Array) -> float:
 
 @jit
 def obstacle_potential(
-    C: Array,
-    is_revolute: Array,
-    q: Array,
-    obstacles: Array,
-    S: Array,
-    safe: float,
-    influence: float,
-    W: Array,
-    g: Array,
+    chain: TaskChain, q: Array, scene: Scene, repulsion: Repulsion, W: Array, g: Array
 ) -> float:
-    """Return ``Σ ½ ((influence − d) / (influence − safe))²`` of pairs within ``influence``.
+    """Return ``Σ ½ ((influence − d) / (influence − safe))²`` of pairs nearer than ``influence``.
 
     Args:
-        C: Constants of the chain.
-        is_revolute: Shape (K,).
-        q: Shape (K,).
-        obstacles: Shape (M, 16).
-        S: Links, shape (L, 11).
-        safe: Clearance to keep, m.
-        influence: Clearance below which an obstacle repels, m.
+        chain: The chain.
+        q: Joint values, rad and m, shape (K,).
+        scene: Links and obstacles.
+        repulsion: How obstacles repel.
         W: Workspace.
         g: Filled with the gradient, shape (K,).
     """
     K, total = len(q), 0.0
     out, one = np.empty(4), np.empty(K)
     g[:] = 0.0
-    link_points(C, is_revolute, q, S, W)
-    scale = 1.0 / (influence - safe)
-    for k in range(len(S)):
-        for o in range(len(obstacles)):
-            x = (influence - link_distance(W, S, k, obstacles[o], out)) * scale
+    link_points(chain, q, scene.links, W)
+    scale = 1.0 / (repulsion.influence - repulsion.safe)
+    for k in range(len(scene.links)):
+        for o in range(len(scene.obstacles)):
+            x = (repulsion.influence - link_distance(scene, k, o, W, out)) * scale
             if x > 0.0:
                 total += 0.5 * x * x
-                link_gradient(W, is_revolute, K, S, k, out, obstacles[o, 0] == 3.0, one)
+                link_gradient(chain, scene, k, o, W, out, one)
                 for j in range(K):
                     g[j] -= x * scale * one[j]
     return total
 
 
 @jit
-def manipulability_potential(
-    is_revolute: Array, rows: Array, own: bool, K: int, W: Array, g: Array
-) -> float:
+def manipulability_potential(arm: ArmConstants, W: Array, g: Array) -> float:
     """Return ``−w = −sqrt det(J Jᵀ)``; write its gradient into g, 0 where J loses rank.
 
     ``∂w/∂q_j = w tr(J† ∂J/∂q_j)``, with the derivatives of the geometric Jacobian in closed form:
@@ -95,14 +97,13 @@ def manipulability_potential(
     ``ω_i × v_j`` beyond, one of angular velocity by ``ω_j × ω_i`` for j < i.
 
     Args:
-        is_revolute: Shape (K,).
-        rows: Rows of the task.
-        own: Whether rotations are taken in the frame's own axes.
-        K: Number of joints.
-        W: Workspace, after ``residual`` at q (of :mod:`kinematics.inverse.damped_least_squares`).
+        arm: Constants of the arm.
+        W: Workspace, after :func:`kinematics.inverse.task_error.residual` at q.
         g: Filled, shape (K,).
     """
-    m, T = len(rows), W[K]
+    is_revolute, rows, own = arm.chain.is_revolute, arm.rows, arm.own
+    K, m = len(is_revolute), len(rows)
+    T = W[K]
     V, O = np.empty((K, 3)), np.zeros((K, 3))
     for k in range(K):
         if is_revolute[k]:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.compiled import jit
+from kinematics.compiled import inner, jit
 from kinematics.deadline import checkpoint
 from kinematics.kernels import Array
-from kinematics.redundancy.clearance.distances import near_pairs
+from kinematics.redundancy.clearance.distances import Pairs, Scene, near_pairs
 from kinematics.redundancy.clearance.sweep import RESOLUTION, swept_clearance
-from kinematics.redundancy.kernel import task_at, workspace
+from kinematics.redundancy.kernel import ArmConstants, task_at, workspace
 from kinematics.redundancy.measure import clearances_at
 from kinematics.redundancy.problem import PathOptions, PathProblem
 from robots.robot import FloatArray
@@ -27,53 +29,106 @@ EQUAL, SOFT = 5, 8
 FREE = 1e30
 
 
+class Way(NamedTuple):
+    """The way from one sample to the next, and where on it clearances are kept.
+
+    Attributes:
+        previous: The sample before, rad and m, shape (K,).
+        parts: Parts of the way that are done there, 1 first, the others below 1; shape (P,).
+    """
+
+    previous: Array
+    parts: Array
+
+
+class Region(NamedTuple):
+    """Where a linear model is taken to hold.
+
+    Attributes:
+        low: Lower bounds of q, rad and m, shape (K,).
+        high: Upper bounds.
+        near: Clearance within which a pair of link and obstacle counts, m.
+        longest: Longest error that is aimed at in one step, m; rad alike.
+    """
+
+    low: Array
+    high: Array
+    near: float
+    longest: float
+
+
+class ModelArrays(NamedTuple):
+    """Memory of a linear model with m task rows and room for P pairs, filled by :func:`assemble`.
+
+    Attributes:
+        e: Task error, m and rad, shape (m,).
+        J: Task Jacobian, shape (m, K).
+        pairs: Near pairs of link and obstacle.
+        A: Rows of the constraints, task first; shape (m + P, K).
+        upper: Upper bounds of the step, then of the rows; shape (K + m + P,).
+        lower: Lower bounds likewise.
+        sense: Kind of each, as DAQP codes it; shape (K + m + P,).
+    """
+
+    e: Array
+    J: Array
+    pairs: Pairs
+    A: Array
+    upper: Array
+    lower: Array
+    sense: Array
+
+
+@inner
+def place_on_way(way: Way, p: int, q: Array, x: Array) -> None:
+    """Fill x with the configuration where part p of the way to q is done, shape (K,)."""
+    part = way.parts[p]
+    for j in range(len(q)):
+        x[j] = q[j] if p == 0 else way.previous[j] + part * (q[j] - way.previous[j])
+
+
 @jit
 def assemble(
-    C: Array,
-    is_revolute: Array,
-    mask: Array,
-    rows: Array,
-    own: bool,
+    arm: ArmConstants,
+    scene: Scene,
+    region: Region,
+    way: Way,
+    need: Array,
     target: Array,
     q: Array,
-    low: Array,
-    high: Array,
-    previous: Array,
-    parts: Array,
-    obstacles: Array,
-    S: Array,
-    near: float,
-    need: Array,
-    longest: float,
     W: Array,
-    e: Array,
-    J: Array,
-    d: Array,
-    g: Array,
-    whose: Array,
-    A: Array,
-    upper: Array,
-    lower: Array,
-    sense: Array,
+    out: ModelArrays,
 ) -> tuple[int, int, float, float, float]:
-    """Compute rows ``J δ = e`` and ``∇d δ ≥ need − d`` of pairs nearer than ``near``, bounds first.
+    """Assemble rows ``J δ = e`` and ``∇d δ ≥ need − d`` of near pairs; bounds of δ first.
 
-    Clearances are evaluated at parts s of the way from ``previous`` to q, s = 1 first; there the
-    gradient with respect to q is s times that of the clearance. An error longer than ``longest``
-    (m, and rad) is shortened to it. A task row that the arm cannot move and need not move is
-    left out.
+    Clearances are evaluated where parts s of the way to q are done; there the gradient with
+    respect to q is s times that of the clearance. A task row that the arm cannot move and need not
+    move is left out.
+
+    Args:
+        arm: Constants of the arm.
+        scene: Links and obstacles.
+        region: Where the model is taken to hold.
+        way: The way to q.
+        need: Clearance to keep at each part of it, m, shape (P,).
+        target: Pose in base axes, 12 numbers.
+        q: Where to linearise, rad and m, shape (K,).
+        W: Workspace.
+        out: Filled.
 
     Returns:
-        Task rows, pairs, squared position and rotation error, and the largest missing clearance,
-        m (0 for none).
+        Task rows, pairs, squared position error, m², squared rotation error, rad², and the
+        largest missing clearance, m (0 for none).
     """
-    K, m = len(q), len(rows)
-    position, rotation = task_at(C, is_revolute, mask, rows, own, target, q, W, e, J)
+    e, J, d, g = out.e, out.J, out.pairs.d, out.pairs.g
+    A, upper, lower, sense = out.A, out.upper, out.lower, out.sense
+    K, m = len(q), len(e)
+    position, rotation = task_at(arm, target, q, W, e, J)
     size = math.sqrt(max(position, rotation))
-    cut = longest / size if size > longest else 1.0
+    cut = region.longest / size if size > region.longest else 1.0
     for j in range(K):
-        lower[j] = max(low[j] - q[j], -TRUST)
-        upper[j] = min(high[j] - q[j], TRUST)
+        lower[j] = max(region.low[j] - q[j], -TRUST)
+        upper[j] = min(region.high[j] - q[j], TRUST)
     used = 0
     for i in range(m):
         largest = abs(e[i])
@@ -87,25 +142,14 @@ def assemble(
         sense[K + used] = EQUAL
         used += 1
     count, missing = 0, 0.0
-    if len(obstacles) > 0:
-        x, room = np.empty(K), len(d) // len(parts)
-        for p in range(len(parts)):
-            part, wanted = parts[p], need[p]
-            for j in range(K):
-                x[j] = q[j] if p == 0 else previous[j] + part * (q[j] - previous[j])
+    if len(scene.obstacles) > 0:
+        x, room = np.empty(K), len(d) // len(way.parts)
+        for p in range(len(way.parts)):
+            part, wanted = way.parts[p], need[p]
+            place_on_way(way, p, q, x)
             end = count + room
-            found, least = near_pairs(
-                C,
-                is_revolute,
-                x,
-                obstacles,
-                S,
-                near,
-                W,
-                d[count:end],
-                g[count:end],
-                whose[count:end],
-            )
+            pairs = Pairs(d[count:end], g[count:end], out.pairs.whose[count:end])
+            found, least = near_pairs(arm.chain, x, scene, region.near, W, pairs)
             missing = max(missing, wanted - least)
             for i in range(count, count + found):
                 for j in range(K):
@@ -121,14 +165,12 @@ class Linearised:
     """The linear model of one problem, in memory reused at every configuration.
 
     Attributes:
-        low: Bounds of q in the present sample, shape (K,).
-        high: Likewise.
-        e: Task error at the last configuration, shape (m,).
-        J: Task Jacobian, shape (m, K).
+        region: Bounds of q in the present sample, and what the model looks at.
+        way: The way from the sample before, and where on it clearances are kept.
+        arrays: Error, Jacobian and pairs at the last configuration, and rows of the QP.
         need: Clearance to keep at a sample, with the margin, m.
         in_between: Clearance to keep between samples, m.
-        least: Clearance to keep where the path leaves no room for the margin, m.
-        parts: Parts of the way from the sample before at which clearances are kept, 1 at first.
+        least: Clearance to keep, m, where the path leaves no room for the margin.
         used: Task rows of the QP.
         count: Near pairs.
         position: Squared position error.
@@ -142,60 +184,61 @@ class Linearised:
         pairs = min(MOST_PAIRS, len(problem.links) * len(problem.obstacles))
         self.problem = problem
         self.need = problem.d_safe + options.margin
-        self.near = self.need + 0.2 * problem.scale
-        self.longest = 0.1 * problem.scale
-        self.low, self.high = np.empty(K), np.empty(K)
+        near, longest = self.need + 0.2 * problem.scale, 0.1 * problem.scale
+        self.region = Region(np.empty(K), np.empty(K), near, longest)
         self._W = workspace(K, len(problem.links))
-        self.e, self.J = np.empty(m), np.empty((m, K))
+        self._e, self._J = np.empty(m), np.empty((m, K))
         self.in_between = problem.d_safe + 0.25 * options.margin + 2 * RESOLUTION
         self.least = problem.d_safe + 2 * RESOLUTION
         self._pairs = pairs
-        self._memory(1)
-        self.parts = np.ones(1)
-        self.previous = np.empty(K)
+        self.way = Way(np.empty(K), np.ones(1))
+        self.arrays = self._memory(1)
         self.used = self.count = 0
         self.position = self.rotation = self.missing = 0.0
 
-    def _memory(self, parts: int) -> None:
-        """Allocate memory for the pairs at a number of parts."""
-        K, pairs = self.problem.arm.K, parts * self._pairs
-        rows = self.problem.arm.m + pairs
-        self._d, self._g = np.empty(pairs), np.empty((pairs, K))
-        self._whose = np.empty((pairs, 2), dtype=np.int64)
-        self._A = np.empty((rows, K))
-        self._upper, self._lower = np.empty(K + rows), np.empty(K + rows)
-        self._sense = np.zeros(K + rows, dtype=np.int32)
+    def _memory(self, parts: int) -> ModelArrays:
+        """Return memory for the pairs at a number of parts of the way."""
+        K, count = self.problem.arm.K, parts * self._pairs
+        rows = self.problem.arm.m + count
+        pairs = Pairs(np.empty(count), np.empty((count, K)), np.empty((count, 2), dtype=np.int64))
+        A, upper, lower = np.empty((rows, K)), np.empty(K + rows), np.empty(K + rows)
+        sense = np.zeros(K + rows, dtype=np.int32)
+        return ModelArrays(self._e, self._J, pairs, A, upper, lower, sense)
 
     def bound(self, previous: FloatArray) -> None:
-        """Set the bounds by limits and speeds for the sample after a configuration."""
+        """Set the bounds by limits and speeds for the sample after a configuration, shape (K,)."""
         chain, most = self.problem.arm.chain, self.problem.most_per_step
-        np.maximum(chain.lower, previous - most, out=self.low)
-        np.minimum(chain.upper, previous + most, out=self.high)
-        self.previous[:] = previous
-        self.look_between(np.empty(0))
+        np.maximum(chain.lower, previous - most, out=self.region.low)
+        np.minimum(chain.upper, previous + most, out=self.region.high)
+        self.way.previous[:] = previous
+        self.look_between(())
 
-    def look_between(self, parts: FloatArray) -> None:
+    def look_between(self, parts: Sequence[float]) -> None:
         """Set the parts of the way from the sample before at which clearances are kept as well."""
-        if len(parts) + 1 != len(self.parts):
-            self._memory(len(parts) + 1)
-        self.parts = np.r_[1.0, parts]
+        if len(parts) + 1 != len(self.way.parts):
+            self.arrays = self._memory(len(parts) + 1)
+        self.way = Way(self.way.previous, np.array((1.0, *parts)))
 
     def needs(self, need: float) -> FloatArray:
-        """Return the clearance to keep at each part, m: at most ``need``, at the sample itself."""
-        wanted = np.full(len(self.parts), min(self.in_between, need))
+        """Return the clearance to keep at each part of the way, m; ``need`` at the sample."""
+        wanted = np.full(len(self.way.parts), min(self.in_between, need))
         wanted[0] = need
         return wanted
 
     def at(self, q: FloatArray, target: FloatArray, need: float) -> None:
-        """Linearise at q."""
+        """Linearise at q, shape (K,), for a target of 12 numbers and a clearance, m."""
         checkpoint()
-        problem = self.problem
         self.used, self.count, self.position, self.rotation, self.missing = assemble(
-            *problem.arm.constants, target, q, self.low, self.high, self.previous, self.parts,
-            problem.obstacles, problem.links.rows, self.near, self.needs(need), self.longest,
-            self._W, self.e, self.J, self._d, self._g, self._whose, self._A, self._upper,
-            self._lower, self._sense,
-        )  # fmt: skip
+            self.problem.arm.constants,
+            self.problem.scene,
+            self.region,
+            self.way,
+            self.needs(need),
+            target,
+            q,
+            self._W,
+            self.arrays,
+        )
 
     @property
     def error(self) -> float:
@@ -203,26 +246,23 @@ class Linearised:
         return self.position + self.rotation
 
     def rows(self, task: bool) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.int32]]:
-        """Return A, upper, lower (bounds first), sense of a QP in δ, with or without the task."""
-        K, used, count = len(self.low), self.used, self.count
+        """Return A, upper, lower, sense of a QP in δ, with the task's rows or without.
+
+        Bounds of δ come first in all but A.
+        """
+        _, _, _, A, upper, lower, sense = self.arrays
+        K, used, count = A.shape[1], self.used, self.count
         total = K + used + count
         if task:
-            parts = self._A[: used + count], self._upper[:total], self._lower[:total]
-            return *parts, self._sense[:total]
+            return A[: used + count], upper[:total], lower[:total], sense[:total]
         keep = np.r_[0:K, K + used : total]
-        parts = self._A[used : used + count], self._upper[keep], self._lower[keep]
-        return *parts, self._sense[keep]
+        return A[used : used + count], upper[keep], lower[keep], sense[keep]
 
     def swept(self, a: FloatArray, b: FloatArray) -> float:
-        """Return a lower bound of the clearance between two configurations, m, where it matters."""
+        """Return a lower bound of the clearance between two configurations, up to d_safe, m."""
         problem = self.problem
-        C, is_revolute, *_ = problem.arm.constants
-        return float(
-            swept_clearance(
-                C, is_revolute, a, b, problem.obstacles, problem.links.rows, problem.d_safe,
-                RESOLUTION, self._W, VISITS,
-            )
-        )  # fmt: skip
+        chain, scene = problem.arm.constants.chain, problem.scene
+        return float(swept_clearance(chain, a, b, scene, problem.d_safe, self._W, VISITS))
 
     def clearance(self, q: FloatArray) -> float:
         """Return the least clearance at q less the resolution of a swept one, m."""

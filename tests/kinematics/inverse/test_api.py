@@ -1,4 +1,4 @@
-"""The compiled solver and the one on Pinocchio, single solves and batches: the same answers."""
+"""The compiled solver beside its oracle on Pinocchio, one target and many: the same answers."""
 
 import numpy as np
 import pytest
@@ -6,9 +6,9 @@ import pytest
 from kinematics.forward import fk
 from kinematics.inverse import IKOptions, IKStatus, solve_ik, solve_ik_batch
 from kinematics.inverse.all_solutions import Choice, all_solutions, choose
-from kinematics.inverse.numeric import solve_on_pinocchio
 from kinematics.singularity import singularity_report
 from robots.shipped import shipped_robot
+from tests.oracles.pinocchio_ik import solve_on_pinocchio
 
 
 def targets(robot, n, seed=0):
@@ -18,7 +18,7 @@ def targets(robot, n, seed=0):
 
 
 @pytest.mark.parametrize("name", ["panda", "xarm7", "baxter", "talos_arm"])
-def test_both_paths_take_the_same_steps(name):
+def test_solver_and_oracle_take_the_same_steps(name):
     """Rounding may part them on a long way; on nearly all targets they stay together."""
     robot, together = shipped_robot(name), 0
     for target in targets(robot, 40):

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.clearance.distances import clearances, pair_distance
+from kinematics.redundancy.clearance.distances import Scene, clearances, pair_distance
 from kinematics.redundancy.clearance.links import skeleton
 from kinematics.redundancy.clearance.obstacles import (
     Box,
@@ -135,7 +135,7 @@ def test_bad_obstacles_are_named():
 @pytest.mark.parametrize("name", ["planar_8r", "pa10", "scara"])
 def test_nothing_is_missed_between_samples(name):
     arm = Arm.of(shipped_robot(name), None, task_from("position"))
-    C, turns, *_ = arm.constants
+    chain = arm.constants.chain
     rng, tight = np.random.default_rng(3), 0
     S = skeleton(arm, 0.03).rows
     W = workspace(arm.K, len(S))
@@ -149,12 +149,13 @@ def test_nothing_is_missed_between_samples(name):
                 CircleObstacle(rng.uniform(-1, 1, 2), 0.1),
             ]
         )
-        bound = swept_clearance(C, turns, a, b, world, S, np.inf, RESOLUTION, W)
+        scene = Scene(world, S)
+        bound = swept_clearance(chain, a, b, scene, np.inf, W)
         Q = a + np.linspace(0, 1, 2001)[:, None] * (b - a)
         dense, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
-        clearances(C, turns, Q, world, S, W, dense, whose)
+        clearances(chain, Q, scene, W, dense, whose)
         assert bound <= dense.min() + 1e-12
         tight += bound >= dense.min() - 2 * RESOLUTION
         enough = dense.min() - 0.01
-        assert swept_clearance(C, turns, a, b, world, S, enough, RESOLUTION, W) >= enough
+        assert swept_clearance(chain, a, b, scene, enough, W) >= enough
     assert tight >= 50

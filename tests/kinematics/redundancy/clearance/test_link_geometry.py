@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.bounding import bounding_capsule
-from kinematics.redundancy.clearance.distances import clearances, near_pairs
+from kinematics.redundancy.clearance.distances import Pairs, Scene, clearances, near_pairs
 from kinematics.redundancy.clearance.link_geometry import link_geometry, too_near
 from kinematics.redundancy.clearance.links import skeleton
 from kinematics.redundancy.clearance.obstacles import (
@@ -162,9 +162,9 @@ def setting(round_only, frame="hand"):
 
 def pairs_at(arm, S, q, world):
     d, g = np.empty(len(S) * len(world)), np.empty((len(S) * len(world), arm.K))
-    whose = np.empty((len(d), 2), dtype=np.int64)
-    C, turns, *_ = arm.constants
-    count, _ = near_pairs(C, turns, q, world, S, 1e9, workspace(arm.K, len(S)), d, g, whose)
+    pairs = Pairs(d, g, np.empty((len(d), 2), dtype=np.int64))
+    chain, W = arm.constants.chain, workspace(arm.K, len(S))
+    count, _ = near_pairs(chain, q, Scene(world, S), 1e9, W, pairs)
     assert count == len(d)
     return d.reshape(len(S), len(world)), g.reshape(len(S), len(world), arm.K)
 
@@ -270,17 +270,17 @@ def test_every_corner_and_rim_is_within_the_capsule(seed):
 
 def test_nothing_is_missed_between_samples():
     _, arm, start, geometry = setting(round_only=False)
-    C, turns, *_ = arm.constants
+    chain = arm.constants.chain
     S, rng, tight = geometry.links.rows, np.random.default_rng(4), 0
     world = encoded([*WORLD, CircleObstacle((0.2, 0.7), 0.1)])
-    W = workspace(arm.K, len(S))
+    scene, W = Scene(world, S), workspace(arm.K, len(S))
     for k in range(40):
         a = arm.reduced(start) + rng.uniform(-1, 1, arm.K) * [1, 1, 0.2]
         b = a + rng.normal(size=arm.K) * (0.3, 0.03, 1.0)[k % 3]
-        bound = swept_clearance(C, turns, a, b, world, S, np.inf, RESOLUTION, W)
+        bound = swept_clearance(chain, a, b, scene, np.inf, W)
         Q = a + np.linspace(0, 1, 2001)[:, None] * (b - a)
         dense, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
-        clearances(C, turns, Q, world, S, W, dense, whose)
+        clearances(chain, Q, scene, W, dense, whose)
         assert bound <= dense.min() + 1e-12
         tight += bound >= dense.min() - 2 * RESOLUTION
     assert tight >= 35

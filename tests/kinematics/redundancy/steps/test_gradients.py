@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from kinematics.inverse.damped_least_squares import columns, residual
+from kinematics.inverse.task_error import columns, residual
 from kinematics.jacobian import task_jacobian
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.clearance.distances import near_pairs
+from kinematics.redundancy.clearance.distances import Pairs, Scene, near_pairs
 from kinematics.redundancy.clearance.links import skeleton
 from kinematics.redundancy.clearance.obstacles import (
     Box,
@@ -18,6 +18,7 @@ from kinematics.redundancy.clearance.obstacles import (
 )
 from kinematics.redundancy.kernel import exact_error_columns, task_rows, workspace
 from kinematics.redundancy.steps.gradients import (
+    Repulsion,
     limit_potential,
     manipulability_potential,
     obstacle_potential,
@@ -84,7 +85,7 @@ SPATIAL = ["position", "pose", "xy", "xy_phi", "position_direction"]
 def test_manipulability(name, task):
     robot = shipped_robot(name)
     arm = Arm.of(robot, None, task_from(task))
-    C, turns, mask, rows, own = arm.constants
+    constants = arm.constants
     G, W, g = np.zeros(12), workspace(arm.K), np.empty(arm.K)
     G[[0, 5, 10]] = 1.0
 
@@ -93,30 +94,31 @@ def test_manipulability(name, task):
         return np.sqrt(np.linalg.det(J @ J.T))
 
     for q in samples(arm):
-        residual(C, turns, mask, G, q, W)
-        value = manipulability_potential(turns, rows, own, arm.K, W, g)
+        residual(constants.chain, G, q, W)
+        value = manipulability_potential(constants, W, g)
         assert -value == pytest.approx(w(q), rel=1e-9)
         close(-g, numeric(w, q))
 
 
 def test_distances_and_repulsion(arm):
-    C, turns, *_ = arm.constants
-    S = skeleton(arm, 0.02).rows
-    K, pairs = arm.K, len(S) * len(WORLD)
+    chain, S = arm.constants.chain, skeleton(arm, 0.02).rows
+    scene, K, most = Scene(WORLD, S), arm.K, len(S) * len(WORLD)
     W = workspace(K, len(S))
-    d, g, whose = np.empty(pairs), np.empty((pairs, K)), np.empty((pairs, 2), dtype=np.int64)
+
+    def room():
+        return Pairs(np.empty(most), np.empty((most, K)), np.empty((most, 2), dtype=np.int64))
 
     def all_distances(q):
-        values, grads = np.empty(pairs), np.empty((pairs, K))
-        near_pairs(
-            C, turns, q, WORLD, S, 1e9, workspace(K, len(S)), values, grads, np.empty_like(whose)
-        )
-        return values
+        found = room()
+        near_pairs(chain, q, scene, 1e9, workspace(K, len(S)), found)
+        return found.d
 
     checked = 0
     for q in samples(arm):
-        count, least = near_pairs(C, turns, q, WORLD, S, 1e9, W, d, g, whose)
-        assert count == pairs
+        pairs = room()
+        count, least = near_pairs(chain, q, scene, 1e9, W, pairs)
+        d, g, _ = pairs
+        assert count == most
         assert least == d.min()
         coarse, fine = numeric(all_distances, q, 1e-4).T, numeric(all_distances, q, 3e-5).T
         smooth = np.abs(coarse - fine).max(axis=1) < 1e-8  # not where the witness changes sides
@@ -125,27 +127,27 @@ def test_distances_and_repulsion(arm):
         checked += smooth.sum()
         total = np.empty(K)
         if d.min() > 0.0 and smooth.all():
-            arguments = WORLD, S, 0.01, 0.3, workspace(K, len(S))
-            obstacle_potential(C, turns, q, *arguments, total)
+            arguments = scene, Repulsion(0.01, 0.3), workspace(K, len(S))
+            obstacle_potential(chain, q, *arguments, total)
             expected = numeric(
-                lambda x, a=arguments: obstacle_potential(C, turns, x, *a, np.empty(K)), q, 1e-4
+                lambda x, a=arguments: obstacle_potential(chain, x, *a, np.empty(K)), q, 1e-4
             )
             close(total, expected)
-    assert checked > 5 * pairs
+    assert checked > 5 * most
 
 
 @pytest.mark.parametrize("task", ["pose", "xy_phi", "orientation"])
 def test_the_error_of_the_program_has_its_exact_derivative(task):
     arm = Arm.of(shipped_robot("panda"), None, task_from(task))
-    C, turns, mask, rows, own = arm.constants
-    every = np.array([1.0] * 6 + [0.0])
+    constants, chain = arm.constants, arm.constants.chain
+    every = chain._replace(mask=np.array([1.0] * 6 + [0.0]))
 
     def error(q, goal):
         W, e, J = workspace(arm.K), np.empty(arm.m), np.empty((arm.m, arm.K))
-        residual(C, turns, every, goal, q, W)
-        columns(turns, every, arm.K, W)
-        exact_error_columns(mask, arm.K, W)
-        task_rows(rows, own, arm.K, W, e, J)
+        residual(every, goal, q, W)
+        columns(every, W)
+        exact_error_columns(chain, W)
+        task_rows(constants, W, e, J)
         return e, J
 
     for q in samples(arm):

@@ -1,9 +1,10 @@
-"""Inverse kinematics by Levenberg-Marquardt on Pinocchio, for any chain, frame and task.
+"""The oracle of the compiled inverse kinematics: the same method in plain Python on Pinocchio.
 
-Damping by the error (Chan and Lawrence 1988; Sugihara, IEEE T-RO 27(5), 2011): with the residual
-``E = ½ eᵀe``, ``Δq = Jᵀ (J Jᵀ + λ I)⁻¹ e`` and ``λ = 0.03 E + 1e-10``. Joints that span a turn
-wrap; others are held at a limit as long as the step would push them through it. A start that
-stalls is given up for a random one. Every answer is measured by forward kinematics.
+Poses and Jacobians are Pinocchio's, linear equations NumPy's. Levenberg-Marquardt for any chain,
+frame and task, damped by the error (Chan and Lawrence 1988; Sugihara, IEEE T-RO 27(5), 2011): with
+the residual ``E = ½ eᵀe``, ``Δq = Jᵀ (J Jᵀ + λ I)⁻¹ e`` and ``λ = 0.03 E + 1e-10``. Joints that
+span a turn wrap; others are held at a limit as long as the step would push them through it. A start
+that stalls is given up for the next one. Every answer is measured by forward kinematics.
 """
 
 from __future__ import annotations

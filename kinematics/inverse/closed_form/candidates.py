@@ -1,4 +1,4 @@
-"""Every candidate is measured on the chain and, where rounding shows, improved; compiled.
+"""Candidates of a closed form: measured on the chain and, where rounding shows, improved; compiled.
 
 A Gauss-Newton step with a trace of damping, ``Δq = Jᵀ (J Jᵀ + λ I)⁻¹ e``, kept where it makes the
 error smaller. What does not come within ``ACCEPTED`` of the target is no solution.
@@ -7,14 +7,15 @@ error smaller. What does not come within ``ACCEPTED`` of the target is no soluti
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinematics.compiled import inner
-from kinematics.inverse.closed_form.vectors import wrapped
-from kinematics.inverse.damped_least_squares import columns, damped, residual
-from robots.robot import FloatArray
+from kinematics.inverse.closed_form.vectors import Vector, wrapped
+from kinematics.inverse.damped_step import damped
+from kinematics.inverse.task_error import TaskChain, columns, residual
+from kinematics.kernels import Array
 
 ACCEPTED = 1e-9
 ENOUGH = 2e-14
@@ -24,28 +25,55 @@ SAME = 1e-7
 WORK = 64
 """Length of the first axis of the working memory, shape (WORK, 6)."""
 
-IntArray = NDArray[np.int64]
+
+class FormConstants(NamedTuple):
+    """What the solver of a class knows of an arm of K joints.
+
+    Attributes:
+        numbers: Geometry of the axes at q = 0, in the order of the class.
+        chain: The arm as it is, and the task.
+    """
+
+    numbers: Array
+    chain: TaskChain
+
+
+class Candidates(NamedTuple):
+    """Room for N solutions.
+
+    Attributes:
+        q: Joint values, rad and m, shape (N, K).
+        codes: Which of its two values each posture has, shape (N, number of postures).
+        free: A bit for each joint that a singular branch leaves free, which took its given
+            value; shape (N,).
+        errors: Norms of the position error, m, and of the rotation error, rad; shape (N, 2).
+    """
+
+    q: Array
+    codes: Array
+    free: Array
+    errors: Array
 
 
 @inner
-def improve(
-    placements: FloatArray,
-    is_revolute: FloatArray,
-    target: FloatArray,
-    mask: FloatArray,
-    q: FloatArray,
-    errors: FloatArray,
-    work: FloatArray,
-) -> bool:
-    """Brings q closer to the target where it can, and measures it.
+def pose_parts(target: Array, work: Array) -> tuple[Vector, Array]:
+    """Return position, and rotation row by row (9 numbers in the working memory), of a 4x4 pose."""
+    rotation = work[WORK - 16 : WORK - 14].reshape(-1)
+    for i in range(3):
+        for j in range(3):
+            rotation[3 * i + j] = target[i, j]
+    return (target[0, 3], target[1, 3], target[2, 3]), rotation
+
+
+@inner
+def improve(chain: TaskChain, target: Array, q: Array, errors: Array, work: Array) -> bool:
+    """Bring q closer to the target where it can be, and measure it.
 
     Args:
-        placements: C_0 … C_K, shape (K + 1, 12).
-        is_revolute: Nonzero for an angle, shape (K,).
+        chain: The arm and the task.
         target: Pose in the base's axes, shape (4, 4).
-        mask: 1 for the rows of the error that count, else 0; shape (6,).
         q: A candidate, shape (K,); changed in place.
-        errors: Receives the norms of the position error, m, and of the rotation error, rad.
+        errors: Filled with the norms of the position error, m, and of the rotation error, rad.
         work: Working memory, shape (WORK, 6).
 
     Returns:
@@ -56,7 +84,7 @@ def improve(
     J, e, y = W[0:K, 6:12], W[K + 1, 0:6], W[K + 1, 6:12]
     best = np.inf
     for attempt in range(STEPS + 1):
-        position, rotation = residual(placements, is_revolute, mask, target.reshape(16), q, W)
+        position, rotation = residual(chain, target.reshape(16), q, W)
         position, rotation = math.sqrt(position), math.sqrt(rotation)
         error = position + rotation
         if not error < best:
@@ -68,12 +96,12 @@ def improve(
         best, errors[0], errors[1] = error, position, rotation
         if error <= ENOUGH or settled or attempt == STEPS:
             break
-        columns(is_revolute, mask, K, W)
+        columns(chain, W)
         scale = 1e-300
         for k in range(K):
             for i in range(6):
                 scale += J[k, i] * J[k, i]
-        damped(J, K, DAMPING * scale, e, y)
+        damped(J, DAMPING * scale, e, y)
         for k in range(K):
             kept[k] = q[k]
             for i in range(6):
@@ -83,46 +111,36 @@ def improve(
 
 @inner
 def none_yet() -> int:
-    """0, of a type that lets the compiler make one version of what counts on from it."""
+    """Return 0, of a type that lets the compiler make one version of what counts on from it."""
     return int(np.int64(0))
 
 
 @inner
 def keep(
-    placements: FloatArray,
-    is_revolute: FloatArray,
-    target: FloatArray,
-    mask: FloatArray,
-    q: FloatArray,
-    n: int,
-    measured: bool,
-    errors: FloatArray,
-    work: FloatArray,
+    form: FormConstants, target: Array, measured: bool, candidates: Candidates, n: int, work: Array
 ) -> int:
-    """Row n of q becomes a solution if it is one and no earlier row is the same.
+    """Make row n of the candidates a solution if it is one and no earlier row is the same.
 
     Who wants one solution only measures what it picks: without ``measured`` every candidate is
     taken, and its errors are 0.
 
     Args:
-        placements: C_0 … C_K, shape (K + 1, 12).
-        is_revolute: Nonzero for an angle, shape (K,).
+        form: Constants of the arm.
         target: Pose in the base's axes, shape (4, 4).
-        mask: 1 for the rows of the error that count, else 0; shape (6,).
-        q: Solutions so far, then a candidate in row n; shape (N, K).
-        n: Number of solutions so far.
         measured: See above.
-        errors: Position and rotation errors of the solutions, m and rad; shape (N, 2).
-        work: Working memory.
+        candidates: Solutions so far, then a candidate in row n.
+        n: Number of solutions so far.
+        work: Working memory, shape (WORK, 6).
 
     Returns:
         Number of solutions now, n or n + 1.
     """
+    q, errors, is_revolute = candidates.q, candidates.errors, form.chain.is_revolute
     candidate = q[n]
     if not measured:
         errors[n, 0] = errors[n, 1] = 0.0
         return n + 1
-    if not improve(placements, is_revolute, target, mask, candidate, errors[n], work):
+    if not improve(form.chain, target, candidate, errors[n], work):
         return n
     for k in range(len(candidate)):
         if is_revolute[k]:

@@ -1,0 +1,169 @@
+"""Compiled: a damped least-squares step within joint limits."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from kinematics.compiled import inner, jit
+from kinematics.inverse.task_error import TaskChain, columns
+from kinematics.kernels import Array
+
+TURN = 2.0 * math.pi
+
+
+class JointLimits(NamedTuple):
+    """Limits of K joints, rad and m.
+
+    Attributes:
+        lower: Lower limits, -inf where none; shape (K,).
+        upper: Upper limits, inf where none; shape (K,).
+        wraps: Nonzero where an angle's range spans a turn, so that a step beyond one limit
+            re-enters at the other; shape (K,).
+    """
+
+    lower: Array
+    upper: Array
+    wraps: Array
+
+
+@inner
+def step(
+    chain: TaskChain, limits: JointLimits, q: Array, damping: float, W: Array, result: Array
+) -> None:
+    """Take a damped step from the q of the last residual, within the limits.
+
+    A joint at a limit that the step would push through it is held, and the others do without it.
+
+    Args:
+        chain: The chain and the task.
+        limits: Limits of its joints.
+        q: Joint values of the last residual, shape (K,).
+        damping: λ, above 0.
+        W: Workspace, after ``residual`` at q.
+        result: Filled with the new joint values, shape (K,); may be q itself.
+    """
+    K, lower, upper, wraps = len(q), limits.lower, limits.upper, limits.wraps
+    J, e, y = W[0:K, 6:12], W[K + 1, 0:6], W[K + 1, 6:12]
+    delta = W[K + 2 :].reshape(-1)[:K]
+    columns(chain, W)
+    for _ in range(K):
+        damped(J, damping, e, y)
+        again = False
+        for k in range(K):
+            d = 0.0
+            for i in range(6):
+                d += J[k, i] * y[i]
+            delta[k] = d
+            if wraps[k] == 0.0 and (
+                (d < 0.0 and q[k] <= lower[k]) or (d > 0.0 and q[k] >= upper[k])
+            ):
+                J[k, :] = 0.0  # held at its limit: the others do without it
+                again = True
+        if not again:
+            break
+    for k in range(K):
+        result[k] = inside(q[k] + delta[k], lower[k], upper[k], wraps[k])
+
+
+@inner
+def damped(J: Array, damping: float, e: Array, y: Array) -> None:
+    """Solve ``(Σ J_k J_kᵀ + damping I) y = e`` by symmetric elimination (LDLᵀ).
+
+    Every pivot is at least the damping, but for rounding, which is not let below it.
+
+    Args:
+        J: Columns of the Jacobian as rows, shape (K, 6).
+        damping: λ, above 0.
+        e: Right-hand side, shape (6,).
+        y: Filled, shape (6,).
+    """
+    a00 = a11 = a22 = a33 = a44 = a55 = damping
+    a10 = a20 = a30 = a40 = a50 = a21 = a31 = a41 = a51 = 0.0
+    a32 = a42 = a52 = a43 = a53 = a54 = 0.0
+    for k in range(len(J)):
+        j0, j1, j2, j3, j4, j5 = J[k, 0], J[k, 1], J[k, 2], J[k, 3], J[k, 4], J[k, 5]
+        a00 += j0 * j0
+        a10, a11 = a10 + j1 * j0, a11 + j1 * j1
+        a20, a21, a22 = a20 + j2 * j0, a21 + j2 * j1, a22 + j2 * j2
+        a30, a31, a32, a33 = a30 + j3 * j0, a31 + j3 * j1, a32 + j3 * j2, a33 + j3 * j3
+        a40, a41, a42 = a40 + j4 * j0, a41 + j4 * j1, a42 + j4 * j2
+        a43, a44 = a43 + j4 * j3, a44 + j4 * j4
+        a50, a51, a52 = a50 + j5 * j0, a51 + j5 * j1, a52 + j5 * j2
+        a53, a54, a55 = a53 + j5 * j3, a54 + j5 * j4, a55 + j5 * j5
+    y0, y1, y2, y3, y4, y5 = e[0], e[1], e[2], e[3], e[4], e[5]
+
+    r0 = 1.0 / a00
+    f1, f2, f3, f4, f5 = a10 * r0, a20 * r0, a30 * r0, a40 * r0, a50 * r0
+    a11 -= f1 * a10
+    a21, a22 = a21 - f2 * a10, a22 - f2 * a20
+    a31, a32, a33 = a31 - f3 * a10, a32 - f3 * a20, a33 - f3 * a30
+    a41, a42, a43, a44 = a41 - f4 * a10, a42 - f4 * a20, a43 - f4 * a30, a44 - f4 * a40
+    a51, a52, a53 = a51 - f5 * a10, a52 - f5 * a20, a53 - f5 * a30
+    a54, a55 = a54 - f5 * a40, a55 - f5 * a50
+    y1, y2, y3, y4, y5 = y1 - f1 * y0, y2 - f2 * y0, y3 - f3 * y0, y4 - f4 * y0, y5 - f5 * y0
+
+    r1 = 1.0 / max(a11, damping)
+    f2, f3, f4, f5 = a21 * r1, a31 * r1, a41 * r1, a51 * r1
+    a22 -= f2 * a21
+    a32, a33 = a32 - f3 * a21, a33 - f3 * a31
+    a42, a43, a44 = a42 - f4 * a21, a43 - f4 * a31, a44 - f4 * a41
+    a52, a53, a54, a55 = a52 - f5 * a21, a53 - f5 * a31, a54 - f5 * a41, a55 - f5 * a51
+    y2, y3, y4, y5 = y2 - f2 * y1, y3 - f3 * y1, y4 - f4 * y1, y5 - f5 * y1
+
+    r2 = 1.0 / max(a22, damping)
+    f3, f4, f5 = a32 * r2, a42 * r2, a52 * r2
+    a33 -= f3 * a32
+    a43, a44 = a43 - f4 * a32, a44 - f4 * a42
+    a53, a54, a55 = a53 - f5 * a32, a54 - f5 * a42, a55 - f5 * a52
+    y3, y4, y5 = y3 - f3 * y2, y4 - f4 * y2, y5 - f5 * y2
+
+    r3 = 1.0 / max(a33, damping)
+    f4, f5 = a43 * r3, a53 * r3
+    a44 -= f4 * a43
+    a54, a55 = a54 - f5 * a43, a55 - f5 * a53
+    y4, y5 = y4 - f4 * y3, y5 - f5 * y3
+
+    r4 = 1.0 / max(a44, damping)
+    f5 = a54 * r4
+    a55 -= f5 * a54
+    y5 -= f5 * y4
+
+    y5 = y5 / max(a55, damping)
+    y4 = (y4 - a54 * y5) * r4
+    y3 = (y3 - a43 * y4 - a53 * y5) * r3
+    y2 = (y2 - a32 * y3 - a42 * y4 - a52 * y5) * r2
+    y1 = (y1 - a21 * y2 - a31 * y3 - a41 * y4 - a51 * y5) * r1
+    y0 = (y0 - a10 * y1 - a20 * y2 - a30 * y3 - a40 * y4 - a50 * y5) * r0
+    y[0], y[1], y[2], y[3], y[4], y[5] = y0, y1, y2, y3, y4, y5
+
+
+@inner
+def inside(value: float, lower: float, upper: float, wraps: bool) -> float:
+    """Return a joint value within its limits: by whole turns where it wraps, else the nearest."""
+    if wraps:
+        if value < lower:
+            value += TURN * math.ceil((lower - value) / TURN)
+        elif value > upper:
+            value -= TURN * math.ceil((value - upper) / TURN)
+    return min(max(value, lower), upper)
+
+
+@jit
+def inside_all(q: Array, lower: Array, upper: Array, wraps: Array, result: Array) -> None:
+    """Apply :func:`inside` to each joint; arrays of shape (K,)."""
+    for k in range(len(q)):
+        result[k] = inside(q[k], lower[k], upper[k], wraps[k])
+
+
+@inner
+def nearest_turn(value: float, reference: float, lower: float, upper: float, wraps: bool) -> float:
+    """Return the same angle by whole turns, within the limits, nearest to a reference, rad."""
+    if not wraps:
+        return value
+    candidate = value + TURN * math.floor((reference - value) / TURN + 0.5)
+    if candidate > upper:
+        candidate -= TURN
+    elif candidate < lower:
+        candidate += TURN
+    return candidate if lower <= candidate <= upper else value
