@@ -61,7 +61,7 @@ class RequestForm(Generic[R]):
         ]
         self.wire = _struct(request.__name__, members, request.__doc__)
         self.inline = _struct(
-            f"Inline{request.__name__}", [("robot", _ROBOT), *members], request.__doc__
+            f"Inline{request.__name__}", [*members, ("robot", _ROBOT)], request.__doc__
         )
         self.parameters: dict[str, tuple[str, Parameter]] = {
             parameter.name or name: (name, parameter)

@@ -42,11 +42,8 @@ def _keys(old: Answer) -> list[str]:
 def _is_answer(asked: Asked, answer: Answer) -> bool:
     """An answer of a computation in JSON or text."""
     kind = answer.headers.get("content-type", "").partition(";")[0]
-    return (
-        asked.operation in BODIES
-        and answer.status == 200
-        and kind in ("application/json", "text/plain")
-    )
+    asks = asked.operation in BODIES or asked.operation == "corpus"
+    return asks and answer.status == 200 and kind in ("application/json", "text/plain")
 
 
 def _without_warnings(old: Answer, text: str) -> str:
@@ -62,11 +59,95 @@ def _without_warnings(old: Answer, text: str) -> str:
     return orjson.dumps(payload).decode()
 
 
+_DEGENERATE = re.compile(r"(degenerate:)((?: (?:yes|no),?)+)$", re.MULTILINE)
+_KNOWN = re.compile(r"known are [^\"\n]*")
+_PLACE = re.compile(r"targets[./]\w+[./]\w+(?:[./]sequence)?")
+
+
+def _kind(answer: Answer) -> str:
+    return answer.headers.get("content-type", "").partition(";")[0]
+
+
+def _ends_without_warnings(old: Answer) -> bool:
+    return old.text is not None and old.text.endswith("warnings: (none)\n")
+
+
+def _same_names(old: Answer, text: str) -> str:
+    """A text with the recorded names, where it lists the same ones or some of as many."""
+    before, now = _KNOWN.findall(old.text or ""), _KNOWN.findall(text)
+    more = " and "
+    for one, other in zip(before, now, strict=False):
+        names, others = (set(re.split(r", | and ", x.removeprefix("known are "))) for x in (one, other))
+        if names == others or (more in one and one.rpartition(more)[2] == other.rpartition(more)[2]):
+            text = text.replace(other, one)
+    return text
+
+
+def _same_place(old: Answer, text: str) -> bool:
+    """Whether two texts differ in where they find a fault of targets, and in words of it, only."""
+    if '"targets":{' not in text and "/targets/" not in text:
+        return False
+    if "/targets/" not in (old.text or ""):
+        return False
+    fields = [set(re.findall(r"\w+", one)) for one in _PLACE.findall(old.text or "")]
+    return all(set(re.findall(r"\w+", one)) & set().union(*fields) for one in _PLACE.findall(text))
+
+
+def _numbers(match: re.Match[str]) -> str:
+    words = re.findall("yes|no", match[2])
+    return match[1] + "".join(f" {float(word == 'yes'):11.6f}" for word in words)
+
+
+def _without_guide(text: str) -> str:
+    payload: dict[str, Any] = orjson.loads(text) if text[:1] == "{" else {}
+    payload.pop("guide", None)
+    return orjson.dumps(payload).decode() if payload else text
+
+
 INTENDED: list[Intended] = [
     Intended(
         "warnings is a field of every JSON answer of a computation, and a line of its text",
         _is_answer,
         _without_warnings,
+    ),
+    Intended(
+        "a text shows warnings only where there are some",
+        lambda asked, answer: _kind(answer) == "text/plain",
+        lambda old, text: f"{text}warnings: (none)\n" if _ends_without_warnings(old) else text,
+    ),
+    Intended(
+        "names that are known are listed in the order in which fields are declared",
+        lambda asked, answer: answer.status == 422,
+        lambda old, text: _same_names(old, text),
+    ),
+    Intended(
+        "a fault in targets that are given field by field is found by field, then by number",
+        lambda asked, answer: asked.operation == "ik" and answer.status == 422,
+        lambda old, text: old.text if _same_place(old, text) and old.text is not None else text,
+    ),
+    Intended(
+        "an Euler sequence with angles, where none are taken, is no sequence",
+        lambda asked, answer: answer.status == 422 and "euler" in asked.sent.query,
+        lambda old, text: old.text
+        if old.text is not None and "unknown-euler-sequence" in text and "/euler" in old.text
+        else text,
+    ),
+    Intended(
+        "a text says of each pose whether its Euler angles are degenerate, in words",
+        lambda asked, answer: asked.operation == "fk" and _kind(answer) == "text/plain",
+        lambda old, text: _DEGENERATE.sub(_numbers, text),
+    ),
+    Intended(
+        "the index names the guide",
+        lambda asked, answer: asked.operation == "index",
+        lambda old, text: _without_guide(text),
+    ),
+    Intended(
+        "q is read before a robot is found to have no table",
+        lambda asked, answer: asked.operation == "dh-matrices" and answer.status == 422,
+        lambda old, text: old.text
+        if old.text is not None and "has no D-H table" in old.text and "/q" in text
+        else text,
     ),
 ]
 
