@@ -19,6 +19,7 @@ from llvmlite import binding as llvm
 from numba.core.caching import FunctionCache
 
 PACKAGE = Path(__file__).parent
+CONFIG: Any = numba.config
 
 
 def source_digest() -> str:
@@ -44,17 +45,22 @@ def choose_folder(digest: str) -> Path | None:
     """
     given = os.environ.get("NUMBA_CACHE_DIR")
     if given is not None and Path(given).is_dir() and not os.access(given, os.W_OK):
-        folder: Path | None = Path(tempfile.mkdtemp(prefix="denavit-kernels-"))
-        shutil.copytree(given, folder, dirs_exist_ok=True)
-        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        folder = _private_copy(given)
     elif given is not None:
         folder = _first_writable([Path(given)])
     else:
         folder = _first_writable(_places(f"kernels-{digest}"))
     if folder is not None:
         # Numba has read the variable when it was imported, and reads it again as it compiles.
-        os.environ["NUMBA_CACHE_DIR"] = numba.config.CACHE_DIR = str(folder)
+        os.environ["NUMBA_CACHE_DIR"] = CONFIG.CACHE_DIR = str(folder)
     return folder
+
+
+def _private_copy(shipped: str) -> Path | None:
+    private = Path(tempfile.mkdtemp(prefix="denavit-kernels-"))
+    shutil.copytree(shipped, private, dirs_exist_ok=True)
+    atexit.register(shutil.rmtree, private, ignore_errors=True)
+    return private
 
 
 def _places(name: str) -> list[Path]:
@@ -89,12 +95,12 @@ class SharedCache(FunctionCache):
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the compiled function of a signature, None where it is not in the cache."""
         with locked(_lock_file(self)):
-            return super().load_overload(sig, target_context)
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Write the compiled function of a signature into the cache."""
         with locked(_lock_file(self)):
-            super().save_overload(sig, data)
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
 
 def _lock_file(cache: FunctionCache) -> Path:
@@ -104,7 +110,7 @@ def _lock_file(cache: FunctionCache) -> Path:
 def enable_cache(dispatcher: Any, function: Callable[..., Any]) -> None:
     """Keep what a dispatcher compiles on disk, where there is a place for it."""
     with suppress(RuntimeError):  # no place for a cache: compiled anew in every process
-        dispatcher._cache = SharedCache(function)
+        dispatcher._cache = SharedCache(function)  # type: ignore[no-untyped-call]
 
 
 @contextmanager
@@ -148,8 +154,8 @@ def is_full() -> bool:
 
 
 def _mark(folder: Path) -> Path:
-    cpu = numba.config.CPU_NAME or llvm.get_host_cpu_name()
-    features = numba.config.CPU_FEATURES
+    cpu = CONFIG.CPU_NAME or llvm.get_host_cpu_name()
+    features = CONFIG.CPU_FEATURES
     if features is None:
         features = llvm.get_host_cpu_features().flatten()
     known = (DIGEST, numba.__version__, sys.implementation.cache_tag, cpu, features)

@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -219,7 +220,8 @@ def solver_of(robot: Robot, frame: str, task: Task) -> Solver:
 
 def is_compiled() -> bool:
     """Return whether this process has the machine code: :func:`solve_ik` then compiles nothing."""
-    return bool(solve_one.signatures)
+    compiled: Any = solve_one
+    return bool(compiled.signatures)
 
 
 @lru_cache(maxsize=KEPT)

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 import numba
@@ -39,10 +40,8 @@ def test_two_that_save_at_once_do_not_mix_up_their_signatures(folder, monkeypatc
 
     def read_and_wait(cache):
         found = read_index(cache)
-        try:
+        with suppress(threading.BrokenBarrierError):  # the other one waits for its turn
             both_have_read.wait(0.5)
-        except threading.BrokenBarrierError:
-            pass  # the other one waits for its turn
         return found
 
     with monkeypatch.context() as patched:
