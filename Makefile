@@ -8,11 +8,16 @@ BIN := $(VENV)/bin
 RUNNING := $(VENV)/.running
 STAMP := $(VENV)/.installed
 
-.PHONY: help install page kernels run test lint lock bench bench-peers torture image-test clean
+# Both cores; a worker that has nothing left takes tests from the other. For one file pytest alone
+# is quicker: .venv/bin/python -m pytest tests/robots
+PYTEST := $(BIN)/python -m pytest -n 2 --dist worksteal
+
+.PHONY: help install page kernels run test check lint lock bench bench-peers torture image-test clean
 
 help:
 	@echo "make run         set up .venv and serve on http://localhost:8000"
-	@echo "make test        set up .venv and run the tests"
+	@echo "make test        set up .venv and run the tests of the libraries, and scenes of service and page"
+	@echo "make check       run all tests; with REST=1 those that make test leaves out"
 	@echo "make install     set up .venv with all that developers need"
 	@echo "make page        build the page anew if web/ has changed"
 	@echo "make lint        ruff, strict types, import contract"
@@ -51,8 +56,11 @@ run: $(RUNNING)
 	@$(BIN)/python install/page.py & \
 	DENAVIT_LOG_FORMAT=$${DENAVIT_LOG_FORMAT:-text} exec $(BIN)/denavit serve
 
-test: page
-	$(BIN)/python -m pytest
+test: page kernels
+	$(PYTEST) -m first
+
+check: page kernels
+	$(PYTEST) $(if $(REST),-m "not first")
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

@@ -2,24 +2,49 @@
 
 import json
 import os
+import random
 import signal
 import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
 import httpx
 import pytest
+from hypothesis import HealthCheck, settings
 
-FIXTURES = Path(__file__).parent / "fixtures"
+TESTS = Path(__file__).parent
+FIXTURES = TESTS / "fixtures"
 SCRIPTS = Path(sys.executable).parent
 DENAVIT = (str(SCRIPTS / "denavit"),)
+LIBRARIES = ("dh_to_urdf", "robots", "kinematics")
+"""Folders whose tests are in the first tier, but for the slow ones."""
+LONG = ("test_schemathesis", "test_soak")
+"""Modules whose tests take longest: they begin, so that no worker is left with one at the end."""
 PATIENCE = 600.0
 """Seconds after which a test gives up. What it waits for comes in much less, on any machine."""
+
+
+# The same cases in every run; `--hypothesis-profile=exploring` looks for others.
+ANY_MACHINE = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
+settings.register_profile("exploring", **ANY_MACHINE)
+settings.register_profile("repeatable", **ANY_MACHINE, derandomize=True, database=None)
+settings.load_profile("repeatable")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Marks the first tier, what ``make test`` runs, and has long tests begin."""
+    for item in items:
+        in_libraries = item.path.relative_to(TESTS).parts[0] in LIBRARIES
+        if item.get_closest_marker("scene") or (
+            in_libraries and not item.get_closest_marker("slow")
+        ):
+            item.add_marker("first")
+    items.sort(key=lambda item: item.path.stem not in LONG)
 
 
 def until(condition: Callable[[], object]) -> None:
@@ -31,9 +56,12 @@ def until(condition: Callable[[], object]) -> None:
 
 
 def unused_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """A port on which nobody listens, of those that clients are not given either."""
+    while True:
+        port = random.SystemRandom().randrange(10_000, 30_000)
+        with socket.socket() as probe, suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
 
 
 @contextmanager
@@ -75,15 +103,15 @@ def running_server(
 
 
 @pytest.fixture(scope="session")
-def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, int]]:
+def shared_service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, int]]:
     """The server that tests share: its address, and the number of its process."""
     with running_server(tmp_path_factory.mktemp("data")) as (address, process):
         yield address, process.pid
 
 
 @pytest.fixture(scope="session")
-def server(service: tuple[str, int]) -> str:
-    return service[0]
+def server(shared_service: tuple[str, int]) -> str:
+    return shared_service[0]
 
 
 @pytest.fixture(scope="session")

@@ -47,6 +47,7 @@ def test_a_par_file_is_a_robot_and_comes_back(client, made):
     assert np.abs(tip(client, "copy", Q) - tip(client, "rx90", Q)).max() < 1e-12
 
 
+@pytest.mark.scene
 def test_a_pasted_table_is_a_robot_and_comes_back_in_every_form(client, made):
     query = "?convention=standard&name=pasted&angle=deg&values=l2:0.3"
     answer = client.post(f"/v1/robots{query}", content=LATEX.encode(), headers=PASTED)

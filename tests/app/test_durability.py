@@ -8,6 +8,7 @@ import httpx
 import pytest
 
 from tests.conftest import PATIENCE, running_server
+from tests.scenes import one_scene
 from tests.torture.disks import small_disk
 
 TABLE = {"convention": "standard", "joints": [{"type": "R", "a": 1, "alpha": 0, "d": 0}]}
@@ -42,7 +43,7 @@ def damage(path, kind):
         path.write_text("{}")
 
 
-@pytest.mark.parametrize("kind", ["json", "pipe", "directory"])
+@pytest.mark.parametrize("kind", one_scene(["json", "pipe", "directory"]))
 def test_a_damaged_robot_is_refused_by_name_until_it_is_replaced_or_deleted(service, kind):
     path = "/v1/robots/dented-arm"
     file = service.directory / "robots" / "dented-arm.json"

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.scene
+
 
 def value(exercises, prefix):
     return next(entry["value"] for key, entry in exercises.items() if key.startswith(prefix))

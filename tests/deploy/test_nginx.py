@@ -37,6 +37,7 @@ def nginx(folder, text, *options):
     return [shutil.which("nginx"), *options, "-g", f"{user}pid {folder}/pid; daemon off;"]
 
 
+@pytest.mark.scene
 def test_the_syntax_is_right(folder):
     command = nginx(folder, CONFIGURATION.read_text(), "-t")
     done = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import PATIENCE
+from tests.scenes import one_scene
 
 POSTURES = {
     "planar_2r": [30.0, 45.0],
@@ -23,7 +24,7 @@ def posture(q: list[float]) -> str:
     return ",".join(str(x) for x in q)
 
 
-@pytest.mark.parametrize("robot", POSTURES)
+@pytest.mark.parametrize("robot", one_scene(POSTURES))
 def test_pose_and_jacobian_are_those_of_the_service(robot, open_page, client):
     q = POSTURES[robot]
     visit = open_page(f"robot={robot}&q={posture(q)}&open=pose,jacobian")
@@ -131,6 +132,7 @@ def test_all_solutions_are_shown_and_can_be_picked(open_page, client):
         np.testing.assert_allclose(visit.matrix("pose"), wanted, atol=1e-9)
 
 
+@pytest.mark.scene
 def test_a_typed_target_is_reached(open_page):
     visit = open_page("robot=puma560&q=0,45,-90,0,45,0&open=pose,ik")
     visit.page.get_by_role("button", name="Target here").click()

@@ -155,6 +155,7 @@ def test_all_of_it_is_reached_by_keyboard(open_page):
     assert page.locator(".joint .value").nth(0).input_value() == "1"
 
 
+@pytest.mark.scene
 def test_what_changes_is_told_to_screen_readers(open_page):
     visit = open_page("robot=planar_2r&q=0,0&task=xy")
     visit.page.locator(".joint .value").nth(0).fill("90")
@@ -172,6 +173,7 @@ def test_first_screen_is_small(open_page):
         assert 5_000 < total <= FIRST_SCREEN, (language, total, scripts)
 
 
+@pytest.mark.scene
 def test_numbers_follow_the_slider_at_once(open_page):
     """Each move gets its numbers by itself, for a few questions; how soon is the service's part."""
     visit = open_page("robot=puma560&q=0,45,-90,0,45,0")
@@ -225,6 +227,7 @@ def test_without_webgl_there_is_a_picture(open_page):
     )
 
 
+@pytest.mark.scene
 def test_curl_gets_the_index_and_browsers_the_page(client):
     plain = client.get("/")
     assert plain.json()["service"] == "denavit"

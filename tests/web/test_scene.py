@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import until
+from tests.scenes import one_scene
 
 ROBOTS = {
     "planar_3r": [30.0, -45.0, 60.0],
@@ -55,7 +56,7 @@ def dragged(visit, dx, dy, steps=8):
     return at
 
 
-@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("robot", one_scene(ROBOTS))
 def test_every_frame_is_where_the_service_has_it(robot, open_page, client):
     q = padded(client, robot, ROBOTS[robot])
     visit = open_page(f"robot={robot}&q={','.join(map(str, q))}&open=pose")
@@ -65,7 +66,7 @@ def test_every_frame_is_where_the_service_has_it(robot, open_page, client):
         assert np.abs(found[name] - pose["matrix"]).max() < 1e-6, name
 
 
-@pytest.mark.parametrize("robot", ["puma560", "planar_3r", "pa10"])
+@pytest.mark.parametrize("robot", one_scene(["puma560", "planar_3r", "pa10"]))
 def test_a_drag_takes_the_tool_along(robot, open_page, client):
     """Where the ball is let go, the tool is, and q on the page yields it."""
     q = ROBOTS[robot]

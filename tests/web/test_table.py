@@ -33,6 +33,7 @@ def cell(visit, row, column):
     return visit.page.get_by_label(f"Row {row}, {column}", exact=True)
 
 
+@pytest.mark.scene
 def test_cells_take_what_people_write(open_page, client):
     visit = open_page("robot=planar_2r&q=30,60&open=pose")
     for column, text in (("α", "pi/2"), ("a", "0,4"), ("d", "300e-3"), ("θ", "-q1 + 90°")):

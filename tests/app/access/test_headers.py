@@ -47,6 +47,7 @@ def test_every_answer_has_safe_headers(client, path):
     assert "server" not in headers
 
 
+@pytest.mark.scene
 def test_the_docs_run_their_own_scripts_only(client):
     page = client.get("/docs")
     policy = page.headers["content-security-policy"]

@@ -79,6 +79,7 @@ def test_without_keys_none_is_needed_and_the_docs_say_nothing_of_them(client):
     assert "503" in document["paths"]["/v1/robots/{robot_id}/fk"]["post"]["responses"]
 
 
+@pytest.mark.scene
 def test_the_command_makes_keys_that_work(serve):
     command = [str(SCRIPTS / "denavit"), "key", "--name", "lab", "--scope", "write"]
     out = subprocess.run(command, capture_output=True, text=True, check=True).stdout

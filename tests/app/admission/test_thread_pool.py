@@ -3,6 +3,7 @@
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 
 import httpx
+import pytest
 
 from robots.storage.directory import RobotDirectory
 from robots.storage.usage_record import Quotas
@@ -20,6 +21,7 @@ def statuses(answers: list[Future[httpx.Response]]) -> list[int]:
     return [answer.result().status_code for answer in answers]
 
 
+@pytest.mark.scene
 def test_beyond_the_queue_work_is_shed_at_once_and_all_the_rest_is_done(serve_long_work):
     settings = {"compute_threads": 1, "max_waiting": 2, "max_wait_seconds": PATIENCE}
     with serve_long_work(**settings) as server, ThreadPoolExecutor(12) as pool:

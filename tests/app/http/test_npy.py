@@ -93,9 +93,9 @@ HEADER = "{{'descr': {}, 'fortran_order': {}, 'shape': {}, }}"
         (b"\x93NUMPY\x09\x00v\x00", 400),
     ],
 )
-def test_other_npy_is_refused_at_once(client, service, body, status):
-    before = processor_seconds(service[1])
+def test_other_npy_is_refused_at_once(client, shared_service, body, status):
+    before = processor_seconds(shared_service[1])
     answer = post(client, body, headers=NPY)
-    assert within(processor_seconds(service[1]) - before, 2)
+    assert within(processor_seconds(shared_service[1]) - before, 2)
     pointer = answer.json()["errors"][0]["pointer"]
     check(answer, status, pointer)

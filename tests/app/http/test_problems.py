@@ -220,17 +220,17 @@ def test_an_angle_unit_that_would_be_ignored_is_refused(client):
     check(client.put("/v1/robots/probe?angle=deg", json=GOOD), 422, "/angle", "unknown")
 
 
-def test_costly_documents_are_refused_at_once(client, service):
+def test_costly_documents_are_refused_at_once(client, shared_service):
     keys = "{" + ",".join(f'"k{k}":1' for k in range(100_000)) + ',"k99999":1}'
     columns = ",".join(f"c{k}" for k in range(100_000))
     deep, many = "convention: " + "[" * 3000, "joints:\n" + "- {type: R}\n" * 20_000
     for kind, body in (("application/json", keys), ("text/csv", columns),
                        ("application/yaml", deep), ("application/yaml", many),
                        ("application/yaml", "- " * 20_000)):  # fmt: skip
-        before = processor_seconds(service[1])
+        before = processor_seconds(shared_service[1])
         answer = client.put("/v1/robots/probe", content=body, headers={"Content-Type": kind})
         assert answer.status_code in (400, 422), answer.text
-        assert within(processor_seconds(service[1]) - before, 3)
+        assert within(processor_seconds(shared_service[1]) - before, 3)
     for text in ("name: !!bool foo", 'name: "\\UFFFFFFFF"', "sign: 0x" + "f" * 5000, "a: !!int ''"):
         answer = client.put(
             "/v1/robots/probe", content=text, headers={"Content-Type": "application/yaml"}
@@ -263,6 +263,7 @@ def test_curl_d_is_taught_to_be_curl_json(client):
     check(answer, 415, "", "text/plain")
 
 
+@pytest.mark.scene
 def test_unknown_things(client):
     check(client.get("/v1/robots/puma56"), 404, "", "puma560")
     check(client.get("/v1/nothing"), 404, "", "/v1/nothing")
@@ -283,6 +284,7 @@ def test_bodies_beyond_the_limit(client):
     check(answer, 413, "", "larger")
 
 
+@pytest.mark.scene
 def test_every_problem_type_is_explained(client):
     slug = client.get("/v1/robots/nope").json()["type"]
     assert client.get(slug).json()["status"] == 404

@@ -8,6 +8,7 @@ import pytest
 from tests.app.operations.scenarios import LINE, SCENARIOS, body_of
 
 
+@pytest.mark.scene
 def test_compare_as_json_text_and_csv(client):
     methods = ["pseudo_inverse", {"method": "pseudo_inverse", "closed_loop": False}, "qp",
                {"method": "qp", "label": "wide", "margin": 0.01}]  # fmt: skip

@@ -94,6 +94,7 @@ def test_the_query_form_reads_units(client):
     assert "force N" in text
 
 
+@pytest.mark.scene
 def test_near_and_at_a_singularity(client):
     path = "/v1/robots/planar_2r/joint-velocities"
     at = post(client, path, {"q": [30, 0], "twist": [0.1, 0], "task": "xy"}, angle="deg")

@@ -51,6 +51,7 @@ def test_npy_says_which_targets_were_not_reached(client, poses):
     assert answer.json()["errors"][0]["pointer"] == "/targets/matrix/2"
 
 
+@pytest.mark.scene
 def test_ndjson_comes_line_by_line(client, poses):
     body = {"targets": {"matrix": poses.tolist()}}
     headers = {"Accept": "application/x-ndjson"}
@@ -69,6 +70,7 @@ def named(solutions):
     return {tuple(one["posture"]): np.array(one["q"]) for one in solutions}
 
 
+@pytest.mark.scene
 def test_all_eight_solutions_of_a_puma_have_their_names(client, exercises):
     table = client.get("/v1/robots/puma560/dh").json()
     table["joints"][0]["d"] = 0

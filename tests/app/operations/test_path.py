@@ -141,6 +141,7 @@ def test_velocities_come_from_the_time_law(follow):
     assert answer["units"] == {"angle": "deg", "length": "m", "time": "s"}
 
 
+@pytest.mark.scene
 def test_a_loop_drifts_as_the_course_says(client):
     body = {"q": [110, -88, -96], "task": "xy", "method": "pseudo_inverse", "samples": 4001,
             "circle": {"center": [0.18, 0.58], "turns": 1}, "time_law": "linear"}  # fmt: skip
@@ -153,6 +154,7 @@ def test_a_loop_drifts_as_the_course_says(client):
     assert answer["summary"]["drift"] == pytest.approx(np.linalg.norm(answer["drift"]))
 
 
+@pytest.mark.scene
 def test_samples_are_streamed_and_the_verdict_comes_last(client):
     body = {**body_of(SCENARIOS["8R_obstacles"]), "method": "qp", "samples": 400}
     plain = client.post("/v1/path?angle=deg", json=body).json()

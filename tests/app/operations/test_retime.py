@@ -9,6 +9,7 @@ import pytest
 from tests.app.operations.scenarios import LINE
 
 
+@pytest.mark.scene
 def test_a_path_in_the_shortest_time(client):
     body = {**LINE, "retime": {"acceleration": 5, "samples": 301}}
     url = "/v1/robots/panda/path"

@@ -12,6 +12,7 @@ def get(client, path, **query):
     return answer.json()
 
 
+@pytest.mark.scene
 def test_puma_factors(client, exercises):
     expected = next(e["value"] for key, e in exercises.items() if key.startswith("E15_"))
     report = get(client, "/v1/robots/puma560/singularity", q="20,-30,100,40,50,60", angle="deg")
@@ -80,6 +81,7 @@ def test_what_has_no_factors_says_so(client):
     assert "no factors" in named["reason"]
 
 
+@pytest.mark.scene
 def test_nearest_in_degrees(client):
     path = "/v1/robots/puma560/singularity/nearest"
     answer = get(client, path, q="5,30,-70,20,35,10", angle="deg")

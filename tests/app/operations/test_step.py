@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 
+@pytest.mark.scene
 def test_the_step_of_the_course_and_its_refusal(client):
     body = {"q": [30, -45, 60], "delta_x": [0.01, 0], "task": "xy"}
     answer = client.post("/v1/robots/planar_3r/step?angle=deg", json=body).json()

@@ -23,6 +23,7 @@ from tests.processes import symbolic_processes
 PA10 = "/v1/robots/pa10/symbolic"
 
 
+@pytest.mark.scene
 def test_position_as_a_student_asks_for_it(client):
     query = {"quantities": "position", "parameters": "symbolic", "base": "frame_0",
              "frame": "frame_7"}  # fmt: skip

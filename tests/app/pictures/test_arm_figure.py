@@ -19,6 +19,7 @@ def pixels(content):
     return values.reshape(height, width, info["planes"]), info
 
 
+@pytest.mark.scene
 def test_a_picture_from_a_query(client):
     answer = client.get("/v1/robots/planar_3r/picture.svg?q=30,-45,60&angle=deg")
     assert answer.headers["content-type"].startswith("image/svg+xml")
@@ -90,6 +91,7 @@ def test_no_other_form(client):
     assert answer.status_code == 422
 
 
+@pytest.mark.scene
 def test_maps_as_numbers_and_pictures(client):
     cloud = client.post("/v1/robots/panda/workspace", json={"samples": 500})
     assert np.array(cloud.json()["points"]).shape == (500, 3)

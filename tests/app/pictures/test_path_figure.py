@@ -29,6 +29,7 @@ def plane_path(client, path, **more):
     return {**example, "samples": 31, **more}
 
 
+@pytest.mark.scene
 def test_a_path_as_picture(client):
     body = plane_path(client, "path", method="qp")
     answer = client.post("/v1/robots/planar_8r/path?format=svg", json=body)

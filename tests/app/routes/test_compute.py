@@ -28,6 +28,7 @@ def leaves(value, path=()):
         yield path, value
 
 
+@pytest.mark.scene
 @pytest.mark.parametrize("operation", ["fk", "jacobian", "singularity", "dh-matrices"])
 def test_a_batch_is_the_single_answers_stacked(client, operation):
     rng = np.random.default_rng(0)
@@ -72,6 +73,7 @@ def test_inverse_batches_in_every_form(client):
     assert single["tolerance"] == {"position": 1e-6, "orientation": 1e-6}
 
 
+@pytest.mark.scene
 def test_degrees_both_ways(client):
     q = [10, 0.2, 30, 40]  # scara: R R P R
     rad = [np.deg2rad(10), np.deg2rad(0.2), 30, np.deg2rad(40)]
@@ -114,6 +116,7 @@ def test_q_by_joint_name(client):
     assert named == listed
 
 
+@pytest.mark.scene
 def test_inline_robots_by_table_urdf_and_name(client):
     table = client.get("/v1/robots/stanford/dh").json()
     urdf = client.get("/v1/robots/stanford/urdf").text
@@ -124,6 +127,7 @@ def test_inline_robots_by_table_urdf_and_name(client):
         np.testing.assert_allclose(answer["jacobian"], expected, atol=1e-14)
 
 
+@pytest.mark.scene
 @pytest.mark.parametrize("dtype", ["<f8", ">f8", "<f4", "<i4"])
 @pytest.mark.parametrize("order", ["C", "F"])
 def test_npy_in_and_out(client, dtype, order):
@@ -150,6 +154,7 @@ def test_npy_that_is_no_q(client, body):
     assert answer.headers["content-type"] == "application/problem+json"
 
 
+@pytest.mark.scene
 def test_text_for_a_terminal(client):
     for ask in ({"headers": {"Accept": "text/plain"}}, {"params": {"format": "text"}}):
         params = {"q": "30,45", "angle": "deg"} | ask.get("params", {})

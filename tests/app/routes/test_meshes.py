@@ -20,6 +20,7 @@ def test_every_visual_mesh_of_the_urdf_is_listed_and_read(client):
         assert answer.headers["etag"] == f'"{hashlib.sha256(answer.content).hexdigest()}"'
 
 
+@pytest.mark.scene
 def test_a_mesh_is_compressed_for_those_who_take_it_and_kept(client):
     plain = client.get(LINK, headers={"Accept-Encoding": "identity"})
     assert "content-encoding" not in plain.headers

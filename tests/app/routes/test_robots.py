@@ -50,6 +50,7 @@ def arm(client):
     client.delete("/v1/robots/arm")
 
 
+@pytest.mark.scene
 def test_the_same_robot_in_every_form(client, arm):
     revisions = set()
     for content, kind, query in (
@@ -83,6 +84,7 @@ def test_post_gives_location_and_etag_and_conflicts_the_second_time(client, arm)
     assert "another name" in again.json()["detail"]
 
 
+@pytest.mark.scene
 def test_conditional_requests(client, arm):
     tag = client.put(arm, json=TABLE).headers["etag"]
     for path in (arm, f"{arm}/urdf", f"{arm}/dh"):
@@ -168,6 +170,7 @@ def test_a_velocity_limit_alone_survives_the_store(client):
     client.delete("/v1/robots/two")
 
 
+@pytest.mark.scene
 def test_the_list_is_paged_and_complete(client):
     found, token = [], ""
     while token is not None:
@@ -215,6 +218,7 @@ def test_a_name_that_gives_no_id_is_refused_with_what_to_write(client):
     assert client.delete("/v1/robots/greek-arm").status_code == 204
 
 
+@pytest.mark.scene
 def test_stateless_conversion(client):
     answer = client.post("/v1/dh-to-urdf", json=TABLE)
     assert answer.status_code == 200

@@ -52,6 +52,7 @@ def test_a_table_robot_gives_its_own_table_and_others(client):
     assert len(part["joints"]) == 3
 
 
+@pytest.mark.scene
 def test_every_form_of_the_answer(client):
     url = "/v1/robots/ur5/dh?convention=khalil"
     table = client.get(url).json()
@@ -73,6 +74,7 @@ def test_every_form_of_the_answer(client):
     assert client.get(f"{url}&format=npy").status_code == 422
 
 
+@pytest.mark.scene
 def test_urdf_to_dh(client):
     answer = client.post("/v1/urdf-to-dh?convention=mdh&explain=1", content=URDF, headers=XML)
     assert answer.status_code == 200, answer.text
@@ -141,6 +143,7 @@ def test_convert_reads_every_table_and_refuses_trees_without_tip(client):
     assert "urdf-to-dh" in urdf.json()["detail"]
 
 
+@pytest.mark.scene
 def test_diff_finds_the_toolboxs_ur5(client):
     rows = [{"type": "R", "alpha": alpha, "a": a, "d": d} for alpha, a, d in (
         ("pi/2", 0, 0.089459), (0, -0.425, 0), (0, -0.39225, 0), ("pi/2", 0, 0.10915),

@@ -56,6 +56,7 @@ def test_a_head_that_does_not_come_is_cut_off(serve):
         assert problem_of(raw)["detail"] == "the head of the request took too long"
 
 
+@pytest.mark.scene
 def test_a_body_that_trickles_is_cut_off_and_a_slow_one_is_not(serve):
     body = json.dumps({"q": [0.0] * 7}).encode()
     head = (

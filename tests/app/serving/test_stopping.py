@@ -12,6 +12,7 @@ from tests.app.conftest import served
 from tests.app.serving.in_flight import Asked, stream, symbolic
 from tests.conftest import PATIENCE, until
 from tests.processes import children_of, has_ended, symbolic_processes
+from tests.scenes import one_scene
 
 
 def told(asked: Asked) -> bool:
@@ -31,7 +32,7 @@ def refused(address: str) -> bool:
     return False
 
 
-@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize("workers", one_scene(["1", "2"]))
 def test_requests_in_flight_end_and_new_ones_are_refused(tmp_path, workers):
     with served(tmp_path, "--workers", workers, shutdown_seconds=PATIENCE) as server:
         address = server.address

@@ -99,6 +99,7 @@ def test_nothing_that_a_request_carries_makes_a_line(logged, workers):
     assert sum(line["event"] == "request" for line in lines) > 15
 
 
+@pytest.mark.scene
 def test_a_line_for_each_request(logged):
     def act(address):
         headers = {"X-Request-ID": "mine-7", "X-Forwarded-For": "192.0.2.1"}

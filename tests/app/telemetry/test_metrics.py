@@ -11,11 +11,12 @@ from prometheus_client.parser import text_string_to_metric_families
 
 from tests.conftest import PATIENCE, until
 from tests.processes import workers_of
+from tests.scenes import one_scene
 
 FK = "/v1/robots/{robot_id}/fk"
 
 
-@pytest.fixture(params=["1", "2"])
+@pytest.fixture(params=one_scene(["1", "2"]))
 def service(request, tmp_path, start_server):
     with start_server(tmp_path, "--workers", request.param) as (address, process):
         yield address, process, int(request.param)
