@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 
 from app.fields import texts
-from app.fields.field import Field, Location, Parameter, Reading, declared
+from app.fields.field import Field, Location, Parameter, Reading, Text, declared
 from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.strict_json import (
@@ -134,11 +134,13 @@ _SINGLE = f"{_Q_TEXT}or an object {{joint name: value}}. {_UNITS}"
 _Q_QUERY = "Joint values, comma-separated, in the robot's order; pi/2 and 90deg are read too."
 
 
-def _meta(query: str, text: str, field: JointField) -> msgspec.Meta:
+def _meta(
+    query: str, text: str, field: JointField, read: Text = texts.joint_values
+) -> msgspec.Meta:
     schemas: list[dict[str, Any]] = [_ONE, *([_BATCH] if field.many else []), _BY_NAME]
     if field.optional:
         schemas.append({"type": "null"})
-    parameters = (Parameter(texts.joint_values, query),) if query else ()
+    parameters = (Parameter(read, query),) if query else ()
     return declared(replace(field, parameters=parameters), text, {"anyOf": schemas})
 
 
@@ -161,6 +163,7 @@ JointEfforts: TypeAlias = Annotated[
         "Joint torques and forces, comma-separated, in N m and N.",
         f"{_Q_TEXT}a batch (list of lists), or an object {{joint name: value}}; N m and N.",
         JointField(angular=False),
+        texts.scalars,
     ),
 ]
 Seed: TypeAlias = Annotated[

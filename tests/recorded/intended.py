@@ -68,8 +68,15 @@ def _kind(answer: Answer) -> str:
     return answer.headers.get("content-type", "").partition(";")[0]
 
 
-def _ends_without_warnings(old: Answer) -> bool:
-    return old.text is not None and old.text.endswith("warnings: (none)\n")
+def _with_no_warnings(old: Answer, text: str) -> str:
+    """A text with the line that says that there are none, where the recorded one has it."""
+    line = "warnings: (none)\n"
+    before, found, after = (old.text or "").partition(line)
+    if not found or line in text:
+        return text
+    following = after.partition(" ")[0].partition("\n")[0]
+    start, mark, rest = text.partition(f"\n{following}") if following else (text[:-1], "\n", "")
+    return f"{start}\n{line}{mark[1:]}{rest}"
 
 
 def _same_names(old: Answer, text: str) -> str:
@@ -77,8 +84,11 @@ def _same_names(old: Answer, text: str) -> str:
     before, now = _KNOWN.findall(old.text or ""), _KNOWN.findall(text)
     more = " and "
     for one, other in zip(before, now, strict=False):
-        names, others = (set(re.split(r", | and ", x.removeprefix("known are "))) for x in (one, other))
-        if names == others or (more in one and one.rpartition(more)[2] == other.rpartition(more)[2]):
+        names, others = (
+            set(re.split(r", | and ", listed.removeprefix("known are "))) for listed in (one, other)
+        )
+        cut = more in one and one.rpartition(more)[2] == other.rpartition(more)[2]
+        if names == others or cut:
             text = text.replace(other, one)
     return text
 
@@ -113,7 +123,7 @@ INTENDED: list[Intended] = [
     Intended(
         "a text shows warnings only where there are some",
         lambda asked, answer: _kind(answer) == "text/plain",
-        lambda old, text: f"{text}warnings: (none)\n" if _ends_without_warnings(old) else text,
+        lambda old, text: _with_no_warnings(old, text),
     ),
     Intended(
         "names that are known are listed in the order in which fields are declared",
@@ -128,9 +138,11 @@ INTENDED: list[Intended] = [
     Intended(
         "an Euler sequence with angles, where none are taken, is no sequence",
         lambda asked, answer: answer.status == 422 and "euler" in asked.sent.query,
-        lambda old, text: old.text
-        if old.text is not None and "unknown-euler-sequence" in text and "/euler" in old.text
-        else text,
+        lambda old, text: (
+            old.text
+            if old.text is not None and "unknown-euler-sequence" in text and "/euler" in old.text
+            else text
+        ),
     ),
     Intended(
         "a text says of each pose whether its Euler angles are degenerate, in words",
@@ -145,9 +157,11 @@ INTENDED: list[Intended] = [
     Intended(
         "q is read before a robot is found to have no table",
         lambda asked, answer: asked.operation == "dh-matrices" and answer.status == 422,
-        lambda old, text: old.text
-        if old.text is not None and "has no D-H table" in old.text and "/q" in text
-        else text,
+        lambda old, text: (
+            old.text
+            if old.text is not None and "has no D-H table" in old.text and "/q" in text
+            else text
+        ),
     ),
 ]
 
