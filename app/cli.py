@@ -73,9 +73,12 @@ def _told(error: ValidationError) -> str:
 @main.command("key")
 @click.option("--name", required=True, help="Whose key it is.")
 @click.option(
-    "--scope", type=click.Choice(["read", "write"]), default="read", show_default=True,
+    "--scope",
+    type=click.Choice(["read", "write"]),
+    default="read",
+    show_default=True,
     help="write also uploads and deletes robots.",
-)  # fmt: skip
+)
 def make_key(name: str, scope: str) -> None:
     """Makes an API key: shows it once, with the line for DENAVIT_API_KEYS(_FILE)."""
     try:

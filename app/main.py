@@ -98,10 +98,15 @@ def create_app(
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
             types = (
-                robots.RobotView, robots.RobotList, meshes.MeshList, health.Health,
+                robots.RobotView,
+                robots.RobotList,
+                meshes.MeshList,
+                health.Health,
                 ReadinessReport,
-                diff.DiffRequest, diff.InlineDiffRequest, diff.DiffResponse,
-            )  # fmt: skip
+                diff.DiffRequest,
+                diff.InlineDiffRequest,
+                diff.DiffResponse,
+            )
             app.openapi_schema = build_openapi(app, offered, types)
             describe(app.openapi_schema, chosen)
         return app.openapi_schema

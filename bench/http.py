@@ -50,10 +50,12 @@ REQUESTS = {
     "jacobian": ("/v1/robots/panda/jacobian", Q),
     "ik": (
         "/v1/robots/panda/ik",
-        {"target": {"position": [0.4, 0.1, 0.5], "rpy": [3.14, 0, 0]},
-         "seed": [0, 0, 0, -1.5, 0, 1.5, 0]},
+        {
+            "target": {"position": [0.4, 0.1, 0.5], "rpy": [3.14, 0, 0]},
+            "seed": [0, 0, 0, -1.5, 0, 1.5, 0],
+        },
     ),
-}  # fmt: skip
+}
 
 
 TARGETS = 10_000

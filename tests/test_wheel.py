@@ -56,7 +56,7 @@ def test_a_tool_that_uv_installs_from_it_serves(wheel, tmp_path, monkeypatch, wa
 
     with subprocess.Popen(command, cwd=tmp_path) as service:
         try:
-            wait_for(answers, 300)
+            wait_for(answers)
             poses = httpx.get(f"{address}/v1/robots/puma560/fk?q=0,0,0,0,0,0").json()["poses"]
             assert len(poses["tool"]["matrix"]) == 4
             page = httpx.get(address, headers={"Accept": "text/html"}).text

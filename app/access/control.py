@@ -61,18 +61,25 @@ class AccessControl:
             if key is None:
                 shown = _secret_of(scope) is not None
                 await _refuse(
-                    scope, receive, send, UNAUTHORISED,
-                    "this key is not known" if shown else
-                    "send a key as Authorization: Bearer … or as X-API-Key",
+                    scope,
+                    receive,
+                    send,
+                    UNAUTHORISED,
+                    "this key is not known"
+                    if shown
+                    else "send a key as Authorization: Bearer … or as X-API-Key",
                     BEARER + (', error="invalid_token"' if shown else ""),
-                )  # fmt: skip
+                )
                 return
             if key.scope is not KeyScope.WRITE and _changes(scope["method"], path):
                 await _refuse(
-                    scope, receive, send, FORBIDDEN,
+                    scope,
+                    receive,
+                    send,
+                    FORBIDDEN,
                     "this key reads and computes; robots are changed with one of scope write",
                     BEARER + ', error="insufficient_scope", scope="write"',
-                )  # fmt: skip
+                )
                 return
         await self.app(scope, receive, send)
 

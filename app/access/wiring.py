@@ -18,13 +18,25 @@ from app.openapi.problems import PROBLEMS
 from app.settings import Settings
 
 READABLE = (
-    "ETag", "Location", "Retry-After", "RateLimit-Limit", "RateLimit-Remaining", "RateLimit-Reset",
-    "X-Request-ID", "X-Converged", "X-Not-Converged",
-)  # fmt: skip
+    "ETag",
+    "Location",
+    "Retry-After",
+    "RateLimit-Limit",
+    "RateLimit-Remaining",
+    "RateLimit-Reset",
+    "X-Request-ID",
+    "X-Converged",
+    "X-Not-Converged",
+)
 """Headers that pages of other origins may read."""
 SENDABLE = (
-    "Authorization", "Content-Type", "If-Match", "If-None-Match", "X-API-Key", "X-Request-ID",
-)  # fmt: skip
+    "Authorization",
+    "Content-Type",
+    "If-Match",
+    "If-None-Match",
+    "X-API-Key",
+    "X-Request-ID",
+)
 METHODS = ("GET", "HEAD", "POST", "PUT", "DELETE")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Annotated, Any, Generic, TypeVar, get_args, get_origin, get_type_hints
 
 import msgspec
@@ -68,7 +69,8 @@ class RequestForm(Generic[R]):
             for name, field in self.fields.items()
             for parameter in field.parameters
         }
-        ordered = sorted(self.fields.items(), key=lambda item: item[1].late)
+        # q before other long fields: what does not fit q does not fit the robot.
+        ordered = sorted(self.fields.items(), key=lambda item: (item[1].late, item[0] != "q"))
         self._in_order = tuple((name, field, (name,)) for name, field in ordered)
 
     def from_json(self, body: bytes) -> msgspec.Struct:
@@ -143,6 +145,12 @@ class RequestForm(Generic[R]):
                 INVALID_REQUEST, f"the field {missing!r} is missing; give it", f"/{missing}"
             )
         return self.wire(**values)
+
+
+@cache
+def form_of(request: type[R]) -> RequestForm[R]:
+    """Return the form of a request type, the same for every computation that takes it."""
+    return RequestForm(request)
 
 
 def declaration(annotation: Any) -> Field:

@@ -24,6 +24,8 @@ SEQUENCES = tuple(
     for axes in product(letters, repeat=3)
     if axes[0] != axes[1] != axes[2]
 )
+SEQUENCE_SCHEMA = {"pattern": f"^({'|'.join(SEQUENCES)})$"}
+"""The sequences as a pattern: their names differ only in case, which generated enums cannot."""
 
 
 @dataclass(frozen=True)
@@ -209,4 +211,4 @@ def euler_sequence(text: str) -> msgspec.Meta:
     parameter = Parameter(
         texts.text, "Euler sequence such as ZXZ; for ik with angles: ZXZ:10,20,30."
     )
-    return declared(SequenceName((parameter,)), text, one_of(SEQUENCES, null=True))
+    return declared(SequenceName((parameter,)), text, SEQUENCE_SCHEMA)

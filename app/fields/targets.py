@@ -13,7 +13,7 @@ import numpy as np
 from app.fields import texts
 from app.fields.bounds import batch_of, coordinates, within
 from app.fields.field import Field, Location, Parameter, Reading, declared
-from app.fields.names import SEQUENCES, one_of
+from app.fields.names import SEQUENCE_SCHEMA
 from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.strict_json import validation_problem
@@ -25,7 +25,7 @@ from robots.robot import FloatArray
 _ROW = {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4}
 _MATRIX = {"type": "array", "items": _ROW, "minItems": 4, "maxItems": 4}
 _FORMS = ("matrix", "position", "quaternion_xyzw", "rpy", "euler", "phi", "direction")
-_SEQUENCE = msgspec.Meta(extra_json_schema=one_of(SEQUENCES))
+_SEQUENCE = msgspec.Meta(extra_json_schema=SEQUENCE_SCHEMA)
 
 
 class EulerField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):

@@ -240,9 +240,10 @@ def decode_rows(text: bytes, pointer: str, columns: int, most: int) -> FloatArra
         stop = cut.start() + 1 if cut else end
         if stop - start > PIECE + MAX_FIELD:
             raise RequestProblem(
-                INVALID_REQUEST, f"a row has over {MAX_FIELD} bytes; give {columns} numbers",
+                INVALID_REQUEST,
+                f"a row has over {MAX_FIELD} bytes; give {columns} numbers",
                 f"{pointer}/{done}",
-            )  # fmt: skip
+            )
         try:
             part = b"[" + text[start:stop] + b"]"
             rows = msgspec.json.decode(part, type=list[list[float]])

@@ -24,6 +24,7 @@ from app.operations.shapes import EACH, EACH_OR_NONE, SHAPE, or_null
 REF = "#/components/schemas/{name}"
 BATCH = "Batch"
 _EACH = {EACH, EACH_OR_NONE}
+_MARKS = {*_EACH, SHAPE}
 _PREFIX = REF.format(name="")
 
 
@@ -100,6 +101,8 @@ def _plain(answer: Any) -> Any:
 
     Their marks say what JSON shows; their Python types (arrays, or lists of arrays) do not.
     """
+    if not _is_marked(answer, frozenset()):
+        return answer
     hints = get_type_hints(answer, include_extras=True)
     members = {
         name: _replaced(hint) if name in answer.__required_keys__ else NotRequired[_replaced(hint)]
@@ -110,12 +113,23 @@ def _plain(answer: Any) -> Any:
     return plain
 
 
+def _is_marked(hint: Any, within: frozenset[Any]) -> bool:
+    """Return whether a type holds a marked value; ``within`` are the TypedDicts around it."""
+    if is_typeddict(hint):
+        hints = get_type_hints(hint, include_extras=True).values()
+        around = within | {hint}
+        return hint not in within and any(_is_marked(one, around) for one in hints)
+    metas = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+    own = any(_MARKS & set(meta.extra_json_schema or {}) for meta in metas)
+    return own or any(_is_marked(one, within) for one in get_args(hint))
+
+
 def _replaced(hint: Any) -> Any:
     if get_origin(hint) in (NotRequired, Required):
         return _replaced(get_args(hint)[0])
     if get_origin(hint) is Annotated:
         inner, *metas = get_args(hint)
-        marked = any((_EACH | {SHAPE}) & set(meta.extra_json_schema or {}) for meta in metas)
+        marked = any(_MARKS & set(meta.extra_json_schema or {}) for meta in metas)
         hint = Any if marked else _replaced(inner)
         for meta in metas:
             hint = Annotated[hint, meta]

@@ -10,7 +10,7 @@ from typing import Any
 
 import msgspec
 
-from app.fields.form import RequestForm
+from app.fields.form import RequestForm, form_of
 from app.fields.joints import is_one
 from app.http.negotiation import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT
 from app.http.problems import INVALID_REQUEST, RequestProblem
@@ -124,7 +124,7 @@ class Operation:
     @cached_property
     def form(self) -> RequestForm[Any]:
         """How its request is given and read."""
-        return RequestForm(self.request)
+        return form_of(self.request)
 
     def run_at_once(self, robot: Robot, request: Any, context: Context) -> Answer | None:
         """Return the answer if it takes so little time that a thread would only cost; else None."""

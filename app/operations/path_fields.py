@@ -159,10 +159,12 @@ class MethodOptions(msgspec.Struct, kw_only=True):
     ] = None
     influence: Annotated[
         float | None,
-        msgspec.Meta(description="Clearance from which on obstacles repel, m; default d_safe + a"
-        " tenth of the arm."),
+        msgspec.Meta(
+            description="Clearance from which on obstacles repel, m; default d_safe + a"
+            " tenth of the arm."
+        ),
         within(1e-9, 1e6),
-    ] = None  # fmt: skip
+    ] = None
     obstacle_weight: Annotated[
         float,
         msgspec.Meta(description="sqp: weight of the repulsion in its objective."),
@@ -183,10 +185,12 @@ class MethodOptions(msgspec.Struct, kw_only=True):
     ] = []
     perturb: Annotated[
         float,
-        msgspec.Meta(description="Bends the joints by so much as the arm leaves the start, rad or"
-        " m: out of a singular one."),
+        msgspec.Meta(
+            description="Bends the joints by so much as the arm leaves the start, rad or"
+            " m: out of a singular one."
+        ),
         within(0, 1),
-    ] = 0.0  # fmt: skip
+    ] = 0.0
 
 
 class PathScenario(MethodOptions, kw_only=True):

@@ -53,8 +53,11 @@ def arm_figure(
     points = np.concatenate([one.points for one in skeletons])
     extent = float((points.max(axis=0) - points.min(axis=0)).max())
     arrow = 0.11 * max(extent, 1e-6)
-    tips = [shown.frames[name][:3, 3] + arrow * shown.frames[name][:3, k]
-            for name in frames for k in range(3)]  # fmt: skip
+    tips = [
+        shown.frames[name][:3, 3] + arrow * shown.frames[name][:3, k]
+        for name in frames
+        for k in range(3)
+    ]
     everything = np.concatenate((points, np.array(tips).reshape(-1, 3), np.zeros((1, 3))))
     foot = 16.0 * len(caption) + 8
     box = (MARGIN, 32.0 + MARGIN / 2, size[0] - 2 * MARGIN, size[1] - 32 - foot - MARGIN)
@@ -127,16 +130,23 @@ def _frames(
                 canvas.circle(start, 2.6, AXIS_COLORS[k], AXIS_COLORS[k], 0.5)
             else:
                 canvas.line([start, end], AXIS_COLORS[k], 1.6)
-                canvas.line(_head(start, end), AXIS_COLORS[k], 1.0, closed=True,
-                            fill=AXIS_COLORS[k])  # fmt: skip
+                canvas.line(
+                    _head(start, end), AXIS_COLORS[k], 1.0, closed=True, fill=AXIS_COLORS[k]
+                )
             if room is None or letter not in "xz":
                 continue
             beside = end + (end - start) / max(length, 6.0) * 9.0 if length > 2 else end + 8.0
             text = _label(letter, name)
             at = _free(beside, GLYPH * LABEL * len(text) / 2, room, taken)
             if at is not None:
-                canvas.text((at[0], at[1] + 4), text, LABEL, anchor="middle",
-                            color=AXIS_COLORS[k], halo=True)  # fmt: skip
+                canvas.text(
+                    (at[0], at[1] + 4),
+                    text,
+                    LABEL,
+                    anchor="middle",
+                    color=AXIS_COLORS[k],
+                    halo=True,
+                )
 
 
 def _head(start: FloatArray, end: FloatArray) -> FloatArray:

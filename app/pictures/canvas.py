@@ -42,9 +42,13 @@ class Canvas:
         path = " ".join(f"{x:.2f},{y:.2f}" for x, y in rows.tolist())
         name = "polygon" if closed else "polyline"
         attributes = {
-            "points": path, "fill": fill, "stroke": color, "stroke-width": f"{width:g}",
-            "stroke-linejoin": "round", "stroke-linecap": "round",
-        }  # fmt: skip
+            "points": path,
+            "fill": fill,
+            "stroke": color,
+            "stroke-width": f"{width:g}",
+            "stroke-linejoin": "round",
+            "stroke-linecap": "round",
+        }
         if dash:
             attributes["stroke-dasharray"] = dash
         if opacity < 1.0:
@@ -65,11 +69,15 @@ class Canvas:
         self._add(
             "circle",
             {
-                "cx": f"{center[0]:.2f}", "cy": f"{center[1]:.2f}", "r": f"{radius:.2f}",
-                "fill": fill, "stroke": color, "stroke-width": f"{width:g}",
+                "cx": f"{center[0]:.2f}",
+                "cy": f"{center[1]:.2f}",
+                "r": f"{radius:.2f}",
+                "fill": fill,
+                "stroke": color,
+                "stroke-width": f"{width:g}",
                 "opacity": f"{opacity:.2f}",
             },
-        )  # fmt: skip
+        )
 
     def text(
         self,
@@ -111,10 +119,15 @@ class Canvas:
         self._add(
             "image",
             {
-                "x": x, "y": y, "width": width, "height": height, "preserveAspectRatio": "none",
-                "image-rendering": "pixelated", "href": f"data:image/png;base64,{data}",
+                "x": x,
+                "y": y,
+                "width": width,
+                "height": height,
+                "preserveAspectRatio": "none",
+                "image-rendering": "pixelated",
+                "href": f"data:image/png;base64,{data}",
             },
-        )  # fmt: skip
+        )
 
     def clip(self, name: str, box: tuple[float, float, float, float]) -> None:
         """Begins a group that shows nothing outside a box (x, y, width, height)."""

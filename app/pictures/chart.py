@@ -75,10 +75,12 @@ def chart(
     y_low, y_high = _range(y_all, 0.06)
 
     def place(x: FloatArray, y: FloatArray) -> FloatArray:
-        return np.column_stack((
-            left + (x - x_low) / (x_high - x_low) * width,
-            top + height - (y - y_low) / (y_high - y_low) * height,
-        ))  # fmt: skip
+        return np.column_stack(
+            (
+                left + (x - x_low) / (x_high - x_low) * width,
+                top + height - (y - y_low) / (y_high - y_low) * height,
+            )
+        )
 
     for value in ticks(x_low, x_high):
         x = place(np.array([value]), np.array([y_low]))[0]

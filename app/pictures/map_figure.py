@@ -42,9 +42,11 @@ def workspace_figure(points: FloatArray, title: str) -> str:
         draw_axes(canvas, plane, f"{name[0]} [m]", f"{name[1]} [m]")
         columns, rows = CELLS, round(CELLS * plane.box[3] / plane.box[2])
         counts, _, _ = np.histogram2d(
-            points[:, a], points[:, b], (columns, rows),
+            points[:, a],
+            points[:, b],
+            (columns, rows),
             list(zip(plane.low, plane.high, strict=True)),
-        )  # fmt: skip
+        )
         shade = np.log1p(counts.T)
         top = shade.max()
         canvas.image(plane.box, raster_png(shade / top if top else shade, counts.T == 0))

@@ -50,8 +50,11 @@ def path_figure(
         charts += _motion_charts(results[0][1].problem, motion)
     width = SCENE + CHART_WIDTH + 30 if single else max(across * SCENE, 2 * CHART_WIDTH) + 20
     below = 0.0 if single else rows * (SCENE + 24)
-    height = 40 + (max(SCENE + 40, len(charts) * CHART_HEIGHT) if single else
-                   below + -(-len(charts) // 2) * CHART_HEIGHT)  # fmt: skip
+    height = 40 + (
+        max(SCENE + 40, len(charts) * CHART_HEIGHT)
+        if single
+        else below + -(-len(charts) // 2) * CHART_HEIGHT
+    )
     canvas = Canvas(width, height, title)
     canvas.text((14, 22), title, 15, bold=True)
     reach = _with_obstacles(_reach(scenes), scenes) if spatial else _reach(scenes)
@@ -67,8 +70,12 @@ def path_figure(
         if single:
             box = (SCENE + 20, 34 + k * CHART_HEIGHT, CHART_WIDTH, CHART_HEIGHT)
         else:
-            box = (10 + (k % 2) * CHART_WIDTH, 40 + below + (k // 2) * CHART_HEIGHT,
-                   CHART_WIDTH, CHART_HEIGHT)  # fmt: skip
+            box = (
+                10 + (k % 2) * CHART_WIDTH,
+                40 + below + (k // 2) * CHART_HEIGHT,
+                CHART_WIDTH,
+                CHART_HEIGHT,
+            )
         chart(canvas, box, curves, name, "t [s]", log=log, levels=levels)
     return canvas.render()
 
@@ -167,13 +174,17 @@ def _motion_charts(
         ("accelerations", motion.acceleration, motion.acceleration_limits),
     ):
         curves = [
-            Curve(joint, _thinned(motion.t), _thinned(values[:, column] / limits[column]),
-                  COLORS[k % len(COLORS)])
+            Curve(
+                joint,
+                _thinned(motion.t),
+                _thinned(values[:, column] / limits[column]),
+                COLORS[k % len(COLORS)],
+            )
             for k, (joint, column) in enumerate(
                 zip(problem.arm.names, problem.arm.chain.columns, strict=True)
             )
             if np.isfinite(limits[column])
-        ]  # fmt: skip
+        ]
         if curves:
             levels = [Level(1.0, "limit"), Level(-1.0, "")]
             made.append((curves, f"in the shortest time: {name} / limit", False, levels))

@@ -13,11 +13,18 @@ from robots.robot import FloatArray
 
 _ANCHORS = np.array(
     [
-        (68, 1, 84), (71, 44, 122), (59, 81, 139), (44, 113, 142), (33, 144, 141),
-        (39, 173, 129), (92, 200, 99), (170, 220, 50), (253, 231, 37),
+        (68, 1, 84),
+        (71, 44, 122),
+        (59, 81, 139),
+        (44, 113, 142),
+        (33, 144, 141),
+        (39, 173, 129),
+        (92, 200, 99),
+        (170, 220, 50),
+        (253, 231, 37),
     ],
     dtype=np.float64,
-)  # fmt: skip
+)
 """Viridis (van der Walt and Smith, public domain) at equal steps: even to the eye, also in grey."""
 
 
@@ -47,8 +54,9 @@ def color_bar(canvas: Canvas, box: Box, low: float, high: float) -> None:
     """The scale of a raster: low below, high above, in a box (x, y, width, height)."""
     x, y, width, height = box
     canvas.image(box, raster_png(np.linspace(0.0, 1.0, 64)[:, None]))
-    canvas.line([(x, y), (x + width, y), (x + width, y + height), (x, y + height)], INK, 0.8,
-                closed=True)  # fmt: skip
+    canvas.line(
+        [(x, y), (x + width, y), (x + width, y + height), (x, y + height)], INK, 0.8, closed=True
+    )
     for value in ticks(low, high):
         at = y + height - (value - low) / (high - low or 1.0) * height
         canvas.line([(x + width, at), (x + width + 4, at)], INK, 0.8)

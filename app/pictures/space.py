@@ -40,8 +40,9 @@ def draw_space(canvas: Canvas, box: Box, scene: Scene, name: str, reach: FloatAr
     """
     area = (box[0] + LEFT, box[1] + TOP, box[2] - LEFT - RIGHT, box[3] - TOP - BELOW)
     low, high = reach
-    corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1])
-                        for z in (low[2], high[2])])  # fmt: skip
+    corners = np.array(
+        [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+    )
     inner = (area[0] + 26, area[1] + 8, area[2] - 52, area[3] - 30)
     camera = camera_for("iso", corners, inner)
     canvas.clip(name, area)
@@ -126,8 +127,9 @@ def _arms(canvas: Canvas, camera: Camera, scene: Scene) -> list[Part]:
             wide = 1.6 if scene.shapes is not None else max(1.6, 2 * radius * camera.scale)
             parts.append(_line(canvas, camera, np.array([a, b]), COLORS[0], wide, opacity))
         for point in links:
-            mark = partial(canvas.circle, camera.place(point), 2.0, "#ffffff", COLORS[0], 0.8,
-                           opacity=opacity)  # fmt: skip
+            mark = partial(
+                canvas.circle, camera.place(point), 2.0, "#ffffff", COLORS[0], 0.8, opacity=opacity
+            )
             parts.append((float(camera.depth(point)) + 1e-6, mark))
     return parts
 
@@ -146,8 +148,9 @@ def _obstacles(
     for row in scene.obstacles:
         kind = row[0]
         if kind == SPHERE:
-            draw = partial(canvas.circle, camera.place(row[1:4]), row[4] * camera.scale, OBSTACLE,
-                           INK, 0.8)  # fmt: skip
+            draw = partial(
+                canvas.circle, camera.place(row[1:4]), row[4] * camera.scale, OBSTACLE, INK, 0.8
+            )
             parts.append((float(camera.depth(row[1:4])), draw))
         elif kind == CAPSULE:
             ends, wide = row[1:7].reshape(2, 3), 2 * row[7] * camera.scale

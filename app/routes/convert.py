@@ -20,13 +20,25 @@ def build_router(max_body: int) -> APIRouter:
     """
     router = APIRouter(prefix="/v1", tags=["convert"], responses=PROBLEMS)
 
-    @router.post("/dh-to-urdf", summary="D-H table to URDF", response_class=Response,
-                 responses={200: {"description": "URDF.", "content": {"application/xml": {}}}},
-                 openapi_extra={"requestBody": {"required": True, "content": {
-                     "application/json": {"schema": {"$ref": REF.format(name="DHTable")}},
-                     "application/yaml": {"schema": {"$ref": REF.format(name="DHTable")}},
-                     **{kind: {"schema": {"type": "string"}}
-                        for kind in ("text/csv", "text/x-symoro", "text/plain")}}}})  # fmt: skip
+    @router.post(
+        "/dh-to-urdf",
+        summary="D-H table to URDF",
+        response_class=Response,
+        responses={200: {"description": "URDF.", "content": {"application/xml": {}}}},
+        openapi_extra={
+            "requestBody": {
+                "required": True,
+                "content": {
+                    "application/json": {"schema": {"$ref": REF.format(name="DHTable")}},
+                    "application/yaml": {"schema": {"$ref": REF.format(name="DHTable")}},
+                    **{
+                        kind: {"schema": {"type": "string"}}
+                        for kind in ("text/csv", "text/x-symoro", "text/plain")
+                    },
+                },
+            }
+        },
+    )
     async def dh_to_urdf(request: Request, services: ServicesDep) -> Response:
         if media_type(request) in XML_TYPES:
             raise unsupported(media_type(request), TABLES)

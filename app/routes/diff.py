@@ -117,27 +117,42 @@ def build_router(max_body: int) -> APIRouter:
     """
     router = APIRouter(prefix="/v1", tags=["convert"], responses=PROBLEMS)
     answer: dict[int | str, dict[str, Any]] = {
-        200: {"description": "The comparison.", "content": {
-            JSON: {"schema": {"$ref": REF.format(name="DiffResponse")}},
-            TEXT: {"schema": {"type": "string"}}}}
-    }  # fmt: skip
+        200: {
+            "description": "The comparison.",
+            "content": {
+                JSON: {"schema": {"$ref": REF.format(name="DiffResponse")}},
+                TEXT: {"schema": {"type": "string"}},
+            },
+        }
+    }
 
     def body_of(name: str, example: dict[str, Any]) -> dict[str, Any]:
         schema = {"$ref": REF.format(name=name)}
-        return {"requestBody": {"required": True, "content": {
-            JSON: {"schema": schema, "example": example}}}}  # fmt: skip
+        return {
+            "requestBody": {
+                "required": True,
+                "content": {JSON: {"schema": schema, "example": example}},
+            }
+        }
 
-    @router.post("/robots/{robot_id}/diff", summary="Where two robots diverge", responses=answer,
-                 openapi_extra=body_of("DiffRequest", {"other": "panda_urdf"}))  # fmt: skip
+    @router.post(
+        "/robots/{robot_id}/diff",
+        summary="Where two robots diverge",
+        responses=answer,
+        openapi_extra=body_of("DiffRequest", {"other": "panda_urdf"}),
+    )
     async def diff(request: Request, stored: RobotDep, services: ServicesDep) -> Response:
         """Joint by joint, up to base, tool and zero offsets of the joints."""
         asked = await _asked(request, max_body, DiffRequest)
         other = await _other(services, asked)
         return await _answer(request, services, asked, stored.robot, other)
 
-    @router.post("/diff", summary="Where two robots in the body diverge", responses=answer,
-                 openapi_extra=body_of(
-                     "InlineDiffRequest", {"robot": "ur5", "other": "ur5_urdf"}))  # fmt: skip
+    @router.post(
+        "/diff",
+        summary="Where two robots in the body diverge",
+        responses=answer,
+        openapi_extra=body_of("InlineDiffRequest", {"robot": "ur5", "other": "ur5_urdf"}),
+    )
     async def diff_inline(request: Request, services: ServicesDep) -> Response:
         asked = await _asked(request, max_body, InlineDiffRequest)
         robot = await services.inline_robot(asked.robot)
@@ -231,9 +246,10 @@ def _payload(found: Comparison, units: Units) -> dict[str, Any]:
             for joint in found.joints
         ],
         "reversed": list(found.reversed),
-        "residual": residual and {
+        "residual": residual
+        and {
             "position": residual.position,
             "orientation": angle(residual.orientation),
             "configurations": residual.configurations,
         },
-    }  # fmt: skip
+    }

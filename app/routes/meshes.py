@@ -39,9 +39,16 @@ class MeshList(msgspec.Struct, kw_only=True):
     meshes: list[MeshLine]
 
 
-@router.get("", summary="Visual meshes of a robot",
-            responses={200: {"description": "The list.", "content": {
-                JSON: {"schema": {"$ref": REF.format(name="MeshList")}}}}})  # fmt: skip
+@router.get(
+    "",
+    summary="Visual meshes of a robot",
+    responses={
+        200: {
+            "description": "The list.",
+            "content": {JSON: {"schema": {"$ref": REF.format(name="MeshList")}}},
+        }
+    },
+)
 async def list_meshes(request: Request, stored: RobotDep, services: ServicesDep) -> Response:
     """Empty where the files are not installed or the robot was uploaded."""
     check_query(request, common=("format",))
@@ -59,9 +66,12 @@ async def list_meshes(request: Request, stored: RobotDep, services: ServicesDep)
     return respond({"meshes": lines}, wanted)
 
 
-@router.get("/{name:path}", summary="A mesh file", response_class=Response,
-            responses={200: {"description": "The file.",
-                             "content": {"application/octet-stream": {}}}})  # fmt: skip
+@router.get(
+    "/{name:path}",
+    summary="A mesh file",
+    response_class=Response,
+    responses={200: {"description": "The file.", "content": {"application/octet-stream": {}}}},
+)
 async def read_mesh(
     request: Request,
     stored: RobotDep,

@@ -33,12 +33,26 @@ _EXAMPLE = {
     "convention": "standard",
     "units": {"angle": "deg", "length": "m"},
     "joints": [
-        {"name": "j1", "type": "revolute", "alpha": 90, "a": 0, "d": 0.4, "theta": 0,
-         "limits": {"lower": -170, "upper": 170}},
-        {"name": "j2", "type": "revolute", "alpha": 0, "a": 0.3, "d": 0, "theta": 0,
-         "limits": {"lower": -120, "upper": 120}},
+        {
+            "name": "j1",
+            "type": "revolute",
+            "alpha": 90,
+            "a": 0,
+            "d": 0.4,
+            "theta": 0,
+            "limits": {"lower": -170, "upper": 170},
+        },
+        {
+            "name": "j2",
+            "type": "revolute",
+            "alpha": 0,
+            "a": 0.3,
+            "d": 0,
+            "theta": 0,
+            "limits": {"lower": -120, "upper": 120},
+        },
     ],
-}  # fmt: skip
+}
 _CSV_EXAMPLE = (
     "name,type,alpha,a,d,theta,offset,sign,lower,upper\n"
     "j1,R,pi/2,0,0.4,0,0,1,-170deg,170deg\nj2,R,0,0.3,0,0,0,1,-120deg,120deg\n"
@@ -184,16 +198,22 @@ def build_router(max_body: int) -> APIRouter:
     """
     router = APIRouter(prefix="/v1/robots", tags=["robots"], responses=PROBLEMS)
     view: dict[int | str, dict[str, Any]] = {
-        200: {"description": "The robot.",
-              "content": {JSON: {"schema": {"$ref": REF.format(name="RobotView")}},
-                          TEXT: {"schema": {"type": "string"}}}}
-    }  # fmt: skip
+        200: {
+            "description": "The robot.",
+            "content": {
+                JSON: {"schema": {"$ref": REF.format(name="RobotView")}},
+                TEXT: {"schema": {"type": "string"}},
+            },
+        }
+    }
     document = {
         "requestBody": {
             "required": True,
             "content": {
                 "application/json": {
-                    "schema": {"$ref": REF.format(name="DHTable")}, "example": _EXAMPLE},
+                    "schema": {"$ref": REF.format(name="DHTable")},
+                    "example": _EXAMPLE,
+                },
                 "application/yaml": {"schema": {"$ref": REF.format(name="DHTable")}},
                 "text/csv": {"schema": {"type": "string"}, "example": _CSV_EXAMPLE},
                 "text/x-symoro": {"schema": {"type": "string"}, "example": _PAR_EXAMPLE},
@@ -202,8 +222,13 @@ def build_router(max_body: int) -> APIRouter:
             },
         },
         "parameters": [
-            {"name": name, "in": "query", "required": False, "schema": {"type": "string"},
-             "description": text}
+            {
+                "name": name,
+                "in": "query",
+                "required": False,
+                "schema": {"type": "string"},
+                "description": text,
+            }
             for name, text in (
                 ("name", "Name of the robot, where the document gives none or another."),
                 ("convention", "CSV and pasted text: standard, modified or khalil."),
@@ -216,14 +241,24 @@ def build_router(max_body: int) -> APIRouter:
                 ("base", "URDF: frame in whose axes results are given."),
             )
         ],
-    }  # fmt: skip
+    }
 
-    @router.get("", summary="List robots", responses={200: {
-        "description": "One page.",
-        "content": {JSON: {"schema": {"$ref": REF.format(name="RobotList")}}}}},
-        openapi_extra={"parameters": [
-            {"name": "page_size", "in": "query", "schema": {"type": "integer", "default": 100}},
-            {"name": "page_token", "in": "query", "schema": {"type": "string"}}]})  # fmt: skip
+    @router.get(
+        "",
+        summary="List robots",
+        responses={
+            200: {
+                "description": "One page.",
+                "content": {JSON: {"schema": {"$ref": REF.format(name="RobotList")}}},
+            }
+        },
+        openapi_extra={
+            "parameters": [
+                {"name": "page_size", "in": "query", "schema": {"type": "integer", "default": 100}},
+                {"name": "page_token", "in": "query", "schema": {"type": "string"}},
+            ]
+        },
+    )
     async def list_robots(
         request: Request,
         services: ServicesDep,
@@ -239,8 +274,13 @@ def build_router(max_body: int) -> APIRouter:
             )
         return await services.loaded(lambda: _page(services, page_size, page_token, wanted))
 
-    @router.post("", status_code=201, summary="Upload a robot",
-                 responses={201: view[200]}, openapi_extra=document)  # fmt: skip
+    @router.post(
+        "",
+        status_code=201,
+        summary="Upload a robot",
+        responses={201: view[200]},
+        openapi_extra=document,
+    )
     async def create_robot(request: Request, services: ServicesDep) -> Response:
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
         robot = await services.loaded(lambda: robot_from_body(request, body, default_name=None))
@@ -268,8 +308,12 @@ def build_router(max_body: int) -> APIRouter:
             payload, wanted, headers={"ETag": tag, "Vary": "Accept"}
         )
 
-    @router.put("/{robot_id}", summary="Upload or replace a robot",
-                responses=view | {201: view[200]}, openapi_extra=document)  # fmt: skip
+    @router.put(
+        "/{robot_id}",
+        summary="Upload or replace a robot",
+        responses=view | {201: view[200]},
+        openapi_extra=document,
+    )
     async def put_robot(
         request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
     ) -> Response:
@@ -312,9 +356,12 @@ def build_router(max_body: int) -> APIRouter:
         )
         return Response(status_code=204)
 
-    @router.get("/{robot_id}/urdf", summary="The URDF of a robot", response_class=Response,
-                responses={200: {"description": "URDF.",
-                                 "content": {"application/xml": {}}}})  # fmt: skip
+    @router.get(
+        "/{robot_id}/urdf",
+        summary="The URDF of a robot",
+        response_class=Response,
+        responses={200: {"description": "URDF.", "content": {"application/xml": {}}}},
+    )
     async def read_urdf(request: Request, stored: RobotDep) -> Response:
         check_query(request)
         tag = etag(stored.robot)

@@ -40,11 +40,16 @@ _AXES_EXAMPLE = {
     "convention": "standard",
     "joints": [
         {"name": "j1", "type": "revolute", "point": [0, 0, 0.1], "direction": [0, 0, 1]},
-        {"name": "j2", "type": "revolute", "point": [0.4, 0, 0.3], "direction": [0, 1, 0],
-         "limits": {"lower": -2, "upper": 2}},
+        {
+            "name": "j2",
+            "type": "revolute",
+            "point": [0.4, 0, 0.3],
+            "direction": [0, 1, 0],
+            "limits": {"lower": -2, "upper": 2},
+        },
     ],
     "tip": {"xyz": [0.9, 0, 0.3], "rpy": [0, "pi/2", 0]},
-}  # fmt: skip
+}
 
 
 def build_router(max_body: int) -> APIRouter:
@@ -55,14 +60,24 @@ def build_router(max_body: int) -> APIRouter:
     """
     router = APIRouter(prefix="/v1", responses=PROBLEMS)
     answer: dict[int | str, dict[str, Any]] = {
-        200: {"description": "The table. CSV writes base and tool as fixed rows.", "content": {
-            JSON: {"schema": {"$ref": REF.format(name="DHTable")}},
-            **{kind: {"schema": {"type": "string"}} for kind in OFFERS[1:]}}}
-    }  # fmt: skip
+        200: {
+            "description": "The table. CSV writes base and tool as fixed rows.",
+            "content": {
+                JSON: {"schema": {"$ref": REF.format(name="DHTable")}},
+                **{kind: {"schema": {"type": "string"}} for kind in OFFERS[1:]},
+            },
+        }
+    }
 
-    @router.get("/robots/{robot_id}/dh", summary="A robot as D-H table", tags=["robots"],
-                responses=answer, openapi_extra={"parameters": _parameters(
-                    "convention", "base", "tip", *EXTRACTION, "angle", "format")})  # fmt: skip
+    @router.get(
+        "/robots/{robot_id}/dh",
+        summary="A robot as D-H table",
+        tags=["robots"],
+        responses=answer,
+        openapi_extra={
+            "parameters": _parameters("convention", "base", "tip", *EXTRACTION, "angle", "format")
+        },
+    )
     async def read_dh(request: Request, stored: RobotDep, services: ServicesDep) -> Response:
         """Of a robot made from a table its own, in any convention; else extracted from its URDF."""
         check_query(request, "convention", "base", "tip", *EXTRACTION)
@@ -78,12 +93,27 @@ def build_router(max_body: int) -> APIRouter:
             lambda: _written(call(), wanted, units, explained, headers), request
         )
 
-    @router.post("/urdf-to-dh", summary="URDF to D-H table", tags=["convert"], responses=answer,
-                 openapi_extra={"requestBody": {"required": True, "content": {
-                     "application/xml": {"schema": {"type": "string"}}}},
-                     "parameters": _parameters(
-                         "convention", "base", "tip", *EXTRACTION, "angle", "format",
-                         required=("convention",))})  # fmt: skip
+    @router.post(
+        "/urdf-to-dh",
+        summary="URDF to D-H table",
+        tags=["convert"],
+        responses=answer,
+        openapi_extra={
+            "requestBody": {
+                "required": True,
+                "content": {"application/xml": {"schema": {"type": "string"}}},
+            },
+            "parameters": _parameters(
+                "convention",
+                "base",
+                "tip",
+                *EXTRACTION,
+                "angle",
+                "format",
+                required=("convention",),
+            ),
+        },
+    )
     async def urdf_to_dh(request: Request, services: ServicesDep) -> Response:
         check_query(request, "convention", "base", "tip", *EXTRACTION)
         require_type(request, *XML_TYPES)
@@ -91,16 +121,30 @@ def build_router(max_body: int) -> APIRouter:
         convention = _convention(query.get("convention"))
         body = await read_body(request, max_body)
         return await _extracted(
-            request, services, convention,
+            request,
+            services,
+            convention,
             lambda: chain_of_urdf(body, query.get("base"), query.get("tip")),
-        )  # fmt: skip
+        )
 
-    @router.post("/axes-to-dh", summary="Joint axes to D-H table", tags=["convert"],
-                 responses=answer, openapi_extra={"requestBody": {"required": True, "content": {
-                     JSON: {"schema": {"$ref": REF.format(name="JointAxes")},
-                            "example": _AXES_EXAMPLE}}},
-                     "parameters": _parameters(
-                         "convention", *EXTRACTION, "angle", "format")})  # fmt: skip
+    @router.post(
+        "/axes-to-dh",
+        summary="Joint axes to D-H table",
+        tags=["convert"],
+        responses=answer,
+        openapi_extra={
+            "requestBody": {
+                "required": True,
+                "content": {
+                    JSON: {
+                        "schema": {"$ref": REF.format(name="JointAxes")},
+                        "example": _AXES_EXAMPLE,
+                    }
+                },
+            },
+            "parameters": _parameters("convention", *EXTRACTION, "angle", "format"),
+        },
+    )
     async def axes_to_dh(request: Request, services: ServicesDep) -> Response:
         """Points and directions of the axes at q = 0, as measured on a drawing, in base axes."""
         check_query(request, "convention", *EXTRACTION)
@@ -115,13 +159,23 @@ def build_router(max_body: int) -> APIRouter:
         convention = _convention(inside if named is None else named)
         return await _extracted(request, services, convention, lambda: read_axes(data))
 
-    @router.post("/convert-dh", summary="D-H table to another convention", tags=["convert"],
-                 responses=answer, openapi_extra={"requestBody": {"required": True, "content": {
-                     "application/json": {"schema": {"$ref": REF.format(name="DHTable")}},
-                     "application/yaml": {"schema": {"$ref": REF.format(name="DHTable")}},
-                     "text/csv": {"schema": {"type": "string"}}}},
-                     "parameters": _parameters(
-                         "to", "tip", "angle", "format", required=("to",))})  # fmt: skip
+    @router.post(
+        "/convert-dh",
+        summary="D-H table to another convention",
+        tags=["convert"],
+        responses=answer,
+        openapi_extra={
+            "requestBody": {
+                "required": True,
+                "content": {
+                    "application/json": {"schema": {"$ref": REF.format(name="DHTable")}},
+                    "application/yaml": {"schema": {"$ref": REF.format(name="DHTable")}},
+                    "text/csv": {"schema": {"type": "string"}},
+                },
+            },
+            "parameters": _parameters("to", "tip", "angle", "format", required=("to",)),
+        },
+    )
     async def convert_dh(request: Request, services: ServicesDep) -> Response:
         """The same q, limits and FK; a tree in khalil is cut down to the chain to ``tip``."""
         convention = _convention(request.query_params.get("to"), "to")
@@ -241,7 +295,12 @@ _DESCRIPTIONS = {
 
 def _parameters(*names: str, required: tuple[str, ...] = ()) -> list[dict[str, Any]]:
     return [
-        {"name": name, "in": "query", "required": name in required,
-         "description": _DESCRIPTIONS[name], "schema": {"type": "string"}}
+        {
+            "name": name,
+            "in": "query",
+            "required": name in required,
+            "description": _DESCRIPTIONS[name],
+            "schema": {"type": "string"},
+        }
         for name in names
-    ]  # fmt: skip
+    ]

@@ -45,8 +45,9 @@ def serve(settings: Settings) -> int:
     except OSError as error:
         LOG.critical(
             "cannot start: the data directory %s cannot be used: %s",
-            settings.data_dir, error.strerror or error,
-        )  # fmt: skip
+            settings.data_dir,
+            error.strerror or error,
+        )
         return 1
     _say(settings, LOADING if is_full() else COMPILING)
     _say_where(settings, port_of(sockets[0]))

@@ -90,8 +90,9 @@ class Supervisor:
                     if self._failed_starts >= STARTS and not self._serving():
                         LOG.critical(
                             "%d starts in a row have failed and no worker serves: giving up;"
-                            " the lines above say why", self._failed_starts,
-                        )  # fmt: skip
+                            " the lines above say why",
+                            self._failed_starts,
+                        )
                         return 1
             finally:
                 self._stop()

@@ -18,9 +18,26 @@ from app.telemetry.processes import pid_file, usage
 DIRECTORY = "PROMETHEUS_MULTIPROC_DIR"
 METHODS = frozenset(("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"))
 BUCKETS = (
-    5e-5, 1e-4, 2.5e-4, 5e-4, 1e-3, 2.5e-3, 5e-3, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5,
-    1.0, 2.5, 5.0, 10.0, 30.0, 60.0,
-)  # fmt: skip
+    5e-5,
+    1e-4,
+    2.5e-4,
+    5e-4,
+    1e-3,
+    2.5e-3,
+    5e-3,
+    0.01,
+    0.025,
+    0.05,
+    0.1,
+    0.25,
+    0.5,
+    1.0,
+    2.5,
+    5.0,
+    10.0,
+    30.0,
+    60.0,
+)
 """Upper ends in seconds: a solve takes tens of microseconds, the longest request a minute."""
 
 
@@ -69,20 +86,27 @@ class Metrics:
             "denavit_http_requests", "Requests answered.", (*labels, "status_class"), registry=own
         )
         self._durations = Histogram(
-            "denavit_http_request_duration_seconds", "From the request's head to the answer's end.",
-            labels, buckets=BUCKETS, registry=own,
-        )  # fmt: skip
+            "denavit_http_request_duration_seconds",
+            "From the request's head to the answer's end.",
+            labels,
+            buckets=BUCKETS,
+            registry=own,
+        )
         self._bytes = Counter(
             "denavit_http_response_bytes", "Bytes of the answers' bodies.", labels, registry=own
         )
         self.in_progress = Gauge(
-            "denavit_http_requests_in_progress", "Requests not yet answered.",
-            multiprocess_mode="livesum", registry=own,
-        )  # fmt: skip
+            "denavit_http_requests_in_progress",
+            "Requests not yet answered.",
+            multiprocess_mode="livesum",
+            registry=own,
+        )
         self.compute_waiting = Gauge(
-            "denavit_compute_waiting", "Computations that wait for a thread.",
-            multiprocess_mode="livesum", registry=own,
-        )  # fmt: skip
+            "denavit_compute_waiting",
+            "Computations that wait for a thread.",
+            multiprocess_mode="livesum",
+            registry=own,
+        )
         self._children: dict[tuple[str, str, int], tuple[Counter, Histogram, Counter]] = {}
 
     def count(self, method: str, route: str, status: int, seconds: float, size: int) -> None:
@@ -148,9 +172,10 @@ class _Now(Collector):
             "denavit_worker_cpu_seconds", "Processor time of a worker.", labels=("worker",)
         )
         started = GaugeMetricFamily(
-            "denavit_worker_start_time_seconds", "When a worker started, Unix time.",
+            "denavit_worker_start_time_seconds",
+            "When a worker started, Unix time.",
             labels=("worker",),
-        )  # fmt: skip
+        )
         for slot, found in usage(self._directory):
             memory.add_metric((slot,), found.resident_bytes)
             processor.add_metric((slot,), found.cpu_seconds)

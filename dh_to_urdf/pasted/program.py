@@ -182,8 +182,11 @@ class _Program:
     def _robot(self, inside: list[Token]) -> None:
         """The order of the links, the name, and the convention of a robot."""
         listed = arguments(inside)
-        names = {k for k, argument in enumerate(listed) if argument[0].kind == "string"
-                 and argument[0].text.lower() == "name"}  # fmt: skip
+        names = {
+            k
+            for k, argument in enumerate(listed)
+            if argument[0].kind == "string" and argument[0].text.lower() == "name"
+        }
         for position, argument in enumerate(listed):
             if position - 1 in names and position not in names:
                 continue

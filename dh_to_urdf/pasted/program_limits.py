@@ -56,9 +56,10 @@ def refuse_reworked_list(tokens: list[Token], end: int) -> None:
     after = tokens[end + 1] if end + 1 < len(tokens) else None
     if after is not None and after.kind == "symbol" and after.text in "*[+":
         raise DHError.single(
-            (), f"line {after.line}: {quoted(after.text)} after the list of links is not run;"
-            " write each link on a line of its own"
-        )  # fmt: skip
+            (),
+            f"line {after.line}: {quoted(after.text)} after the list of links is not run;"
+            " write each link on a line of its own",
+        )
 
 
 def refuse_reworked_matrix(tokens: list[Token], start: int, name: str) -> None:
@@ -88,9 +89,10 @@ def refuse_reworked_matrix(tokens: list[Token], start: int, name: str) -> None:
         after += 1
     if after < len(tokens) and not _ends(tokens[after]):
         raise DHError.single(
-            (), f"line {tokens[after].line}: {quoted(tokens[after].text)} after the matrix is not"
-            f" run; {_ALONE}"
-        )  # fmt: skip
+            (),
+            f"line {tokens[after].line}: {quoted(tokens[after].text)} after the matrix is not"
+            f" run; {_ALONE}",
+        )
     for index, token in enumerate(tokens):
         starts = index == 0 or tokens[index - 1].kind in ("newline", "comment")
         starts = starts or tokens[index - 1].text == ";"

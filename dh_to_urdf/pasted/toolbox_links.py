@@ -14,20 +14,28 @@ from dh_to_urdf.pasted.raw_table import RawCell
 from dh_to_urdf.pasted.source_tokens import Token, arguments, closing, matrix_rows, text_of
 
 LINKS = {
-    "Link": (None, None), "DHLink": (None, None),
-    "Revolute": ("R", False), "Prismatic": ("P", False),
-    "RevoluteDH": ("R", False), "PrismaticDH": ("P", False),
-    "RevoluteMDH": ("R", True), "PrismaticMDH": ("P", True),
-}  # fmt: skip
+    "Link": (None, None),
+    "DHLink": (None, None),
+    "Revolute": ("R", False),
+    "Prismatic": ("P", False),
+    "RevoluteDH": ("R", False),
+    "PrismaticDH": ("P", False),
+    "RevoluteMDH": ("R", True),
+    "PrismaticMDH": ("P", True),
+}
 """Type and whether modified, of each class; None where the arguments say it."""
 ORDER = ("theta", "d", "a", "alpha", "sigma", "offset")
 PARAMETERS = ("theta", "d", "a", "alpha", "offset")
 _DYNAMIC = {"m", "r", "I", "Jm", "G", "B", "Tc", "jm", "g", "tc", "mesh", "i", "b"}
 _FLAGS = {
-    "modified": ("modified", True), "mdh": ("modified", True), "standard": ("modified", False),
-    "std": ("modified", False), "revolute": ("type", "R"), "prismatic": ("type", "P"),
+    "modified": ("modified", True),
+    "mdh": ("modified", True),
+    "standard": ("modified", False),
+    "std": ("modified", False),
+    "revolute": ("type", "R"),
+    "prismatic": ("type", "P"),
     "flip": ("flip", True),
-}  # fmt: skip
+}
 _TRUE, _FALSE = {"true", "1"}, {"false", "0"}
 
 

@@ -104,9 +104,7 @@ def factorization(
         factors = [_single(factor) for factor in factors]
         constant, product, difference, exact = constant[0], product[0], difference[0], exact[0]
     of = "determinant" if square else "manipulability"
-    return Factorization(
-        structure, of, constant, tuple(factors), product, difference, exact, None
-    )  # fmt: skip
+    return Factorization(structure, of, constant, tuple(factors), product, difference, exact, None)
 
 
 def _none(reason: str) -> Factorization:
@@ -118,9 +116,13 @@ def _none(reason: str) -> Factorization:
 
 def _single(factor: Factor) -> Factor:
     return Factor(
-        factor.name, factor.value[0], factor.largest[0], factor.unit, factor.joints,
+        factor.name,
+        factor.value[0],
+        factor.largest[0],
+        factor.unit,
+        factor.joints,
         factor.vanishes_where,
-    )  # fmt: skip
+    )
 
 
 def _product(

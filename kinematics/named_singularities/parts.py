@@ -43,9 +43,7 @@ def bend(at: Posture, i: int, j: int, point: FloatArray) -> Product:
     length = norm(between)
     e = between / np.maximum(length, 1e-300)[:, None]
     value = triple(z, e, at.from_axis(j, point))
-    return length, [
-        Factor("elbow", value, at.lever(j, point), "m", (i, j), _stretched(i, j))
-    ]  # fmt: skip
+    return length, [Factor("elbow", value, at.lever(j, point), "m", (i, j), _stretched(i, j))]
 
 
 def _stretched(i: int, j: int) -> str:
@@ -98,9 +96,15 @@ def arm(at: Posture, axes: Relations, point: FloatArray) -> Product:
             length = norm(a)
             return sine, [
                 Factor("shoulder", dot(a, n), length, "m", (0, 1), where),
-                Factor("slide", dot(a, z3), length, "m", (2,),
-                       "the wrist centre is level with the shoulder, at right angles to axis 3"),
-            ]  # fmt: skip
+                Factor(
+                    "slide",
+                    dot(a, z3),
+                    length,
+                    "m",
+                    (2,),
+                    "the wrist centre is level with the shoulder, at right angles to axis 3",
+                ),
+            ]
         between = across(at.O[:, 2] - meeting, z3)
         length = norm(between)
         e = between / np.maximum(length, 1e-300)[:, None]
@@ -190,10 +194,22 @@ def srs(at: Posture, shoulder: FloatArray, centre: FloatArray) -> Product:
     S, W = triple(at.z(0), at.z(1), at.z(2)), triple(at.z(4), at.z(5), at.z(6))
     value = np.hypot(W * np.sqrt(pairs(0, 1, 2)), S * np.sqrt(pairs(4, 5, 6)))
     return length, [
-        Factor("elbow", elbow, at.lever(3, centre), "m", (3,),
-               "the arm is stretched or folded: the wrist centre is in the plane of axis 4 and"
-               " the shoulder's centre"),
-        Factor("shoulder and wrist", value, 3.0 * norm(d), "m", (0, 1, 2, 4, 5, 6),
-               "the shoulder's axes lie in a plane (sin q2 = 0), or the wrist's (sin q6 = 0), or"
-               " both, such that the line from shoulder to wrist leaves no way round"),
-    ]  # fmt: skip
+        Factor(
+            "elbow",
+            elbow,
+            at.lever(3, centre),
+            "m",
+            (3,),
+            "the arm is stretched or folded: the wrist centre is in the plane of axis 4 and"
+            " the shoulder's centre",
+        ),
+        Factor(
+            "shoulder and wrist",
+            value,
+            3.0 * norm(d),
+            "m",
+            (0, 1, 2, 4, 5, 6),
+            "the shoulder's axes lie in a plane (sin q2 = 0), or the wrist's (sin q6 = 0), or"
+            " both, such that the line from shoulder to wrist leaves no way round",
+        ),
+    ]

@@ -102,8 +102,10 @@ class Steps:
     def placement(self, number: int, placement: Matrix) -> list[Step]:
         """Return the steps of the base (0) or the tool (-1)."""
         origin: Vector = (
-            self._length(number, "x"), self._length(number, "y"), self._length(number, "z")
-        )  # fmt: skip
+            self._length(number, "x"),
+            self._length(number, "y"),
+            self._length(number, "z"),
+        )
         steps: list[Step] = [Shift(origin)] if any(origin) else []
         entry = self.names.entry
         columns = [

@@ -154,9 +154,7 @@ class Writing:
                 continue
             found[entries.quantity.value] = view(entries, write)
         if found.get("jacobian"):
-            found["jacobian"] = {
-                "matrix": found["jacobian"], "rows": list(ROWS), "columns": joints
-            }  # fmt: skip
+            found["jacobian"] = {"matrix": found["jacobian"], "rows": list(ROWS), "columns": joints}
         for quantity in self.left_out:
             found.setdefault(quantity.value, None)
         if self.determinant is not None:

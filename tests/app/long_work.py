@@ -23,8 +23,9 @@ from typing import Any
 
 from app import main as application
 from app.http.negotiation import NDJSON
-from app.operations import OPERATIONS, Answer, Context, Operation, Runs
+from app.operations import OPERATIONS, Answer, Context, Operation
 from app.operations.forward import FK
+from app.operations.operation import Runs
 from kinematics.deadline import checkpoint
 from kinematics.symbolic import SymbolicWorkers
 from robots.robot import Robot

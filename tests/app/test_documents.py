@@ -55,9 +55,9 @@ def test_a_pasted_table_is_a_robot_and_comes_back_in_every_form(client, made):
     made.append("pasted")
     expected = tip(client, "pasted", [0.3, 0.4])
     assert expected[:3, 3] == pytest.approx(
-        [0.3 * np.cos(0.3) * np.sin(0.4), 0.3 * np.sin(0.3) * np.sin(0.4),
-         0.4 - 0.3 * np.cos(0.4)], abs=1e-12
-    )  # fmt: skip
+        [0.3 * np.cos(0.3) * np.sin(0.4), 0.3 * np.sin(0.3) * np.sin(0.4), 0.4 - 0.3 * np.cos(0.4)],
+        abs=1e-12,
+    )
     for form in ("latex", "markdown", "tsv", "matlab"):
         written = client.get(f"/v1/robots/pasted/dh?format={form}")
         kind = written.headers["content-type"]
@@ -88,7 +88,7 @@ def test_a_pasted_table_is_a_robot_and_comes_back_in_every_form(client, made):
         ("?convention=dh&name=a&columns=a,b,x", PASTED, "0 0 0", 422, ("columns", "'x'")),
         ("?convention=dh&name=a", PASTED, "(" * 1000, 422, ("names no columns",)),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_read_is_refused_with_a_remedy(client, query, headers, body, status, words):
     answer = client.post(f"/v1/robots{query}", content=body.encode(), headers=headers)
     assert answer.status_code == status, answer.text
@@ -121,9 +121,11 @@ def test_inline_tables_have_values_for_names(client):
     table = {
         "convention": "standard",
         "values": {"L1": 0.5, "L2": "2*L1"},
-        "joints": [{"type": "R", "alpha": 0, "a": "L1", "d": 0},
-                   {"type": "R", "alpha": 0, "a": "L2", "d": 0}],
-    }  # fmt: skip
+        "joints": [
+            {"type": "R", "alpha": 0, "a": "L1", "d": 0},
+            {"type": "R", "alpha": 0, "a": "L2", "d": 0},
+        ],
+    }
     answer = client.post("/v1/fk", json={"robot": table, "q": [0, 0]})
     assert answer.json()["poses"]["tool"]["position"] == [1.5, 0, 0]
     table["values"]["L3"] = 1

@@ -27,8 +27,11 @@ def pa10_of_the_annex(client):
 
 
 def test_one_link_matrix(client, exercises):
-    table = {"convention": "standard", "units": {"angle": "deg"},
-             "joints": [{"type": "R", "a": 0.4, "alpha": 90, "d": 0.2, "theta": 0}]}  # fmt: skip
+    table = {
+        "convention": "standard",
+        "units": {"angle": "deg"},
+        "joints": [{"type": "R", "a": 0.4, "alpha": 90, "d": 0.2, "theta": 0}],
+    }
     answer = client.post("/v1/dh-matrices?angle=deg", json={"robot": table, "q": [30]}).json()
     np.testing.assert_allclose(answer["A"][0], value(exercises, "E1_"), atol=1e-9)
 
@@ -103,9 +106,13 @@ def test_pa10_position_term_by_term(client, pa10_of_the_annex):
 def test_pa10_ranks(client, exercises, pa10_of_the_annex):
     generic = [10, 20, 30, 40, 50, 60, 70]
     changes = {
-        "generic 10..70deg": {}, "q4=0 (elbow)": {4: 0}, "q6=0 (wrist) generic": {6: 0},
-        "q2=0 generic": {2: 0}, "q2=0,q3=90": {2: 0, 3: 90}, "q5=90,q6=0": {5: 90, 6: 0},
-    }  # fmt: skip
+        "generic 10..70deg": {},
+        "q4=0 (elbow)": {4: 0},
+        "q6=0 (wrist) generic": {6: 0},
+        "q2=0 generic": {2: 0},
+        "q2=0,q3=90": {2: 0, 3: 90},
+        "q5=90,q6=0": {5: 90, 6: 0},
+    }
     expected = value(exercises, "E12_")
     assert set(changes) == set(expected["table"])
     for label, change in changes.items():

@@ -11,15 +11,18 @@ NO_AXIS = GOOD.replace('xyz="0 1 1"', 'xyz="0 0 0"', 1)
 TABLE = {"convention": "dh", "joints": [{"type": "R", "alpha": 0, "a": 1, "d": 0}]}
 URDFS = {
     "zero axis": (NO_AXIS.encode(), "invalid-urdf", ("joint 'j1'", "axis is zero")),
-    "utf-16 doctype": ("<!DOCTYPE r>".encode("utf-16") + GOOD.encode("utf-16-le"), "invalid-urdf",
-                       ("DOCTYPE",)),
+    "utf-16 doctype": (
+        "<!DOCTYPE r>".encode("utf-16") + GOOD.encode("utf-16-le"),
+        "invalid-urdf",
+        ("DOCTYPE",),
+    ),
     "nul": (GOOD.encode() + b"\x00", "invalid-urdf", ("U+0000",)),
     "cut": (GOOD.encode()[:300], "invalid-urdf", ("line 1, column",)),
     "direction": (GOOD.replace("l1", "l\u202e1").encode(), "invalid-urdf", ("cannot be seen",)),
     "attributes": (too_large()["attributes"][0].encode(), "robot-too-large", ("at most 32",)),
     "elements": (filled(GOOD, "<a/>", 1_000_000).encode(), "robot-too-large", ("at most 20000",)),
     "joints": (chain(66, moving=65).encode(), "robot-too-large", ("65 joints; at most 64",)),
-}  # fmt: skip
+}
 
 
 def check(answer, slug, pointer, words):
@@ -62,11 +65,15 @@ def test_a_bad_urdf_is_refused_at_every_door(client, name):
         ({"urdf": GOOD, "base": "b\nc"}, "unknown-frame", "/base", (r"'b\nc' is unknown",)),
         ({"urdf": GOOD, "x" * 500: "1"}, "invalid-table", f"/{'x' * 64}", ("give urdf",)),
         ({**TABLE, "joints": TABLE["joints"] * 65}, "robot-too-large", "", ("65 joints",)),
-        ({**TABLE, "joints": [{**TABLE["joints"][0], "type": "F", "theta": 0}]}, "invalid-urdf",
-         "/joints", ("no joint that moves",)),
+        (
+            {**TABLE, "joints": [{**TABLE["joints"][0], "type": "F", "theta": 0}]},
+            "invalid-urdf",
+            "/joints",
+            ("no joint that moves",),
+        ),
         ({**TABLE, "e\u202evil": 1}, "invalid-table", "/e?vil", ("unknown field",)),
     ],
-)  # fmt: skip
+)
 def test_a_bad_robot_in_a_body_is_pointed_at(client, robot, slug, pointer, words):
     asked = client.post("/v1/fk", json={"robot": robot, "q": [0]})
     check(asked, slug, f"/robot{pointer}", words)

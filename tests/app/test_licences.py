@@ -85,6 +85,11 @@ def test_the_command_lists_and_checks():
 def test_a_bill_has_no_licence_where_none_is_known():
     bill = cyclonedx([Package("A.b", "1", "", ())])
     assert bill["components"] == [
-        {"type": "library", "bom-ref": "pkg:pypi/a-b@1", "name": "A.b", "version": "1",
-         "purl": "pkg:pypi/a-b@1"}
-    ]  # fmt: skip
+        {
+            "type": "library",
+            "bom-ref": "pkg:pypi/a-b@1",
+            "name": "A.b",
+            "version": "1",
+            "purl": "pkg:pypi/a-b@1",
+        }
+    ]

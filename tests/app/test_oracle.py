@@ -71,9 +71,11 @@ def test_random_tables_equal_the_plain_product(client, convention, seed):
         row = {
             "type": str(rng.choice(TYPES, p=[0.5, 0.25, 0.15, 0.1])),
             "alpha": float(rng.choice([0, np.pi / 2, -np.pi / 2, rng.uniform(-3, 3)])),
-            "theta": float(rng.uniform(-3, 3)), "d": float(rng.uniform(-1, 1)),
-            "offset": float(rng.uniform(-3, 3)), "sign": int(rng.choice([-1, 1])),
-        }  # fmt: skip
+            "theta": float(rng.uniform(-3, 3)),
+            "d": float(rng.uniform(-1, 1)),
+            "offset": float(rng.uniform(-3, 3)),
+            "sign": int(rng.choice([-1, 1])),
+        }
         length = float(rng.choice([0, rng.uniform(-1, 1)]))
         row |= (
             {"r": length, "gamma": float(rng.uniform(-3, 3)), "b": float(rng.uniform(-1, 1))}

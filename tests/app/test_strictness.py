@@ -47,9 +47,19 @@ def test_methods_that_are_not_possible_say_which_are(client, path, allowed):
 
 
 @pytest.mark.parametrize(
-    "path", ["/v1/robots/", "/v1//robots", "/v1/robots/ur5/fk/", "/v1/robots/%2e%2e", "/v1/fk/x",
-             "/v1/robots/%00", "/v1/robots/UR5", "/v1/robots/ur5%20", "/v1/robots/a%2Fb"],
-)  # fmt: skip
+    "path",
+    [
+        "/v1/robots/",
+        "/v1//robots",
+        "/v1/robots/ur5/fk/",
+        "/v1/robots/%2e%2e",
+        "/v1/fk/x",
+        "/v1/robots/%00",
+        "/v1/robots/UR5",
+        "/v1/robots/ur5%20",
+        "/v1/robots/a%2Fb",
+    ],
+)
 def test_addresses_that_lead_nowhere(client, path):
     check(client.get(path), 404, "")
     check(client.options(path), 404, "") if path.endswith("/") else None
@@ -92,25 +102,47 @@ def test_problems_are_text_for_those_who_ask_for_text(client):
         ("step", {"q": [0, 0], "delta_x": [1e308, 0], "task": "xy"}, "/delta_x"),
         ("step", {"q": [0, 0], "delta_x": [0, 0], "task": "xy", "damping": 1e308}, "/damping"),
         ("ik", {"target": {"position": [1e308, 0]}, "task": "xy"}, "/target/position"),
-        ("ik", {"target": {"position": [0, 0, 0], "quaternion_xyzw": [0, 0, 0, 0]}},
-         "/target/quaternion_xyzw"),
+        (
+            "ik",
+            {"target": {"position": [0, 0, 0], "quaternion_xyzw": [0, 0, 0, 0]}},
+            "/target/quaternion_xyzw",
+        ),
         ("ik", {"target": {"matrix": np.diag([1, 1, -1, 1]).tolist()}}, "/target/matrix"),
         ("ik", {"target": {"matrix": np.diag([2, 2, 2, 1]).tolist()}}, "/target/matrix"),
         ("ik", {"target": {"matrix": [[1e308] * 4] * 4}}, "/target/matrix"),
-        ("ik", {"target": {"position": [0, 0, 0], "euler": {"sequence": "Z" * 9000,
-                                                            "angles": [0, 0, 0]}}},
-         "/target/euler/sequence"),
-        ("ik", {"target": {"position": [1, 0]}, "task": "xy", "max_restarts": 10**9},
-         "/max_restarts"),
-        ("ik", {"target": {"position": [1, 0]}, "task": "xy", "time_budget_ms": -1},
-         "/time_budget_ms"),
-        ("ik", {"targets": [{"position": [1, 0]}] * 500 + [{"position": [1, None]}], "task": "xy"},
-         "/targets/500/position/1"),
-        ("ik", {"targets": [{"position": [1, 0]}] * 500 + [{"position": [1, 1e7]}], "task": "xy"},
-         "/targets/500/position"),
+        (
+            "ik",
+            {
+                "target": {
+                    "position": [0, 0, 0],
+                    "euler": {"sequence": "Z" * 9000, "angles": [0, 0, 0]},
+                }
+            },
+            "/target/euler/sequence",
+        ),
+        (
+            "ik",
+            {"target": {"position": [1, 0]}, "task": "xy", "max_restarts": 10**9},
+            "/max_restarts",
+        ),
+        (
+            "ik",
+            {"target": {"position": [1, 0]}, "task": "xy", "time_budget_ms": -1},
+            "/time_budget_ms",
+        ),
+        (
+            "ik",
+            {"targets": [{"position": [1, 0]}] * 500 + [{"position": [1, None]}], "task": "xy"},
+            "/targets/500/position/1",
+        ),
+        (
+            "ik",
+            {"targets": [{"position": [1, 0]}] * 500 + [{"position": [1, 1e7]}], "task": "xy"},
+            "/targets/500/position",
+        ),
         ("fk", {"q": [0, 0], "frames": [f"f{k}" for k in range(99_000)]}, "/frames/0"),
     ],
-)  # fmt: skip
+)
 def test_numbers_and_lists_that_would_break_the_mathematics(client, path, body, pointer):
     check(client.post(f"/v1/robots/planar_2r/{path}", json=body), 422, pointer)
 

@@ -185,18 +185,28 @@ def accepted() -> Iterator[Case]:
     }.items():
         yield line(f"query, right: {name}", f"{FK}?{query}", 200)
     for name, headers in {
-        "a browser's": (("Accept", "text/html,application/xml;q=0.9,*/*;q=0.8"),
-                        ("Accept-Encoding", "gzip, br"), ("Cookie", "a=b; c=\"d\""),
-                        ("Origin", "https://evil.example"), ("Sec-Fetch-Mode", "cors")),
+        "a browser's": (
+            ("Accept", "text/html,application/xml;q=0.9,*/*;q=0.8"),
+            ("Accept-Encoding", "gzip, br"),
+            ("Cookie", 'a=b; c="d"'),
+            ("Origin", "https://evil.example"),
+            ("Sec-Fetch-Mode", "cors"),
+        ),
         "an odd request id": (("X-Request-ID", "a b\tc"),),
         "forwarded": (("X-Forwarded-For", "1.2.3.4, 5.6.7.8"), ("Forwarded", "for=1.2.3.4")),
         "a method that overrides": (("X-HTTP-Method-Override", "DELETE"),),
         "ranges": (("Range", "bytes=0-1,2-3"),),
         "many accepts": (("Accept", "," * 3000 + "application/json"),),
         "an upgrade": (("Upgrade", "h2c"), ("HTTP2-Settings", "AAMAAABkAAQAAP__")),
-    }.items():  # fmt: skip
+    }.items():
         yield line(f"header, right: {name}", f"{FK}?q=0,0", 200, headers=headers)
-    for path in ("/", "/health/live", "/health/ready", "/docs", "/v1/robots",
-                 "/v1/robots?page_size=1&page_token=%7F"):  # fmt: skip
+    for path in (
+        "/",
+        "/health/live",
+        "/health/ready",
+        "/docs",
+        "/v1/robots",
+        "/v1/robots?page_size=1&page_token=%7F",
+    ):
         yield line(f"right: {path}", path, 200)
         yield line(f"right: HEAD {path}", path, (200, 405), method="HEAD")

@@ -52,7 +52,7 @@ NO_JSON: dict[str, bytes] = {
     "gzip": gzip.compress(b'{"q": [0, 0]}'),
     "msgpack": b"\x81\xa1q\x92\x00\x00",
     "garbage": bytes(range(256)),
-}  # fmt: skip
+}
 WRONG: dict[str, tuple[str, Any, tuple[str, ...]]] = {
     "null": (FK, None, ("object",)),
     "a list": (FK, [0, 0], ("object",)),
@@ -84,8 +84,11 @@ WRONG: dict[str, tuple[str, Any, tuple[str, ...]]] = {
     "unknown field": (FK, {"q": [0, 0], "qq": 1}, ("'qq'",)),
     "field with a newline": (FK, {"q": [0, 0], "a\nb\u202e": 1}, ("unknown field",)),
     "long unknown field": (FK, {"q": [0, 0], "x" * 100_000: 1}, ("unknown field",)),
-    "100,000 unknown fields": (FK, {"q": [0, 0], **{f"k{k}": 0 for k in range(100_000)}},
-                               ("unknown field",)),
+    "100,000 unknown fields": (
+        FK,
+        {"q": [0, 0], **{f"k{k}": 0 for k in range(100_000)}},
+        ("unknown field",),
+    ),
     "unknown frame": (FK, {"q": [0, 0], "frames": ["nil"]}, ("'nil'", "tool")),
     "frame by number": (FK, {"q": [0, 0], "frames": [99]}, ("frames",)),
     "frame universe": (FK, {"q": [0, 0], "frames": ["universe"]}, ("universe",)),
@@ -107,59 +110,117 @@ WRONG: dict[str, tuple[str, Any, tuple[str, ...]]] = {
     "target empty": (ARM + "ik", {"target": {}}, ("target",)),
     "target null": (ARM + "ik", {"target": None}, ("target",)),
     "target and targets": (ARM + "ik", {"target": {"position": [0, 0, 0]}, "targets": []}, ()),
-    "quaternion zero": (ARM + "ik", {"target": {"position": [0, 0, 0],
-                        "quaternion_xyzw": [0, 0, 0, 0]}}, ("quaternion",)),
-    "quaternion of length two": (ARM + "ik", {"target": {"position": [0, 0, 0],
-                                 "quaternion_xyzw": [0, 0, 0, 2]}}, ("quaternion",)),
-    "two orientations": (ARM + "ik", {"target": {"position": [0, 0, 0], "rpy": [0, 0, 0],
-                         "quaternion_xyzw": [0, 0, 0, 1]}}, ("target",)),
-    "matrix that mirrors": (ARM + "ik", {"target": {"matrix": np.diag([1, 1, -1, 1]).tolist()}},
-                            ("matrix",)),
+    "quaternion zero": (
+        ARM + "ik",
+        {"target": {"position": [0, 0, 0], "quaternion_xyzw": [0, 0, 0, 0]}},
+        ("quaternion",),
+    ),
+    "quaternion of length two": (
+        ARM + "ik",
+        {"target": {"position": [0, 0, 0], "quaternion_xyzw": [0, 0, 0, 2]}},
+        ("quaternion",),
+    ),
+    "two orientations": (
+        ARM + "ik",
+        {"target": {"position": [0, 0, 0], "rpy": [0, 0, 0], "quaternion_xyzw": [0, 0, 0, 1]}},
+        ("target",),
+    ),
+    "matrix that mirrors": (
+        ARM + "ik",
+        {"target": {"matrix": np.diag([1, 1, -1, 1]).tolist()}},
+        ("matrix",),
+    ),
     "matrix of 3 rows": (ARM + "ik", {"target": {"matrix": np.eye(3).tolist()}}, ("matrix",)),
     "matrix of 1e308": (ARM + "ik", {"target": {"matrix": [[1e308] * 4] * 4}}, ("matrix",)),
-    "restarts without end": (ARM + "ik", {"target": {"matrix": np.eye(4).tolist()},
-                             "max_restarts": 10**9}, ("max_restarts",)),
-    "iterations without end": (ARM + "ik", {"target": {"matrix": np.eye(4).tolist()},
-                               "max_iterations": 10**12}, ("max_iterations",)),
-    "time without end": (ARM + "ik", {"target": {"matrix": np.eye(4).tolist()},
-                         "time_budget_ms": 1e12}, ("time_budget_ms",)),
-    "time negative": (ARM + "ik", {"target": {"matrix": np.eye(4).tolist()},
-                      "time_budget_ms": -1}, ("time_budget_ms",)),
-    "seed of five": (ARM + "ik", {"target": {"matrix": np.eye(4).tolist()}, "seed": [0] * 5},
-                     ("seed",)),
+    "restarts without end": (
+        ARM + "ik",
+        {"target": {"matrix": np.eye(4).tolist()}, "max_restarts": 10**9},
+        ("max_restarts",),
+    ),
+    "iterations without end": (
+        ARM + "ik",
+        {"target": {"matrix": np.eye(4).tolist()}, "max_iterations": 10**12},
+        ("max_iterations",),
+    ),
+    "time without end": (
+        ARM + "ik",
+        {"target": {"matrix": np.eye(4).tolist()}, "time_budget_ms": 1e12},
+        ("time_budget_ms",),
+    ),
+    "time negative": (
+        ARM + "ik",
+        {"target": {"matrix": np.eye(4).tolist()}, "time_budget_ms": -1},
+        ("time_budget_ms",),
+    ),
+    "seed of five": (
+        ARM + "ik",
+        {"target": {"matrix": np.eye(4).tolist()}, "seed": [0] * 5},
+        ("seed",),
+    ),
     "no targets": (ARM + "ik", {"targets": []}, ("targets",)),
     "a million targets": (ARM + "ik", {"targets": [{}] * 1_000_000}, ()),
-    "samples without end": ("/v1/robots/planar_3r/path", {"q": [0, 0, 0], "task": "xy",
-                            "target": {"position": [1, 1]}, "samples": 10**9}, ("samples",)),
-    "a path of no time": ("/v1/robots/planar_3r/path", {"q": [0, 0, 0], "task": "xy",
-                          "target": {"position": [1, 1]}, "tf": -1}, ("tf",)),
-    "obstacle of nothing": ("/v1/robots/planar_3r/path", {"q": [0, 0, 0], "task": "xy",
-                            "target": {"position": [1, 1]}, "obstacles": [{}]}, ("obstacles",)),
+    "samples without end": (
+        "/v1/robots/planar_3r/path",
+        {"q": [0, 0, 0], "task": "xy", "target": {"position": [1, 1]}, "samples": 10**9},
+        ("samples",),
+    ),
+    "a path of no time": (
+        "/v1/robots/planar_3r/path",
+        {"q": [0, 0, 0], "task": "xy", "target": {"position": [1, 1]}, "tf": -1},
+        ("tf",),
+    ),
+    "obstacle of nothing": (
+        "/v1/robots/planar_3r/path",
+        {"q": [0, 0, 0], "task": "xy", "target": {"position": [1, 1]}, "obstacles": [{}]},
+        ("obstacles",),
+    ),
     "obstacle of negative size": (
-        "/v1/robots/planar_3r/path", {"q": [0, 0, 0], "task": "xy", "target": {"position": [1, 1]},
-         "obstacles": [{"type": "sphere", "center": [0, 0, 0], "radius": -1}]}, ("radius",)),
+        "/v1/robots/planar_3r/path",
+        {
+            "q": [0, 0, 0],
+            "task": "xy",
+            "target": {"position": [1, 1]},
+            "obstacles": [{"type": "sphere", "center": [0, 0, 0], "radius": -1}],
+        },
+        ("radius",),
+    ),
     "100,000 obstacles": (
-        "/v1/robots/planar_3r/path", {"q": [0, 0, 0], "task": "xy", "target": {"position": [1, 1]},
-         "obstacles": [{"type": "sphere", "center": [9, 9, 9], "radius": 1}] * 100_000},
-        ("200000 texts",)),
-    "symbols that are code": ("/v1/robots/planar_2r/symbolic",
-                              {"symbols": {"a1": "__import__('os')"}}, ("a1",)),
+        "/v1/robots/planar_3r/path",
+        {
+            "q": [0, 0, 0],
+            "task": "xy",
+            "target": {"position": [1, 1]},
+            "obstacles": [{"type": "sphere", "center": [9, 9, 9], "radius": 1}] * 100_000,
+        },
+        ("200000 texts",),
+    ),
+    "symbols that are code": (
+        "/v1/robots/planar_2r/symbolic",
+        {"symbols": {"a1": "__import__('os')"}},
+        ("a1",),
+    ),
     "unknown quantities": ("/v1/robots/planar_2r/symbolic", {"quantities": ["x"]}, ("x",)),
     "no robot": ("/v1/fk", {"q": [0]}, ("robot",)),
     "robot null": ("/v1/fk", {"robot": None, "q": [0]}, ("robot",)),
     "robot a number": ("/v1/fk", {"robot": 7, "q": [0]}, ("robot",)),
     "robot a list": ("/v1/fk", {"robot": [], "q": [0]}, ("robot",)),
     "robot empty": ("/v1/fk", {"robot": {}, "q": [0]}, ("convention",)),
-    "robot of a URDF and more": ("/v1/fk", {"robot": {"urdf": "<robot/>", "x": 1}, "q": [0]},
-                                 ("urdf",)),
+    "robot of a URDF and more": (
+        "/v1/fk",
+        {"robot": {"urdf": "<robot/>", "x": 1}, "q": [0]},
+        ("urdf",),
+    ),
     "robot of a URDF that is none": ("/v1/fk", {"robot": {"urdf": 3}, "q": [0]}, ("urdf",)),
     "robot of an empty URDF": ("/v1/fk", {"robot": {"urdf": ""}, "q": [0]}, ("XML",)),
     "axes to D-H of nothing": ("/v1/axes-to-dh", {}, ("convention",)),
-    "axes of zero length": ("/v1/axes-to-dh?convention=standard", {"joints": [
-        {"type": "R", "point": [0, 0, 0], "direction": [0, 0, 0]}]}, ("direction",)),
+    "axes of zero length": (
+        "/v1/axes-to-dh?convention=standard",
+        {"joints": [{"type": "R", "point": [0, 0, 0], "direction": [0, 0, 0]}]},
+        ("direction",),
+    ),
     "diff with itself missing": ("/v1/robots/ur5/diff", {}, ("other",)),
     "diff with a number": ("/v1/robots/ur5/diff", {"other": 3}, ("other",)),
-}  # fmt: skip
+}
 
 
 def npy(array: Any, **options: Any) -> bytes:
@@ -215,8 +276,9 @@ NO_NPY: dict[str, bytes] = {
     "shape true": header(described("'<f8'", "(True, 2)"), bytes(16)),
     "order a text": header(described("'<f8'", "(1, 2)", "'C'"), bytes(16)),
     "no order": header("{'descr': '<f8', 'shape': (1, 2), }", bytes(16)),
-    "a key more": header("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 2), 'x': 1}",
-                         bytes(16)),
+    "a key more": header(
+        "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 2), 'x': 1}", bytes(16)
+    ),
     "a type twice": header("{'descr': '<f8', " + described("'<i8'", "(1, 2)")[1:], bytes(16)),
     "a shape twice": header("{'shape': (2,), " + described("'<f8'", "(1, 2)")[1:], bytes(16)),
     "code": header("__import__('os').system('id')", bytes(16)),
@@ -225,7 +287,7 @@ NO_NPY: dict[str, bytes] = {
     "unknown type": header(described("'<z8'", "(1, 2)"), bytes(16)),
     "void": header(described("'|V8'", "(1, 2)"), bytes(16)),
     "blanks of ten megabytes": header(" " * 10_000_000, version=2),
-}  # fmt: skip
+}
 RIGHT: dict[str, tuple[str, bytes, str]] = {
     "npy": (FK, npy(Q), NPY),
     "npy big-endian": (FK, npy(Q.astype(">f8")), NPY),
@@ -240,11 +302,17 @@ RIGHT: dict[str, tuple[str, bytes, str]] = {
     "the type in capitals": (FK, b'{"q": [0, 0]}', "Application/JSON;charset=utf-8"),
     "by names": (FK, b'{"q": {"j2": 1, "j1": 0}}', "application/json"),
     "a batch of one": (FK, b'{"q": [[0, 0]]}', "application/json"),
-    "a batch of 10,000": (FK, json.dumps({"q": [[0.1, 0.2]] * 10_000}).encode(),
-                          "application/json"),
-    "a target out of reach": (IK, b'{"task": "xy", "target": {"position": [99, 0]}}',
-                              "application/json"),
-}  # fmt: skip
+    "a batch of 10,000": (
+        FK,
+        json.dumps({"q": [[0.1, 0.2]] * 10_000}).encode(),
+        "application/json",
+    ),
+    "a target out of reach": (
+        IK,
+        b'{"task": "xy", "target": {"position": [99, 0]}}',
+        "application/json",
+    ),
+}
 
 
 def refused() -> Iterator[Case]:
@@ -258,9 +326,13 @@ def refused() -> Iterator[Case]:
     for name, encoding in (("gzip", "gzip"), ("br", "br"), ("bomb", "gzip, gzip, gzip")):
         packed = gzip.compress(bytes(5_000_000))
         yield body(
-            f"compressed: {name}", FK, packed, 415, "compressed",
+            f"compressed: {name}",
+            FK,
+            packed,
+            415,
+            "compressed",
             headers=(("Content-Encoding", encoding),),
-        )  # fmt: skip
+        )
     doubled = {
         "q": (FK, b'{"q": [0, 0], "q": [1, 1]}'),
         "q by an escape": (FK, b'{"q": [0, 0], "\\u0071": [1, 1]}'),

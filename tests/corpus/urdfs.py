@@ -69,13 +69,22 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "rpy of four": ('rpy="0.1 0 0"', 'rpy="0.1 0 0 0"', ("shoulder", "rpy", "3 numbers")),
     "rpy misspelt": ('rpy="0.1 0 0"', 'ryp="0.1 0 0"', ("shoulder", "'ryp'", "xyz, rpy")),
     "quaternion": ('rpy="0.1 0 0"', 'quat="0 0 0 1"', ("shoulder", "'quat'")),
-    "two origins": ('<origin xyz="0.4 0 0"/>', '<origin/><origin xyz="0.4 0 0"/>',
-                    ("slide", "two <origin>")),
+    "two origins": (
+        '<origin xyz="0.4 0 0"/>',
+        '<origin/><origin xyz="0.4 0 0"/>',
+        ("slide", "two <origin>"),
+    ),
     "origin misspelt": ('<origin xyz="0.4 0 0"/>', '<orgin xyz="0.4 0 0"/>', ("<origin>",)),
-    "no limit": (f'<axis xyz="0 0 1"/>{LIMIT}', '<axis xyz="0 0 1"/>',
-                 ("shoulder", "needs <limit", "continuous")),
-    "no limit of a slide": (f'<axis xyz="0 1 0"/>{LIMIT}', '<axis xyz="0 1 0"/>',
-                            ("slide", "needs <limit")),
+    "no limit": (
+        f'<axis xyz="0 0 1"/>{LIMIT}',
+        '<axis xyz="0 0 1"/>',
+        ("shoulder", "needs <limit", "continuous"),
+    ),
+    "no limit of a slide": (
+        f'<axis xyz="0 1 0"/>{LIMIT}',
+        '<axis xyz="0 1 0"/>',
+        ("slide", "needs <limit"),
+    ),
     "no lower": (' lower="-1"', "", ("shoulder", "lacks lower")),
     "no upper": (' upper="1"', "", ("shoulder", "lacks upper")),
     "no effort": (' effort="10"', "", ("shoulder", "lacks effort")),
@@ -99,17 +108,31 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "no type": (' type="continuous"', "", ("wrist", "type is missing")),
     "empty type": ('type="continuous"', 'type=""', ("wrist", "''")),
     # Trees that are none.
-    "two roots": ('<link name="hand"/>', '<link name="hand"/><link name="stray"/>',
-                  ("2 root links", "stray")),
-    "many roots": ('<link name="hand"/>', "".join(f'<link name="s{k}"/>' for k in range(99))
-                   + '<link name="hand"/>', ("100 root links",)),
-    "child of two joints": (OUTSIDE, f"{JOINT.format('base', 'hand')}</robot>",
-                            ("'hand'", "two joints")),
+    "two roots": (
+        '<link name="hand"/>',
+        '<link name="hand"/><link name="stray"/>',
+        ("2 root links", "stray"),
+    ),
+    "many roots": (
+        '<link name="hand"/>',
+        "".join(f'<link name="s{k}"/>' for k in range(99)) + '<link name="hand"/>',
+        ("100 root links",),
+    ),
+    "child of two joints": (
+        OUTSIDE,
+        f"{JOINT.format('base', 'hand')}</robot>",
+        ("'hand'", "two joints"),
+    ),
     "joint to itself": (OUTSIDE, f"{JOINT.format('hand', 'hand')}</robot>", ("'x'", "itself")),
     "loop to the root": (OUTSIDE, f"{JOINT.format('hand', 'base')}</robot>", ("loop",)),
     "loop beside the root": (
-        OUTSIDE, '<link name="p"/><link name="q"/>' + JOINT.format("p", "q")
-        + JOINT.format("q", "p").replace('"x"', '"y"') + "</robot>", ("'p'", "loop")),
+        OUTSIDE,
+        '<link name="p"/><link name="q"/>'
+        + JOINT.format("p", "q")
+        + JOINT.format("q", "p").replace('"x"', '"y"')
+        + "</robot>",
+        ("'p'", "loop"),
+    ),
     "no such parent": ('<parent link="upper"/>', '<parent link="nil"/>', ("slide", "'nil'")),
     "no such child": ('<child link="lower"/>', '<child link="nil"/>', ("slide", "'nil'")),
     "parent in capitals": ('<parent link="upper"/>', '<parent link="Upper"/>', ("slide", "Upper")),
@@ -117,12 +140,21 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "no parent": ('<parent link="upper"/>', "", ("slide", "<parent link=…> is missing")),
     "no child": ('<child link="lower"/>', "", ("slide", "<child link=…> is missing")),
     "parent without link": ('<parent link="upper"/>', "<parent/>", ("slide", "<parent link=…>")),
-    "two parents": ('<parent link="upper"/>', '<parent link="upper"/><parent link="base"/>',
-                    ("slide", "two <parent>")),
-    "two children": ('<child link="lower"/>', '<child link="lower"/><child link="hand"/>',
-                     ("slide", "two <child>")),
-    "link twice": ('<link name="hand"/>', '<link name="hand"/><link name="hand"/>',
-                   ("two links", "'hand'")),
+    "two parents": (
+        '<parent link="upper"/>',
+        '<parent link="upper"/><parent link="base"/>',
+        ("slide", "two <parent>"),
+    ),
+    "two children": (
+        '<child link="lower"/>',
+        '<child link="lower"/><child link="hand"/>',
+        ("slide", "two <child>"),
+    ),
+    "link twice": (
+        '<link name="hand"/>',
+        '<link name="hand"/><link name="hand"/>',
+        ("two links", "'hand'"),
+    ),
     "joint twice": ('name="slide"', 'name="shoulder"', ("two joints", "'shoulder'")),
     # Names.
     "robot without name": ('<robot name="arm">', "<robot>", ("no name",)),
@@ -132,8 +164,11 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "joint of an empty name": ('name="wrist"', 'name=""', ("<joint>", "no name")),
     "joint universe": ('name="wrist"', 'name="universe"', ("universe", "another")),
     "newline in a name": ('name="wrist"', 'name="wr&#10;ist"', ("control",)),
-    "forged log line": ('name="wrist"', 'name="w&#13;&#10;{&quot;level&quot;: &quot;error&quot;}"',
-                        ("control",)),
+    "forged log line": (
+        'name="wrist"',
+        'name="w&#13;&#10;{&quot;level&quot;: &quot;error&quot;}"',
+        ("control",),
+    ),
     "escape in a name": ('name="wrist"', 'name="w&#x9b;2J"', ("control",)),
     "direction in a name": ('name="wrist"', 'name="wr\u202etsi"', ("cannot be seen",)),
     "zero width in a name": ('name="wrist"', 'name="wr\u200bist"', ("cannot be seen",)),
@@ -162,41 +197,69 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "length missing": (' length="0.4"', "", ("upper", "length")),
     "box of two": ('<cylinder radius="0.1" length="0.4"/>', '<box size="1 1"/>', ("upper", "3")),
     "cone": ('<cylinder radius="0.1" length="0.4"/>', "<cone/>", ("upper", "<cone>")),
-    "no geometry": ('<geometry><cylinder radius="0.1" length="0.4"/></geometry>', "",
-                    ("upper", "no geometry")),
+    "no geometry": (
+        '<geometry><cylinder radius="0.1" length="0.4"/></geometry>',
+        "",
+        ("upper", "no geometry"),
+    ),
     "two geometries": ("<cylinder ", "<sphere radius='1'/><cylinder ", ("upper", "two geom")),
-    "mesh without a name": ('<mesh filename="package://arm/upper.stl"/>', "<mesh/>",
-                            ("upper", "filename")),
-    "mesh scale nan": ("upper.stl\"", 'upper.stl" scale="nan 1 1"', ("upper", "'nan'")),
-    "mesh scale of one": ("upper.stl\"", 'upper.stl" scale="1"', ("upper", "3 numbers")),
+    "mesh without a name": (
+        '<mesh filename="package://arm/upper.stl"/>',
+        "<mesh/>",
+        ("upper", "filename"),
+    ),
+    "mesh scale nan": ('upper.stl"', 'upper.stl" scale="nan 1 1"', ("upper", "'nan'")),
+    "mesh scale of one": ('upper.stl"', 'upper.stl" scale="1"', ("upper", "3 numbers")),
     "colour of three": ('rgba="0.5 0.5 0.5 1"', 'rgba="1 0 0"', ("grey", "4 numbers")),
     # Mimic.
     "mimic of none": ('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><mimic/>', ("<mimic>", "joint=")),
-    "mimic of an unknown joint": ('<axis xyz="0 0 1"/>',
-                                  '<axis xyz="0 0 1"/><mimic joint="nil"/>', ("'nil'",)),
-    "mimic of itself": ('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><mimic joint="shoulder"/>',
-                        ("shoulder", "itself")),
-    "mimic nan": ('<axis xyz="0 0 1"/>',
-                  '<axis xyz="0 0 1"/><mimic joint="slide" multiplier="nan"/>', ("'nan'",)),
+    "mimic of an unknown joint": (
+        '<axis xyz="0 0 1"/>',
+        '<axis xyz="0 0 1"/><mimic joint="nil"/>',
+        ("'nil'",),
+    ),
+    "mimic of itself": (
+        '<axis xyz="0 0 1"/>',
+        '<axis xyz="0 0 1"/><mimic joint="shoulder"/>',
+        ("shoulder", "itself"),
+    ),
+    "mimic nan": (
+        '<axis xyz="0 0 1"/>',
+        '<axis xyz="0 0 1"/><mimic joint="slide" multiplier="nan"/>',
+        ("'nan'",),
+    ),
     # Structure.
-    "link in a link": ('<link name="hand"/>', '<link name="hand"><link name="x"/></link>',
-                       ("hand", "cannot stand")),
-    "joint in a link": ('<link name="hand"/>', '<link name="hand"><joint name="x"/></link>',
-                        ("hand", "cannot stand")),
+    "link in a link": (
+        '<link name="hand"/>',
+        '<link name="hand"><link name="x"/></link>',
+        ("hand", "cannot stand"),
+    ),
+    "joint in a link": (
+        '<link name="hand"/>',
+        '<link name="hand"><joint name="x"/></link>',
+        ("hand", "cannot stand"),
+    ),
     "robot in a robot": (OUTSIDE, '<robot name="b"/></robot>', ("<robot>", "cannot stand")),
     "links in a group": (OUTSIDE, '<group><link name="b"/></group></robot>', ("<group>",)),
     "text between tags": ('<link name="hand"/>', 'oops<link name="hand"/>', ("'oops'",)),
     "escaped tag": ('<axis xyz="0 0 1"/>', "&lt;axis/>", ("shoulder", "<axis")),
-    "xacro left": (OUTSIDE, '<xacro:arm xmlns:xacro="http://www.ros.org/wiki/xacro"/></robot>',
-                   ("expand the xacro",)),
+    "xacro left": (
+        OUTSIDE,
+        '<xacro:arm xmlns:xacro="http://www.ros.org/wiki/xacro"/></robot>',
+        ("expand the xacro",),
+    ),
     "xacro undeclared": (OUTSIDE, "<xacro:arm/></robot>", ("xacro",)),
     "include": (OUTSIDE, '<include filename="b.urdf"/></robot>', ("<include>",)),
-    "xinclude": (OUTSIDE, '<i:include xmlns:i="http://www.w3.org/2001/XInclude"'
-                 ' href="file:///etc/passwd" parse="text"/></robot>', ("<include>",)),
+    "xinclude": (
+        OUTSIDE,
+        '<i:include xmlns:i="http://www.w3.org/2001/XInclude"'
+        ' href="file:///etc/passwd" parse="text"/></robot>',
+        ("<include>",),
+    ),
     "loop joint": (OUTSIDE, '<loop_joint name="l"/></robot>', ("<loop_joint>", "tree")),
     "unknown kinds": (OUTSIDE, "".join(f"<k{k}/>" for k in range(40)) + "</robot>", ("20 kinds",)),
     # XML.
-    "cut": ("  <link name=\"lower\"/>", "<!--", ("XML",)),
+    "cut": ('  <link name="lower"/>', "<!--", ("XML",)),
     "mismatched": ("</link>", "</lnk>", ("mismatched", "line")),
     "attribute twice": ('<link name="hand"', '<link name="hand" name="hand"', ("twice",)),
     "no quotes": ('name="wrist"', "name=wrist", ("quotes",)),
@@ -210,24 +273,50 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "late declaration": ("<robot ", '<!-- a --><?xml version="1.0"?><robot ', ("<?xml",)),
     "doctype": ("<robot ", "<!DOCTYPE robot><robot ", ("DOCTYPE",)),
     "doctype in small letters": ("<robot ", "<!doctype robot><robot ", ("DOCTYPE",)),
-    "external DTD": ("<robot ", '<!DOCTYPE r SYSTEM "http://127.0.0.1:9/x.dtd"><robot ',
-                     ("DOCTYPE",)),
-    "parameter entity": ("<robot ", '<!DOCTYPE r [<!ENTITY % x SYSTEM "file:///etc/passwd"> %x;]>'
-                         "<robot ", ("DOCTYPE",)),
-    "external entity": ("<robot ", '<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]><robot ',
-                        ("DOCTYPE",)),
-    "default attributes": ("<robot ", '<!DOCTYPE r [<!ATTLIST axis xyz CDATA "1 0 0">]><robot ',
-                           ("DOCTYPE",)),
-    "billion laughs": ("<robot ", "<!DOCTYPE r [" + '<!ENTITY a0 "ha">' + "".join(
-        f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 10)) + "]><robot ",
-        ("DOCTYPE",)),
-    "quadratic blow-up": ("<robot ", f'<!DOCTYPE r [<!ENTITY a "{"a" * 50_000}">]><robot ',
-                          ("DOCTYPE",)),
-    "deep": (OUTSIDE, "<gazebo>" + "<a>" * 5000 + "</a>" * 5000 + "</gazebo></robot>",
-             ("nested too deeply",)),
-    "attributes": ("<axis ", "<axis " + " ".join(f'a{k}="1"' for k in range(50_000)) + " ",
-                   ("attributes",)),
-}  # fmt: skip
+    "external DTD": (
+        "<robot ",
+        '<!DOCTYPE r SYSTEM "http://127.0.0.1:9/x.dtd"><robot ',
+        ("DOCTYPE",),
+    ),
+    "parameter entity": (
+        "<robot ",
+        '<!DOCTYPE r [<!ENTITY % x SYSTEM "file:///etc/passwd"> %x;]><robot ',
+        ("DOCTYPE",),
+    ),
+    "external entity": (
+        "<robot ",
+        '<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]><robot ',
+        ("DOCTYPE",),
+    ),
+    "default attributes": (
+        "<robot ",
+        '<!DOCTYPE r [<!ATTLIST axis xyz CDATA "1 0 0">]><robot ',
+        ("DOCTYPE",),
+    ),
+    "billion laughs": (
+        "<robot ",
+        "<!DOCTYPE r ["
+        + '<!ENTITY a0 "ha">'
+        + "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 10))
+        + "]><robot ",
+        ("DOCTYPE",),
+    ),
+    "quadratic blow-up": (
+        "<robot ",
+        f'<!DOCTYPE r [<!ENTITY a "{"a" * 50_000}">]><robot ',
+        ("DOCTYPE",),
+    ),
+    "deep": (
+        OUTSIDE,
+        "<gazebo>" + "<a>" * 5000 + "</a>" * 5000 + "</gazebo></robot>",
+        ("nested too deeply",),
+    ),
+    "attributes": (
+        "<axis ",
+        "<axis " + " ".join(f'a{k}="1"' for k in range(50_000)) + " ",
+        ("attributes",),
+    ),
+}
 WHOLE: dict[str, tuple[bytes, tuple[str, ...]]] = {
     "nothing": (b"", ("no element",)),
     "blanks": (b" \n\t ", ("no element",)),
@@ -241,8 +330,10 @@ WHOLE: dict[str, tuple[bytes, tuple[str, ...]]] = {
     "gzip": (b"\x1f\x8b\x08\x00" + bytes(range(200)), ("XML",)),
     "zip": (b"PK\x03\x04" + bytes(100), ("XML",)),
     "NUL bytes": (bytes(10_000), ("U+0000",)),
-    "NUL between": (ARM.encode().replace(b"<link name=\"hand\"", b"\0<link name=\"hand\""),
-                    ("U+0000",)),
+    "NUL between": (
+        ARM.encode().replace(b'<link name="hand"', b'\0<link name="hand"'),
+        ("U+0000",),
+    ),
     "NUL after": (ARM.encode() + b"\0", ("U+0000",)),
     "NUL then another robot": (ARM.encode() + b"\0" + ARM.encode(), ("U+0000",)),
     "bytes that are no UTF-8": (ARM.encode().replace(b"wrist", b"wr\xffst"), ("UTF-8", "line")),
@@ -251,8 +342,10 @@ WHOLE: dict[str, tuple[bytes, tuple[str, ...]]] = {
     "UTF-16 without a mark": (ARM.encode("utf-16-le"), ("XML",)),
     "UTF-32": (ARM.encode("utf-32"), ("UTF-32",)),
     "UTF-16 cut": (ARM.encode("utf-16")[:-1], ("UTF-16",)),
-    "doctype in UTF-16": ("<!DOCTYPE r>".encode("utf-16") + ARM[22:].encode("utf-16-le"),
-                          ("DOCTYPE",)),
+    "doctype in UTF-16": (
+        "<!DOCTYPE r>".encode("utf-16") + ARM[22:].encode("utf-16-le"),
+        ("DOCTYPE",),
+    ),
     "half": (ARM.encode()[: len(ARM) // 2], ("line",)),
     "without its end": (ARM.strip().removesuffix("</robot>").encode(), ("line", "closed")),
     "declared twice": (b'<?xml version="1.0"?>' + ARM.encode(), ("<?xml stands twice",)),
@@ -261,16 +354,29 @@ WHOLE: dict[str, tuple[bytes, tuple[str, ...]]] = {
     "only a declaration": (b'<?xml version="1.0"?>', ("no element",)),
     "no links": (b'<robot name="a"/>', ("no <link>",)),
     "one link": (b'<robot name="a"><link name="l"/></robot>', ("no joint that moves",)),
-    "all fixed": (ARM.replace("continuous", "fixed").replace("revolute", "fixed").replace(
-        "prismatic", "fixed").encode(), ("no joint that moves",)),
+    "all fixed": (
+        ARM.replace("continuous", "fixed")
+        .replace("revolute", "fixed")
+        .replace("prismatic", "fixed")
+        .encode(),
+        ("no joint that moves",),
+    ),
     "65 joints": (chain(66, moving=65).encode(), ("65 joints", "64")),
     "301 links": (chain(301).encode(), ("301 links", "300")),
     "3,812 joints": (chain(3813, moving=3812).encode(), ("at most",)),
     "a star of 3,000": (star(3000, moving=3000).encode(), ("at most",)),
-    "1,001 shapes": (chain(3, inside='<visual><geometry><sphere radius="1"/></geometry></visual>'
-                           * 1001).encode(), ("1001", "shapes")),
-    "20,000 collisions": (chain(3, inside='<collision><geometry><sphere radius="1"/></geometry>'
-                                "</collision>" * 20_000).encode(), ("elements",)),
+    "1,001 shapes": (
+        chain(
+            3, inside='<visual><geometry><sphere radius="1"/></geometry></visual>' * 1001
+        ).encode(),
+        ("1001", "shapes"),
+    ),
+    "20,000 collisions": (
+        chain(
+            3, inside='<collision><geometry><sphere radius="1"/></geometry></collision>' * 20_000
+        ).encode(),
+        ("elements",),
+    ),
     "a comment that is not closed": (ARM.encode() + b"<!--" + b"-" * 100_000, ("XML",)),
     "a million brackets": (b"<" * 1_000_000, ("XML",)),
     "a million ends": (b"]]>" * 300_000, ("XML",)),
@@ -278,30 +384,54 @@ WHOLE: dict[str, tuple[bytes, tuple[str, ...]]] = {
     "CDATA that is not closed": (b"<robot><![CDATA[" + b"]" * 500_000, ("CDATA",)),
     "one tag of a megabyte": (b"<" + b"r" * 1_000_000 + b"/>", ("name is too long",)),
     "one attribute of a megabyte": (b"<robot name='" + b"r" * 1_000_000 + b"'/>", ("128",)),
-}  # fmt: skip
+}
 MESHES = (
-    "/etc/passwd", "//host/share/a.stl", "file:///etc/passwd", "file://../../etc/passwd",
-    "FILE:///ETC/PASSWD", "package://../../etc/passwd", "package://arm/../../../etc/passwd",
-    "package:////etc/passwd", "package://arm/..%2f..%2fetc/passwd", "../../../etc/passwd",
-    "..\\..\\windows\\win.ini", "C:\\secret.stl", "\\\\host\\share", "http://127.0.0.1:9/a.stl",
-    "https://169.254.169.254/latest", "ftp://host/a.dae", "data:model/stl;base64,AAAA",
-    "javascript:alert(1)", "/dev/zero", "/proc/self/environ", "~/.ssh/id_rsa", "$HOME/a.stl",
-    "`id`.stl", "a|b.stl", "a;b.stl", "%2e%2e/%2e%2e/etc/passwd", "a" * 600, "",
-    "model://arm/a.dae", "a\u202e.stl",
-)  # fmt: skip
+    "/etc/passwd",
+    "//host/share/a.stl",
+    "file:///etc/passwd",
+    "file://../../etc/passwd",
+    "FILE:///ETC/PASSWD",
+    "package://../../etc/passwd",
+    "package://arm/../../../etc/passwd",
+    "package:////etc/passwd",
+    "package://arm/..%2f..%2fetc/passwd",
+    "../../../etc/passwd",
+    "..\\..\\windows\\win.ini",
+    "C:\\secret.stl",
+    "\\\\host\\share",
+    "http://127.0.0.1:9/a.stl",
+    "https://169.254.169.254/latest",
+    "ftp://host/a.dae",
+    "data:model/stl;base64,AAAA",
+    "javascript:alert(1)",
+    "/dev/zero",
+    "/proc/self/environ",
+    "~/.ssh/id_rsa",
+    "$HOME/a.stl",
+    "`id`.stl",
+    "a|b.stl",
+    "a;b.stl",
+    "%2e%2e/%2e%2e/etc/passwd",
+    "a" * 600,
+    "",
+    "model://arm/a.dae",
+    "a\u202e.stl",
+)
 MESH_FILES = {
-    "COLLADA": ("model/vnd.collada+xml", b'<?xml version="1.0"?><COLLADA version="1.4.1"><library_'
-                b'geometries><geometry id="g"><mesh><source id="s"><float_array count="999999999">1'
-                b"</float_array></source></mesh></geometry></library_geometries></COLLADA>"),
+    "COLLADA": (
+        "model/vnd.collada+xml",
+        b'<?xml version="1.0"?><COLLADA version="1.4.1"><library_'
+        b'geometries><geometry id="g"><mesh><source id="s"><float_array count="999999999">1'
+        b"</float_array></source></mesh></geometry></library_geometries></COLLADA>",
+    ),
     "GLB of 2 GB": ("model/gltf-binary", b"glTF\x02\0\0\0\xff\xff\xff\x7f\xf0\xff\xff\x7fJSON{}"),
-    "glTF": ("model/gltf+json",
-             b'{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 9e9}]}'),
+    "glTF": ("model/gltf+json", b'{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 9e9}]}'),
     "STL of 4 thousand million": ("model/stl", bytes(80) + b"\xff\xff\xff\xff"),
     "STL as text": ("model/stl", b"solid a\nfacet normal nan nan nan\n" * 1000),
     "OBJ": ("model/obj", b"v 1e999 0 0\nf 1 999999999 -5\n"),
     "PLY": ("application/ply", b"ply\nformat ascii 1.0\nelement vertex 4294967295\nend_header\n"),
     "ZIP of a mesh": ("application/zip", b"PK\x03\x04" + bytes(60)),
-}  # fmt: skip
+}
 """Files that take down or fill the memory of programs that read meshes."""
 ODD_BUT_RIGHT: dict[str, tuple[bytes, tuple[str, ...]]] = {
     "as it is": (ARM.encode(), ()),
@@ -311,75 +441,152 @@ ODD_BUT_RIGHT: dict[str, tuple[bytes, tuple[str, ...]]] = {
     "one line": (ARM.replace("\n", " ").encode(), ()),
     "no declaration": (ARM.split("\n", 1)[1].encode(), ()),
     "blanks before the declaration": (b"\n\n " + ARM.encode(), ()),
-    "ISO-8859-1": (ARM.replace('"1.0"', '"1.0" encoding="ISO-8859-1"').replace(
-        "wrist", "poignée").encode("latin-1"), ("poignée",)),
+    "ISO-8859-1": (
+        ARM.replace('"1.0"', '"1.0" encoding="ISO-8859-1"')
+        .replace("wrist", "poignée")
+        .encode("latin-1"),
+        ("poignée",),
+    ),
     "Windows-1252": (ARM.replace('"1.0"', '"1.0" encoding="windows-1252"').encode(), ()),
-    "comments everywhere": (ARM.replace(">", "><!-- - > < & -->").replace(
-        '?><!-- - > < & -->', "?>", 1).encode(), ()),
-    "the banner of xacro": (ARM.replace("<robot ", "<!-- === | This document was autogenerated by"
-                            " xacro from arm.urdf.xacro | EDITING THIS FILE BY HAND IS NOT | -->"
-                            '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ').encode(), ()),
-    "a default namespace": (ARM.replace("<robot ", '<robot xmlns="http://www.ros.org" ').encode(),
-                            ()),
-    "the namespaces of old files": (ARM.replace(
-        "<robot ", '<robot xmlns:sensor="http://playerstage.sourceforge.net/gazebo/xmlschema/'
-        '#sensor" xmlns:controller="http://playerstage.sourceforge.net/gazebo/xmlschema/'
-        '#controller" xmlns:interface="http://playerstage.sourceforge.net/gazebo/xmlschema/'
-        '#interface" ').encode(), ()),
-    "drake": (ARM.replace("<robot ", '<robot xmlns:drake="http://drake.mit.edu" ').replace(
-        OUTSIDE, '<drake:collision_filter_group name="g"><drake:member link="hand"/>'
-        "</drake:collision_filter_group></robot>").encode(), ("collision_filter_group",)),
-    "gazebo": (ARM.replace(OUTSIDE, '<gazebo reference="hand"><material>Gazebo/Red</material><mu1>'
-               '0.2</mu1><sensor type="ray"><ray><min>0</min></ray></sensor></gazebo>'
-               '<gazebo><plugin name="p" filename="libp.so"><robotNamespace>/a</robotNamespace>'
-               "</plugin></gazebo></robot>").encode(), ("<gazebo>",)),
-    "transmission": (ARM.replace(OUTSIDE, '<transmission name="t"><type>transmission_interface/'
-                     'SimpleTransmission</type><joint name="shoulder"><hardwareInterface>Position'
-                     '</hardwareInterface></joint><actuator name="m"><mechanicalReduction>1'
-                     "</mechanicalReduction></actuator></transmission></robot>").encode(),
-                     ("<transmission>",)),
-    "ros2_control": (ARM.replace(OUTSIDE, '<ros2_control name="c" type="system"><hardware><plugin>'
-                     'mock/System</plugin></hardware><joint name="shoulder"><command_interface'
-                     ' name="position"><param name="min">-1</param></command_interface></joint>'
-                     "</ros2_control></robot>").encode(), ("<ros2_control>",)),
-    "dynamics, safety, calibration": (ARM.replace(
-        '<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><dynamics damping="0.1" friction="0"/>'
-        '<safety_controller k_position="20" k_velocity="20" soft_lower_limit="-0.9"'
-        ' soft_upper_limit="0.9"/><calibration rising="0.0"/>').encode(), ("<dynamics>",)),
-    "mimic": (ARM.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><mimic joint="slide"'
-              ' multiplier="-1" offset="0"/>').encode(), ("mimics another", "-1 times")),
-    "mimic before its joint": (ARM.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/>'
-                               '<mimic joint="wrist"/>').encode(), ("mimics another",)),
-    "mimic of a fixed joint": (ARM.replace("continuous", "fixed").replace(
-        '<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><mimic joint="wrist" offset="0.25"/>').encode(),
-        ("mimics 'wrist', which does not move", "give it 0.25")),
-    "continuous with limits": (ARM.replace('<child link="hand"/>', '<child link="hand"/><limit'
-                               ' effort="5" velocity="1" lower="0" upper="0"/>').encode(), ()),
-    "fixed with a zero axis": (ARM.replace("continuous", "fixed").replace(
-        '<child link="hand"/>', '<child link="hand"/><axis xyz="0 0 0"/>').encode(), ()),
+    "comments everywhere": (
+        ARM.replace(">", "><!-- - > < & -->").replace("?><!-- - > < & -->", "?>", 1).encode(),
+        (),
+    ),
+    "the banner of xacro": (
+        ARM.replace(
+            "<robot ",
+            "<!-- === | This document was autogenerated by"
+            " xacro from arm.urdf.xacro | EDITING THIS FILE BY HAND IS NOT | -->"
+            '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ',
+        ).encode(),
+        (),
+    ),
+    "a default namespace": (
+        ARM.replace("<robot ", '<robot xmlns="http://www.ros.org" ').encode(),
+        (),
+    ),
+    "the namespaces of old files": (
+        ARM.replace(
+            "<robot ",
+            '<robot xmlns:sensor="http://playerstage.sourceforge.net/gazebo/xmlschema/'
+            '#sensor" xmlns:controller="http://playerstage.sourceforge.net/gazebo/xmlschema/'
+            '#controller" xmlns:interface="http://playerstage.sourceforge.net/gazebo/xmlschema/'
+            '#interface" ',
+        ).encode(),
+        (),
+    ),
+    "drake": (
+        ARM.replace("<robot ", '<robot xmlns:drake="http://drake.mit.edu" ')
+        .replace(
+            OUTSIDE,
+            '<drake:collision_filter_group name="g"><drake:member link="hand"/>'
+            "</drake:collision_filter_group></robot>",
+        )
+        .encode(),
+        ("collision_filter_group",),
+    ),
+    "gazebo": (
+        ARM.replace(
+            OUTSIDE,
+            '<gazebo reference="hand"><material>Gazebo/Red</material><mu1>'
+            '0.2</mu1><sensor type="ray"><ray><min>0</min></ray></sensor></gazebo>'
+            '<gazebo><plugin name="p" filename="libp.so"><robotNamespace>/a</robotNamespace>'
+            "</plugin></gazebo></robot>",
+        ).encode(),
+        ("<gazebo>",),
+    ),
+    "transmission": (
+        ARM.replace(
+            OUTSIDE,
+            '<transmission name="t"><type>transmission_interface/'
+            'SimpleTransmission</type><joint name="shoulder"><hardwareInterface>Position'
+            '</hardwareInterface></joint><actuator name="m"><mechanicalReduction>1'
+            "</mechanicalReduction></actuator></transmission></robot>",
+        ).encode(),
+        ("<transmission>",),
+    ),
+    "ros2_control": (
+        ARM.replace(
+            OUTSIDE,
+            '<ros2_control name="c" type="system"><hardware><plugin>'
+            'mock/System</plugin></hardware><joint name="shoulder"><command_interface'
+            ' name="position"><param name="min">-1</param></command_interface></joint>'
+            "</ros2_control></robot>",
+        ).encode(),
+        ("<ros2_control>",),
+    ),
+    "dynamics, safety, calibration": (
+        ARM.replace(
+            '<axis xyz="0 0 1"/>',
+            '<axis xyz="0 0 1"/><dynamics damping="0.1" friction="0"/>'
+            '<safety_controller k_position="20" k_velocity="20" soft_lower_limit="-0.9"'
+            ' soft_upper_limit="0.9"/><calibration rising="0.0"/>',
+        ).encode(),
+        ("<dynamics>",),
+    ),
+    "mimic": (
+        ARM.replace(
+            '<axis xyz="0 0 1"/>',
+            '<axis xyz="0 0 1"/><mimic joint="slide" multiplier="-1" offset="0"/>',
+        ).encode(),
+        ("mimics another", "-1 times"),
+    ),
+    "mimic before its joint": (
+        ARM.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><mimic joint="wrist"/>').encode(),
+        ("mimics another",),
+    ),
+    "mimic of a fixed joint": (
+        ARM.replace("continuous", "fixed")
+        .replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><mimic joint="wrist" offset="0.25"/>')
+        .encode(),
+        ("mimics 'wrist', which does not move", "give it 0.25"),
+    ),
+    "continuous with limits": (
+        ARM.replace(
+            '<child link="hand"/>',
+            '<child link="hand"/><limit effort="5" velocity="1" lower="0" upper="0"/>',
+        ).encode(),
+        (),
+    ),
+    "fixed with a zero axis": (
+        ARM.replace("continuous", "fixed")
+        .replace('<child link="hand"/>', '<child link="hand"/><axis xyz="0 0 0"/>')
+        .encode(),
+        (),
+    ),
     "axis not of length one": (ARM.replace('xyz="0 0 1"', 'xyz="0 0 2"').encode(), ()),
     "no axis": (ARM.replace('<axis xyz="0 0 1"/>', "").encode(), ()),
     "children before links": (ARM.encode(), ()),
-    "numbers of every form": (ARM.replace('xyz="0 0 0.3"', 'xyz=" +1. \t -.5e-3\n1E2 "').encode(),
-                              ()),
-    "limits that stand for none": (ARM.replace('lower="-1" upper="1"',
-                                               'lower="-1e16" upper="1e16"').encode(), ()),
-    "no inertia at all": (ARM.replace('mass value="2"', 'mass value="0"').replace(
-        '"0.1" ', '"0" ').encode(), ()),
+    "numbers of every form": (
+        ARM.replace('xyz="0 0 0.3"', 'xyz=" +1. \t -.5e-3\n1E2 "').encode(),
+        (),
+    ),
+    "limits that stand for none": (
+        ARM.replace('lower="-1" upper="1"', 'lower="-1e16" upper="1e16"').encode(),
+        (),
+    ),
+    "no inertia at all": (
+        ARM.replace('mass value="2"', 'mass value="0"').replace('"0.1" ', '"0" ').encode(),
+        (),
+    ),
     "names in Chinese, with blanks": (ARM.replace("wrist", "手腕 1").encode(), ("手腕 1",)),
     "names with every sign": (ARM.replace("wrist", "a.b-c_d:e/f+g[0]{x}@").encode(), ()),
     "a joint called as its link": (ARM.replace('name="wrist"', 'name="hand"').encode(), ()),
     "a link called universe": (ARM.replace('"hand"', '"universe"').encode(), ("universe",)),
     "a link called world": (ARM.replace('"base"', '"world"').encode(), ("world",)),
-    "material of SolidWorks": (ARM.replace('<material name="grey"/>', '<material name=""><color'
-                               ' rgba="0.7 0.7 0.7 1"/><texture filename=""/></material>').encode(),
-                               ()),
+    "material of SolidWorks": (
+        ARM.replace(
+            '<material name="grey"/>',
+            '<material name=""><color rgba="0.7 0.7 0.7 1"/><texture filename=""/></material>',
+        ).encode(),
+        (),
+    ),
     "a capsule": (ARM.replace("<cylinder ", "<capsule ").encode(), ()),
     "sizes of zero": (ARM.replace('radius="0.1"', 'radius="0"').encode(), ()),
     "64 joints": (chain(65, moving=64).encode(), ()),
     "300 links": (chain(300).encode(), ()),
     "two megabytes of blanks": (ARM.replace(OUTSIDE, "\n" * 1_900_000 + OUTSIDE).encode(), ()),
-}  # fmt: skip
+}
 
 
 def refused() -> Iterator[Case]:
@@ -436,9 +643,14 @@ def meshes() -> Iterator[Case]:
     for filename in MESHES:
         text = ARM.replace('"package://arm/upper.stl"', quoteattr(filename))
         yield body(
-            f"mesh: {filename[:40]!r}", f"/v1/robots?name={MINE}", text, 201,
-            "meshes of link 'upper' are left out", kind=XML, secret=("root:", "PATH="),
-        )  # fmt: skip
+            f"mesh: {filename[:40]!r}",
+            f"/v1/robots?name={MINE}",
+            text,
+            201,
+            "meshes of link 'upper' are left out",
+            kind=XML,
+            secret=("root:", "PATH="),
+        )
 
 
 def accepted() -> Iterator[Case]:

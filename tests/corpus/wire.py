@@ -13,9 +13,7 @@ UPGRADE = b"Upgrade: h2c\r\nConnection: Upgrade, HTTP2-Settings\r\nHTTP2-Setting
 BODY = b'{"q": [0, 0]}'
 WHOLE = FK + b"Content-Length: 13\r\n\r\n" + BODY
 CHUNKED = FK + b"Transfer-Encoding: chunked\r\n\r\n"
-PUT = (
-    b"PUT /v1/robots/corpus-wire HTTP/1.1\r\n" + HEAD + b"Content-Type: application/json\r\n"
-)  # fmt: skip
+PUT = b"PUT /v1/robots/corpus-wire HTTP/1.1\r\n" + HEAD + b"Content-Type: application/json\r\n"
 CLOSED = 0
 """Stands for a connection that is closed without an answer, where none can be expected."""
 NONE_IS_READ = (400,)
@@ -70,24 +68,42 @@ CASES = (
     one("raw bytes in the target", b"GET /v1/\xff\xfe HTTP/1.1\r\n" + HEAD + b"\r\n", 400, 404),
     one("a degree sign", "GET /v1/robots/ur5/fk?q=90° HTTP/1.1\r\n".encode() + HEAD + b"\r\n"),
     one("a fragment", b"GET /health/live#x HTTP/1.1\r\n" + HEAD + b"\r\n", 200, 400, 404),
-    one("an absolute target", b"GET http://denavit/health/live HTTP/1.1\r\n" + HEAD + b"\r\n",
-        200, 400, 404),
-    one("another's target", b"GET http://evil.example/ HTTP/1.1\r\n" + HEAD + b"\r\n",
-        200, 400, 404),
+    one(
+        "an absolute target",
+        b"GET http://denavit/health/live HTTP/1.1\r\n" + HEAD + b"\r\n",
+        200,
+        400,
+        404,
+    ),
+    one(
+        "another's target", b"GET http://evil.example/ HTTP/1.1\r\n" + HEAD + b"\r\n", 200, 400, 404
+    ),
     one("a star", b"OPTIONS * HTTP/1.1\r\n" + HEAD + b"\r\n", 200, 204, 400, 404),
     one("connect", b"CONNECT evil.example:443 HTTP/1.1\r\n" + HEAD + b"\r\n", 400, 404, 405),
     one("a relative target", b"GET health/live HTTP/1.1\r\n" + HEAD + b"\r\n", 400, 404),
     one("dots", b"GET /../../etc/passwd HTTP/1.1\r\n" + HEAD + b"\r\n", 400, 404),
-    one("a target of 100 kB", b"GET /" + b"a" * 100_000 + b" HTTP/1.1\r\n" + HEAD + b"\r\n",
-        431, 414),
+    one(
+        "a target of 100 kB",
+        b"GET /" + b"a" * 100_000 + b" HTTP/1.1\r\n" + HEAD + b"\r\n",
+        431,
+        414,
+    ),
     one("a target without end", b"GET /" + b"a" * 100_000, 431, 414),
-    one("a query of 60 kB", b"GET /health/live?" + b"a" * 60_000 + b" HTTP/1.1\r\n" + HEAD
-        + b"\r\n", 414, 431),
+    one(
+        "a query of 60 kB",
+        b"GET /health/live?" + b"a" * 60_000 + b" HTTP/1.1\r\n" + HEAD + b"\r\n",
+        414,
+        431,
+    ),
     # Headers.
     one("no Host", b"GET /health/live HTTP/1.1\r\n\r\n", 200, 400),
     one("two Hosts", LIVE + b"Host: evil.example\r\n\r\n", 200, 400),
-    one("an odd Host", b"GET / HTTP/1.1\r\nHost: a b/\"<script>\r\nAccept: application/json\r\n"
-        b"\r\n", 200, 400),
+    one(
+        "an odd Host",
+        b'GET / HTTP/1.1\r\nHost: a b/"<script>\r\nAccept: application/json\r\n\r\n',
+        200,
+        400,
+    ),
     one("a blank before the colon", LIVE + b"X-A : b\r\n\r\n"),
     one("no colon", LIVE + b"X-A\r\n\r\n"),
     one("no name", LIVE + b": b\r\n\r\n"),
@@ -101,13 +117,28 @@ CASES = (
     one("a header of 100 kB", LIVE + b"X-A: " + b"b" * 100_000 + b"\r\n\r\n", 431),
     one("a header without end", LIVE + b"X-A: " + b"b" * 100_000, 431),
     one("a name of 100 kB", LIVE + b"X-" + b"b" * 100_000, 431),
-    one("an upgrade to WebSocket", LIVE + b"Upgrade: websocket\r\nConnection: Upgrade\r\n"
+    one(
+        "an upgrade to WebSocket",
+        LIVE + b"Upgrade: websocket\r\nConnection: Upgrade\r\n"
         b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n",
-        200, 400, 403, 426),
-    one("an upgrade to HTTP/2", LIVE + b"Upgrade: h2c\r\nConnection: Upgrade, HTTP2-Settings\r\n"
-        b"HTTP2-Settings: AAMAAABk\r\n\r\n", 200, 400),
-    one("an unknown expectation", FK + b"Expect: 200-ok\r\nContent-Length: 13\r\n\r\n" + BODY,
-        200, 417),
+        200,
+        400,
+        403,
+        426,
+    ),
+    one(
+        "an upgrade to HTTP/2",
+        LIVE + b"Upgrade: h2c\r\nConnection: Upgrade, HTTP2-Settings\r\n"
+        b"HTTP2-Settings: AAMAAABk\r\n\r\n",
+        200,
+        400,
+    ),
+    one(
+        "an unknown expectation",
+        FK + b"Expect: 200-ok\r\nContent-Length: 13\r\n\r\n" + BODY,
+        200,
+        417,
+    ),
     # Lengths.
     one("a negative length", FK + b"Content-Length: -1\r\n\r\n"),
     one("a length of words", FK + b"Content-Length: many\r\n\r\n"),
@@ -115,43 +146,83 @@ CASES = (
     one("a length with a plus", FK + b"Content-Length: +13\r\n\r\n" + BODY),
     one("a length of two numbers", FK + b"Content-Length: 13, 14\r\n\r\n" + BODY),
     one("two lengths", FK + b"Content-Length: 13\r\nContent-Length: 14\r\n\r\n" + BODY),
-    one("the same length twice", FK + b"Content-Length: 13\r\nContent-Length: 13\r\n\r\n" + BODY,
-        400, 200),
+    one(
+        "the same length twice",
+        FK + b"Content-Length: 13\r\nContent-Length: 13\r\n\r\n" + BODY,
+        400,
+        200,
+    ),
     one("a length that overflows", FK + b"Content-Length: 99999999999999999999\r\n\r\n"),
     one("a length of 2^63", FK + b"Content-Length: 9223372036854775808\r\n\r\n", 400, 413),
     one("a length of 9 GB", FK + b"Content-Length: 9000000000\r\n\r\n", 413),
     one("an empty length", FK + b"Content-Length: \r\n\r\n"),
-    one("length and chunks", FK + b"Content-Length: 13\r\nTransfer-Encoding: chunked\r\n\r\n"
-        b"d\r\n" + BODY + b"\r\n0\r\n\r\n"),
-    one("chunks and length", FK + b"Transfer-Encoding: chunked\r\nContent-Length: 5\r\n\r\n"
-        b"0\r\n\r\nGET /admin HTTP/1.1\r\n\r\n"),
+    one(
+        "length and chunks",
+        FK + b"Content-Length: 13\r\nTransfer-Encoding: chunked\r\n\r\n"
+        b"d\r\n" + BODY + b"\r\n0\r\n\r\n",
+    ),
+    one(
+        "chunks and length",
+        FK + b"Transfer-Encoding: chunked\r\nContent-Length: 5\r\n\r\n"
+        b"0\r\n\r\nGET /admin HTTP/1.1\r\n\r\n",
+    ),
     # Codings.
-    one("chunked twice", FK + b"Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n\r\n"
-        b"d\r\n" + BODY + b"\r\n0\r\n\r\n", 400, 200),
-    one("identity and chunked", FK + b"Transfer-Encoding: identity, chunked\r\n\r\nd\r\n" + BODY
-        + b"\r\n0\r\n\r\n", 400, 200),
-    one("chunked, then identity", FK + b"Transfer-Encoding: chunked, identity\r\n\r\nd\r\n" + BODY
-        + b"\r\n0\r\n\r\n"),
-    one("gzip and chunked", FK + b"Transfer-Encoding: gzip, chunked\r\n\r\nd\r\n" + BODY
-        + b"\r\n0\r\n\r\n", 400, 415),
-    one("an unknown coding", FK + b"Transfer-Encoding: xchunked\r\n\r\nd\r\n" + BODY
-        + b"\r\n0\r\n\r\n"),
-    one("a coding with a tab", FK + b"Transfer-Encoding:\x0bchunked\r\n\r\nd\r\n" + BODY
-        + b"\r\n0\r\n\r\n"),
-    one("a coding in HTTP/1.0", FK.replace(b"1.1", b"1.0") + b"Transfer-Encoding: chunked\r\n\r\n"
-        b"d\r\n" + BODY + b"\r\n0\r\n\r\n", 400, 200),
+    one(
+        "chunked twice",
+        FK + b"Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n\r\n"
+        b"d\r\n" + BODY + b"\r\n0\r\n\r\n",
+        400,
+        200,
+    ),
+    one(
+        "identity and chunked",
+        FK + b"Transfer-Encoding: identity, chunked\r\n\r\nd\r\n" + BODY + b"\r\n0\r\n\r\n",
+        400,
+        200,
+    ),
+    one(
+        "chunked, then identity",
+        FK + b"Transfer-Encoding: chunked, identity\r\n\r\nd\r\n" + BODY + b"\r\n0\r\n\r\n",
+    ),
+    one(
+        "gzip and chunked",
+        FK + b"Transfer-Encoding: gzip, chunked\r\n\r\nd\r\n" + BODY + b"\r\n0\r\n\r\n",
+        400,
+        415,
+    ),
+    one(
+        "an unknown coding",
+        FK + b"Transfer-Encoding: xchunked\r\n\r\nd\r\n" + BODY + b"\r\n0\r\n\r\n",
+    ),
+    one(
+        "a coding with a tab",
+        FK + b"Transfer-Encoding:\x0bchunked\r\n\r\nd\r\n" + BODY + b"\r\n0\r\n\r\n",
+    ),
+    one(
+        "a coding in HTTP/1.0",
+        FK.replace(b"1.1", b"1.0") + b"Transfer-Encoding: chunked\r\n\r\n"
+        b"d\r\n" + BODY + b"\r\n0\r\n\r\n",
+        400,
+        200,
+    ),
     # Chunks.
     one("no hexadecimal size", CHUNKED + b"xyz\r\n" + BODY),
     one("a negative size", CHUNKED + b"-1\r\n" + BODY),
     one("a size with 0x", CHUNKED + b"0xd\r\n" + BODY + b"\r\n0\r\n\r\n"),
     one("a size that overflows", CHUNKED + b"fffffffffffffffff\r\n" + BODY),
-    one("a size of 16 digits", CHUNKED + b"7fffffffffffffff\r\n" + BODY, 400, 413,
-        CLOSED, end=True),
+    one(
+        "a size of 16 digits", CHUNKED + b"7fffffffffffffff\r\n" + BODY, 400, 413, CLOSED, end=True
+    ),
     one("a chunk longer than its size", CHUNKED + b"3\r\n" + BODY + b"\r\n0\r\n\r\n"),
     one("no line end after a chunk", CHUNKED + b"d\r\n" + BODY + b"0\r\n\r\n"),
     one("an extension of 200 kB", CHUNKED + b"d;" + b"e" * 200_000, 400),
-    one("trailers of 200 kB", CHUNKED + b"d\r\n" + BODY + b"\r\n0\r\nX-A: " + b"b" * 200_000,
-        400, 431, 200),
+    one(
+        "trailers of 200 kB",
+        CHUNKED + b"d\r\n" + BODY + b"\r\n0\r\nX-A: " + b"b" * 200_000,
+        400,
+        431,
+        200,
+    ),
     # Right ones.
     one("as it should be", WHOLE, 200),
     one("chunks", chunks(BODY[:4], BODY[4:]), 200),
@@ -161,14 +232,25 @@ CASES = (
     one("a size in capitals with zeros", CHUNKED + b"000D\r\n" + BODY + b"\r\n0\r\n\r\n", 200),
     one("an offer of HTTP/2 with a body", FK + UPGRADE + b"Content-Length: 13\r\n\r\n" + BODY, 200),
     one("an offer of HTTP/2 with chunks", chunks(BODY).replace(HEAD, HEAD + UPGRADE), 200),
-    Wire("an offer of HTTP/2, then the body",
-         (FK + UPGRADE + b"Content-Length: 13\r\n", b"\r\n", BODY, WHOLE), ((200,), (200,))),
-    Wire("an offer of HTTP/2 inside a body", (
-        FK + UPGRADE + b"Content-Length: 70\r\n\r\n"
-        + (b'{"q": [0, 0],\r\n\r\n"\\nupgrade:": "\nUpgrade: h2c"').ljust(70), WHOLE),
-        ((400, 422), (200,))),
-    one("100-continue", FK + b"Expect: 100-continue\r\nContent-Length: 13\r\n\r\n" + BODY,
-        100, 200),
+    Wire(
+        "an offer of HTTP/2, then the body",
+        (FK + UPGRADE + b"Content-Length: 13\r\n", b"\r\n", BODY, WHOLE),
+        ((200,), (200,)),
+    ),
+    Wire(
+        "an offer of HTTP/2 inside a body",
+        (
+            FK
+            + UPGRADE
+            + b"Content-Length: 70\r\n\r\n"
+            + (b'{"q": [0, 0],\r\n\r\n"\\nupgrade:": "\nUpgrade: h2c"').ljust(70),
+            WHOLE,
+        ),
+        ((400, 422), (200,)),
+    ),
+    one(
+        "100-continue", FK + b"Expect: 100-continue\r\nContent-Length: 13\r\n\r\n" + BODY, 100, 200
+    ),
     one("HTTP/1.0", b"GET /health/live HTTP/1.0\r\n\r\n", 200),
     one("empty lines before", b"\r\n\r\n" + LIVE + b"\r\n", 200),
     one("GET with a body", LIVE + b"Content-Length: 5\r\n\r\nhello", 200, 400),
@@ -177,27 +259,56 @@ CASES = (
     Wire("two at once", (WHOLE + WHOLE,), ((200,), (200,))),
     Wire("thirty at once", (WHOLE * 30,), ((200,),) * 30),
     Wire("a bad one after a good one", (WHOLE + b"NONSENSE\r\n\r\n",), ((200,), (400,))),
-    Wire("bad ones after ten good ones", (WHOLE * 10 + b"\x00\x01\r\n\r\n" * 5,),
-         ((200,),) * 10 + ((400,),)),
-    Wire("a bad body after good ones", (WHOLE * 3 + CHUNKED + b"xyz\r\n" + WHOLE,),
-         ((200,),) * 3 + ((400,),)),
+    Wire(
+        "bad ones after ten good ones",
+        (WHOLE * 10 + b"\x00\x01\r\n\r\n" * 5,),
+        ((200,),) * 10 + ((400,),),
+    ),
+    Wire(
+        "a bad body after good ones",
+        (WHOLE * 3 + CHUNKED + b"xyz\r\n" + WHOLE,),
+        ((200,),) * 3 + ((400,),),
+    ),
     Wire("connect after a good one", (WHOLE + b"CONNECT a:1 HTTP/1.1\r\n\r\n",), ((200,), (400,))),
-    Wire("a longer body than said", (FK + b"Content-Length: 13\r\n\r\n" + BODY + BODY,),
-         ((200,), (400,))),
-    Wire("a request inside a body",
-         (FK + b"Content-Length: 40\r\n\r\n" + (b"DELETE /v1/robots/a HTTP/1.1\r\n\r\n" + b" " * 40
-                                                )[:40] + WHOLE,), ((400,), (200,))),
-    Wire("a refused one, then a good one",
-         (FK + b"Content-Length: 3\r\n\r\nabc" + WHOLE,), ((400,), (200,))),
-    Wire("an upload that is cut off", (PUT + b'Content-Length: 400\r\n\r\n{"convention": "dh"',),
-         ((CLOSED,),), end=True),
-    Wire("a chunked upload that is cut off",
-         (PUT + b'Transfer-Encoding: chunked\r\n\r\n14\r\n{"convention": "dh",\r\n',),
-         ((CLOSED, 400),), end=True),
-    Wire("an upload larger than is read",
-         (PUT + b"Content-Length: 2100000\r\n\r\n", b" " * 2_100_000), ((413,),)),
+    Wire(
+        "a longer body than said",
+        (FK + b"Content-Length: 13\r\n\r\n" + BODY + BODY,),
+        ((200,), (400,)),
+    ),
+    Wire(
+        "a request inside a body",
+        (
+            FK
+            + b"Content-Length: 40\r\n\r\n"
+            + (b"DELETE /v1/robots/a HTTP/1.1\r\n\r\n" + b" " * 40)[:40]
+            + WHOLE,
+        ),
+        ((400,), (200,)),
+    ),
+    Wire(
+        "a refused one, then a good one",
+        (FK + b"Content-Length: 3\r\n\r\nabc" + WHOLE,),
+        ((400,), (200,)),
+    ),
+    Wire(
+        "an upload that is cut off",
+        (PUT + b'Content-Length: 400\r\n\r\n{"convention": "dh"',),
+        ((CLOSED,),),
+        end=True,
+    ),
+    Wire(
+        "a chunked upload that is cut off",
+        (PUT + b'Transfer-Encoding: chunked\r\n\r\n14\r\n{"convention": "dh",\r\n',),
+        ((CLOSED, 400),),
+        end=True,
+    ),
+    Wire(
+        "an upload larger than is read",
+        (PUT + b"Content-Length: 2100000\r\n\r\n", b" " * 2_100_000),
+        ((413,),),
+    ),
     Wire("65 at once", (LIVE + b"\r\n",) * 65, ((200,),) * 65),
-)  # fmt: skip
+)
 
 
 def answers(port: int, case: Wire, patience: float) -> list[bytes]:
@@ -216,9 +327,13 @@ def answers(port: int, case: Wire, patience: float) -> list[bytes]:
         try:
             while len(found) < len(case.answers) and (head := _head(stream)):
                 length = next(
-                    (int(line[15:]) for line in head.lower().split(b"\r\n")
-                     if line.startswith(b"content-length:")), 0,
-                )  # fmt: skip
+                    (
+                        int(line[15:])
+                        for line in head.lower().split(b"\r\n")
+                        if line.startswith(b"content-length:")
+                    ),
+                    0,
+                )
                 found.append(head + stream.read(length))
         except ConnectionResetError:
             pass

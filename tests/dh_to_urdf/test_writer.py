@@ -111,13 +111,31 @@ def test_masses_move_with_frame_k(tables, configurations, elementary, data):
 
 def test_mass_and_centre_of_mass_are_those_of_the_table(elementary):
     joints = [
-        {"type": "R", "theta": 0, "d": 0.4, "a": 0.3, "alpha": "-90deg",
-         "inertial": {"mass": 3, "com": [-0.1, 0.2, 0.05]}},
-        {"type": "P", "theta": "30deg", "d": "q2 + 0.2", "a": 0.1, "alpha": "20deg",
-         "inertial": {"mass": 1.5, "com": [0, 0, -0.3]}},
-        {"type": "F", "theta": 1, "d": 0.2, "a": 0, "alpha": 0,
-         "inertial": {"mass": 0.5, "com": [0.01, 0, 0]}},
-    ]  # fmt: skip
+        {
+            "type": "R",
+            "theta": 0,
+            "d": 0.4,
+            "a": 0.3,
+            "alpha": "-90deg",
+            "inertial": {"mass": 3, "com": [-0.1, 0.2, 0.05]},
+        },
+        {
+            "type": "P",
+            "theta": "30deg",
+            "d": "q2 + 0.2",
+            "a": 0.1,
+            "alpha": "20deg",
+            "inertial": {"mass": 1.5, "com": [0, 0, -0.3]},
+        },
+        {
+            "type": "F",
+            "theta": 1,
+            "d": 0.2,
+            "a": 0,
+            "alpha": 0,
+            "inertial": {"mass": 0.5, "com": [0.01, 0, 0]},
+        },
+    ]
     table = read_mapping({"convention": "dh", "base": {"xyz": [1, 2, 3]}, "joints": joints})
     q = [0.7, 0.25]
     frames = elementary.frames(table, q)
@@ -303,16 +321,24 @@ def test_rotations_survive_as_rpy_at_a_pitch_of_ninety_degrees(elementary, roll,
     [
         ({"type": "R"}, "continuous", {"effort": 1e6, "velocity": 1e6}),
         ({"type": "C"}, "continuous", {"effort": 1e6, "velocity": 1e6}),
-        ({"type": "R", "limits": {"velocity": 2, "effort": 3}}, "continuous",
-         {"effort": 3, "velocity": 2}),
-        ({"type": "R", "limits": {"lower": -1, "upper": 2}}, "revolute",
-         {"effort": 1e6, "velocity": 1e6, "lower": -1, "upper": 2}),
-        ({"type": "P"}, "prismatic",
-         {"effort": 1e6, "velocity": 1e6, "lower": -1e6, "upper": 1e6}),
-        ({"type": "P", "limits": {"lower": 0, "upper": 0.5, "velocity": 1}}, "prismatic",
-         {"effort": 1e6, "velocity": 1, "lower": 0, "upper": 0.5}),
+        (
+            {"type": "R", "limits": {"velocity": 2, "effort": 3}},
+            "continuous",
+            {"effort": 3, "velocity": 2},
+        ),
+        (
+            {"type": "R", "limits": {"lower": -1, "upper": 2}},
+            "revolute",
+            {"effort": 1e6, "velocity": 1e6, "lower": -1, "upper": 2},
+        ),
+        ({"type": "P"}, "prismatic", {"effort": 1e6, "velocity": 1e6, "lower": -1e6, "upper": 1e6}),
+        (
+            {"type": "P", "limits": {"lower": 0, "upper": 0.5, "velocity": 1}},
+            "prismatic",
+            {"effort": 1e6, "velocity": 1, "lower": 0, "upper": 0.5},
+        ),
     ],
-)  # fmt: skip
+)
 def test_every_moving_joint_has_the_limits_that_urdf_demands(row, type_, limit):
     row = {"name": "j", "alpha": 0, "a": 0, "d": 0, "theta": 0, "sign": -1, **row}
     joint = joints_of(table_to_urdf(read_mapping({"convention": "dh", "joints": [row]})))["j"]

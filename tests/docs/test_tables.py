@@ -2,7 +2,7 @@
 
 import re
 
-from app.http.problems import ALL_TYPES
+from app.http.rendering import ALL_TYPES
 from app.settings import Settings
 from tests.docs.blocks import ROOT
 

@@ -30,9 +30,10 @@ def test_all_that_is_needed_is_there(locked, tables):
         except PackageNotFoundError:
             continue
         wanted = {
-            locked.normalised(one.name) for one in needs
+            locked.normalised(one.name)
+            for one in needs
             if one.marker is None or one.marker.evaluate({"extra": ""})
-        }  # fmt: skip
+        }
         assert wanted <= chosen, f"{name} needs {wanted - chosen}"
 
 

@@ -28,8 +28,11 @@ def checkout(tmp_path):
 def build(checkout, **environment):
     return subprocess.run(
         [sys.executable, str(checkout / "install" / "page.py")],
-        env={**os.environ, **environment}, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
 
 
 def left(folder):

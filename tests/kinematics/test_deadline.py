@@ -128,9 +128,16 @@ def test_it_ends_soon_after_nobody_waits(name):
 
 @pytest.mark.parametrize(
     "name",
-    ["fk", "hessian", "jacobian derivative", "joint velocities", "wrench",
-     "nearest singularity", "all solutions"],
-)  # fmt: skip
+    [
+        "fk",
+        "hessian",
+        "jacobian derivative",
+        "joint velocities",
+        "wrench",
+        "nearest singularity",
+        "all solutions",
+    ],
+)
 def test_it_ends_soon_after_its_time_is_up(name):
     """Those that have a part of an answer give it, and are tested where they are."""
     deadline = Over()

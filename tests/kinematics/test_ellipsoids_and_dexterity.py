@@ -18,11 +18,20 @@ from robots.shipped import shipped_robot
 
 def scaled_puma(factor):
     document = {
-        "name": "scaled", "convention": "standard",
-        "joints": [{"type": "R", "alpha": alpha, "a": a * factor, "d": d * factor}
-                   for alpha, a, d in (("pi/2", 0, 0.7), (0, 0.43, 0), ("-pi/2", 0.02, 0.15),
-                                       ("pi/2", 0, 0.43), ("-pi/2", 0, 0), (0, 0, 0.1))],
-    }  # fmt: skip
+        "name": "scaled",
+        "convention": "standard",
+        "joints": [
+            {"type": "R", "alpha": alpha, "a": a * factor, "d": d * factor}
+            for alpha, a, d in (
+                ("pi/2", 0, 0.7),
+                (0, 0.43, 0),
+                ("-pi/2", 0.02, 0.15),
+                ("pi/2", 0, 0.43),
+                ("-pi/2", 0, 0),
+                (0, 0, 0.1),
+            )
+        ],
+    }
     return robot_from_table(read_mapping(document))
 
 
@@ -147,9 +156,11 @@ def test_words():
     assert "move as 1 : 1.333" in both
     turning = lost_direction_in_words(TASKS["orientation"], np.array([0.0, 0.6, 0.8]))
     assert turning == "the frame cannot turn about (0, 0.6, 0.8)"
-    for vector, expected in (([0, 1, 0, 0, 0, 0], "move along (0, 1, 0)"),
-                             ([0, 0, 0, 0, 0, 1], "turn about (0, 0, 1)"),
-                             ([0.6, 0, 0, 0, 0, 0.8], "w = (0, 0, 0.8)")):  # fmt: skip
+    for vector, expected in (
+        ([0, 1, 0, 0, 0, 0], "move along (0, 1, 0)"),
+        ([0, 0, 0, 0, 0, 1], "turn about (0, 0, 1)"),
+        ([0.6, 0, 0, 0, 0, 0.8], "w = (0, 0, 0.8)"),
+    ):
         assert expected in lost_direction_in_words(TASKS["pose"], np.array(vector, dtype=float))
 
 

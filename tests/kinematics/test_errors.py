@@ -134,11 +134,17 @@ def test_targets_are_named_by_their_place():
         (IKOptions, {"tolerance": Tolerance(0.0)}, ("tolerance", "position"), 0.0, 1e-12, 1e3),
         (Sampling, {"tf": 0.0}, ("tf",), 0.0, 1e-6, 1e6),
         (Sampling, {"samples": 1}, ("samples",), 1, 2, 10_000),
-        (Circle, {"center": np.zeros(3), "normal": np.ones(3), "turns": 200.0},
-         ("circle", "turns"), 200.0, -100.0, 100.0),
+        (
+            Circle,
+            {"center": np.zeros(3), "normal": np.ones(3), "turns": 200.0},
+            ("circle", "turns"),
+            200.0,
+            -100.0,
+            100.0,
+        ),
         (check_options, {"damping": 0.0, "tolerance": 1.0}, ("tolerance",), 1.0, 0.0, 1.0),
     ],
-)  # fmt: skip
+)
 def test_options_out_of_bounds(call, options, location, value, lower, upper):
     error = raised(InvalidOption, call, **options)
     assert error.location == location

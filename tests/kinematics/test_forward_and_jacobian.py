@@ -124,9 +124,16 @@ def test_batches_longer_than_a_chunk_are_whole():
 
 @pytest.mark.parametrize(
     ("q", "where"),
-    [([0.1], "2 joints"), ([0.1, np.nan], "j2"), ([[0, 0], [0, np.inf]], "j2"), ([1e7, 0], "j1"),
-     (0.3, "dimensions"), ([[[0, 0]]], "dimensions"), (["a", "b"], "numbers")],
-)  # fmt: skip
+    [
+        ([0.1], "2 joints"),
+        ([0.1, np.nan], "j2"),
+        ([[0, 0], [0, np.inf]], "j2"),
+        ([1e7, 0], "j1"),
+        (0.3, "dimensions"),
+        ([[[0, 0]]], "dimensions"),
+        (["a", "b"], "numbers"),
+    ],
+)
 def test_bad_configurations_are_refused(q, where):
     with pytest.raises(WrongConfiguration, match=where):
         fk(shipped_robot("planar_2r"), q)

@@ -78,11 +78,14 @@ def test_what_one_process_compiled_the_next_one_loads(folder):
     )
     printed = [
         subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=True,
+            [sys.executable, "-c", code],
+            capture_output=True,
+            text=True,
+            check=True,
             cwd=Path(__file__).parents[2],
         ).stdout.strip()
         for _ in range(2)
-    ]  # fmt: skip
+    ]
     assert printed == ["| 1", "1 |"]
 
 

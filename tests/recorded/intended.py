@@ -71,7 +71,7 @@ def _kind(answer: Answer) -> str:
 def _with_no_warnings(old: Answer, text: str) -> str:
     """A text with the line that says that there are none, where the recorded one has it."""
     line = "warnings: (none)\n"
-    before, found, after = (old.text or "").partition(line)
+    _, found, after = (old.text or "").partition(line)
     if not found or line in text:
         return text
     following = after.partition(" ")[0].partition("\n")[0]
@@ -97,9 +97,11 @@ def _same_place(old: Answer, text: str) -> bool:
     """Whether two texts differ in where they find a fault of targets, and in words of it, only."""
     if '"targets":{' not in text and "/targets/" not in text:
         return False
-    if "/targets/" not in (old.text or ""):
+    if "/targets/" not in (old.text or "") and '"/targets/matrix"' not in (old.text or ""):
         return False
-    fields = [set(re.findall(r"\w+", one)) for one in _PLACE.findall(old.text or "")]
+    fields = [set(re.findall(r"\w+", one)) for one in _PLACE.findall(old.text or "")] or [
+        {"matrix"}
+    ]
     return all(set(re.findall(r"\w+", one)) & set().union(*fields) for one in _PLACE.findall(text))
 
 
@@ -148,6 +150,15 @@ INTENDED: list[Intended] = [
         "a text says of each pose whether its Euler angles are degenerate, in words",
         lambda asked, answer: asked.operation == "fk" and _kind(answer) == "text/plain",
         lambda old, text: _DEGENERATE.sub(_numbers, text),
+    ),
+    Intended(
+        "path/compare takes no parameter that it would refuse as a field",
+        lambda asked, answer: asked.operation == "path/compare" and answer.status == 422,
+        lambda old, text: (
+            old.text
+            if old.text is not None and "'method'" in old.text and "'method'" in text
+            else text
+        ),
     ),
     Intended(
         "the index names the guide",

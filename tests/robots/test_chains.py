@@ -149,7 +149,10 @@ def test_parallel_axes_written_with_six_digits_get_a_fixed_row(poses):
     chain, source = chain_of_urdf(text), robot_from_urdf(text)
     found = extract(chain, Convention.STANDARD)
     assert [row.type for row in found.table.rows] == [
-        JointType.CONTINUOUS, JointType.FIXED, JointType.CONTINUOUS]  # fmt: skip
+        JointType.CONTINUOUS,
+        JointType.FIXED,
+        JointType.CONTINUOUS,
+    ]
     assert max(abs(row.d) for row in found.table.rows) < 1.0
     assert any("2.7e-06 rad from parallel" in warning for warning in found.table.warnings)
     assert_same_kinematics(poses, source, chain, found)

@@ -50,7 +50,7 @@ def _large() -> dict[str, tuple[str, str]]:
         "brackets": ("pasted", "L = [" + "[" * 90_000),
         "links": ("pasted", "L(1) = Link(" * 7000),
         "quotes": ("pasted", '"""' * 33_000),
-    }  # fmt: skip
+    }
 
 
 LARGE = {name: Text(form, text.encode(), "dh") for name, (form, text) in _large().items()}

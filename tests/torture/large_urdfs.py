@@ -44,16 +44,18 @@ def largest():
         "comb": tree(300, lambda k: k - 1 if k % 2 else max(0, k - 2)),
         "shapes": chain(inside=SHAPE * 1000),
         "meshes": chain(inside=mesh * 1000),
-        "materials": chain(beside="".join(
-            f'<material name="{LONG}{k}"><color rgba="1 1 1 1"/></material>' for k in range(300)
-        )),
+        "materials": chain(
+            beside="".join(
+                f'<material name="{LONG}{k}"><color rgba="1 1 1 1"/></material>' for k in range(300)
+            )
+        ),
         "elements": chain(beside=f"<gazebo>{'<x/>' * 17_000}</gazebo>"),
         "attributes": chain(beside=f"<gazebo>{f'<x {attributes}/>' * 7_500}</gazebo>"),
         "unknown": chain(beside="<controller/>" * 17_000),
         "depth": chain(beside=f"<gazebo>{'<x>' * 250}{'</x>' * 250}</gazebo>"),
         "comments": filled(chain(), "<!-- -->"),
         "blanks": filled(chain(), "\n"),
-    }  # fmt: skip
+    }
 
 
 def too_large():
@@ -79,8 +81,6 @@ def too_large():
         "moving joints": (chain(66, moving=65), "65 joints; at most 64"),
         "collisions": (chain(3, inside=collision * 25_000), "elements; at most 20000"),
         "shapes": (chain(3, inside=collision * 1001), "1001 visual and collision shapes"),
-        "materials": (
-            chain(3, beside='<material name="m"/>' * 301), "301 materials; at most 300"
-        ),
+        "materials": (chain(3, beside='<material name="m"/>' * 301), "301 materials; at most 300"),
         "canonical bytes": (chain(3, inside=far * 1000), "when its numbers are written out"),
-    }  # fmt: skip
+    }

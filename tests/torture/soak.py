@@ -49,10 +49,14 @@ def pieces() -> list[Piece]:
     q = rng.uniform(-1, 1, (2000, 7)).round(4).tolist()
     targets = [{"position": [0.4, 0.001 * k, 0.5], "rpy": [3.1, 0, 0]} for k in range(100)]
     scene = {
-        "q": [1.9, -0.25, -0.45, -0.5, -0.5, -0.35, 0, 0.2], "target": {"position": [1.15, -0.15]},
-        "task": "xy", "d_safe": 0.02, "samples": 31, "method": "sqp",
+        "q": [1.9, -0.25, -0.45, -0.5, -0.5, -0.35, 0, 0.2],
+        "target": {"position": [1.15, -0.15]},
+        "task": "xy",
+        "d_safe": 0.02,
+        "samples": 31,
+        "method": "sqp",
         "obstacles": [{"type": "circle", "center": [0.73, 0.22], "radius": 0.08}],
-    }  # fmt: skip
+    }
     row = {"type": "R", "alpha": 0.1, "a": 0.2, "d": 0.3}
     table = {"convention": "standard", "joints": [row] * 6}
     return [

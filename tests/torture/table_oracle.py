@@ -44,8 +44,16 @@ from tests.torture.urdf_oracle import TOLERANCE, check_message
 SECONDS = 1.5
 MAX_ERROR_BYTES = 4096
 _ARITHMETIC = re.compile(r"(?:pi|[\d.+\-*/() ]|(?<=\d)[eE](?=[+\-\d])){1,40}", re.ASCII)
-_TYPES = {"r": "R", "revolute": "R", "c": "R", "continuous": "R", "p": "P", "prismatic": "P",
-          "f": "F", "fixed": "F"}  # fmt: skip
+_TYPES = {
+    "r": "R",
+    "revolute": "R",
+    "c": "R",
+    "continuous": "R",
+    "p": "P",
+    "prismatic": "P",
+    "f": "F",
+    "fixed": "F",
+}
 _PAR_KEYS = ("ant", "sigma", "b", "d", "r", "gamma", "alpha", "theta")
 _IDENTITY = np.eye(4).ravel()
 _WITH_UNIT = re.compile(r"([+-]?[0-9]+\.?[0-9]*) ?(deg|°|rad|m|mm)")
@@ -195,8 +203,11 @@ def second_reading(text: Text) -> DHTable:
         data = {"convention": "khalil", "joints": _par_rows(text.content)}
     else:
         raise NotPlain
-    names = {"standard": Convention.STANDARD, "modified": Convention.MODIFIED,
-             "khalil": Convention.KHALIL}  # fmt: skip
+    names = {
+        "standard": Convention.STANDARD,
+        "modified": Convention.MODIFIED,
+        "khalil": Convention.KHALIL,
+    }
     if data["convention"] not in names:
         raise NotPlain
     units = data.get("units") or {}
@@ -255,11 +266,18 @@ def _row(k: int, row: dict[str, Any], convention: Convention, angle: float, leng
     offset = plain(row.get("offset", 0), length if kind == "P" else angle)
     types = {"R": JointType.REVOLUTE, "P": JointType.PRISMATIC, "F": JointType.FIXED}
     return DHRow(
-        name=f"j{k}", type=types[kind], alpha=alpha, a=a, parent=int(row.get("ant", k)),
-        d=0.0 if kind == "P" else d, theta=0.0 if kind == "R" else theta, gamma=gamma, b=b,
+        name=f"j{k}",
+        type=types[kind],
+        alpha=alpha,
+        a=a,
+        parent=int(row.get("ant", k)),
+        d=0.0 if kind == "P" else d,
+        theta=0.0 if kind == "R" else theta,
+        gamma=gamma,
+        b=b,
         offset=offset + (d if kind == "P" else theta if kind == "R" else 0.0),
         sign=int(row.get("sign", 1)),
-    )  # fmt: skip
+    )
 
 
 def _placement(data: Any, angle: float, length: float) -> np.ndarray:

@@ -62,9 +62,14 @@ TABLE = (
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [(b"0.1,", b"0.1001,"), (b"modified", b"standard"), (b'"theta": 0.6', b'"theta": -0.6'),
-     (b"[0.1, 0, 0]", b"[0, 0.1, 0]"), (b'"d": 0.3', b'"d": 0.31')],
-)  # fmt: skip
+    [
+        (b"0.1,", b"0.1001,"),
+        (b"modified", b"standard"),
+        (b'"theta": 0.6', b'"theta": -0.6'),
+        (b"[0.1, 0, 0]", b"[0, 0.1, 0]"),
+        (b'"d": 0.3', b'"d": 0.31'),
+    ],
+)
 def test_the_judge_sees_a_reader_that_lies(monkeypatch, old, new):
     from tests.torture import table_oracle
 

@@ -58,11 +58,14 @@ ARM = """<robot name="arm"><link name="a"/><link name="b"/><link name="c"/>
         ("0 0 0.1", "0 0 0.100001"),
         ('"c"', '"d"'),
         ('"turn"', '"tern"'),
-        ("</robot>", '<link name="d"/><joint name="x" type="fixed"><parent link="b"/>'
-         '<child link="d"/></joint></robot>'),
+        (
+            "</robot>",
+            '<link name="d"/><joint name="x" type="fixed"><parent link="b"/>'
+            '<child link="d"/></joint></robot>',
+        ),
         ('type="revolute"', 'type="prismatic"'),
     ],
-)  # fmt: skip
+)
 def test_the_judge_sees_a_gate_that_lies(monkeypatch, old, new):
     from robots.robot import robot_from_urdf
     from tests.torture import urdf_oracle

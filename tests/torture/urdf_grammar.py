@@ -74,10 +74,15 @@ def _link(rng: random.Random, name: str) -> str:
             '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0.1" izz="1"/></inertial>'
         )
     for kind in rng.choices(("visual", "collision"), k=rng.choice((0, 0, 1, 2))):
-        form = rng.choice((
-            '<box size="1 2 3"/>', '<cylinder radius="1" length="0.1"/>', '<sphere radius=".1"/>',
-            '<mesh filename="package://a/b.stl"/>', '<mesh filename="/etc/passwd" scale="1 1 1"/>',
-        ))  # fmt: skip
+        form = rng.choice(
+            (
+                '<box size="1 2 3"/>',
+                '<cylinder radius="1" length="0.1"/>',
+                '<sphere radius=".1"/>',
+                '<mesh filename="package://a/b.stl"/>',
+                '<mesh filename="/etc/passwd" scale="1 1 1"/>',
+            )
+        )
         paint = '<material name="m"><color rgba="1 0 0 1"/></material>'
         paint = paint if rng.random() < 0.3 else ""
         inside.append(f"<{kind}>{_origin(rng)}<geometry>{form}</geometry>{paint}</{kind}>")

@@ -188,10 +188,18 @@ def _rename(rng: random.Random, root: Tree) -> None:
     if element is not None:
         key = rng.choice(list(element.attrib))
         value = element.get(key, "")
-        element.set(key, rng.choice((
-            value.upper(), value + " ", unicodedata.normalize("NFD", value), value + "\u200d",
-            value.replace("a", "а"),
-        )))  # fmt: skip
+        element.set(
+            key,
+            rng.choice(
+                (
+                    value.upper(),
+                    value + " ",
+                    unicodedata.normalize("NFD", value),
+                    value + "\u200d",
+                    value.replace("a", "а"),
+                )
+            ),
+        )
 
 
 def _add_mimic(rng: random.Random, root: Tree) -> None:

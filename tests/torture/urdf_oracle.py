@@ -100,8 +100,11 @@ def check_robot(robot: Robot, document: bytes, rng: random.Random) -> None:
 
 def _second_reading(document: bytes) -> ET.Element:
     """The document's root by expat, which takes neither blanks before a declaration nor marks."""
-    for mark, encoding in ((codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"),
-                           (codecs.BOM_UTF8, "utf-8-sig")):  # fmt: skip
+    for mark, encoding in (
+        (codecs.BOM_UTF16_LE, "utf-16"),
+        (codecs.BOM_UTF16_BE, "utf-16"),
+        (codecs.BOM_UTF8, "utf-8-sig"),
+    ):
         if document.startswith(mark):
             return ET.fromstring(re.sub(r"^\s*<\?xml .*?\?>", "", document.decode(encoding)))
     # A mark within a name of what is left out: a letter since XML 1.0's fifth edition only.
@@ -145,10 +148,15 @@ def _check_limits(robot: Robot, root: ET.Element) -> None:
 def frames(root: ET.Element, q: dict[str, float]) -> dict[str, np.ndarray]:
     """Poses of all links in the root's axes, from elementary matrices."""
     joints = [
-        Joint(e, e.get("name"), e.get("type"), e.find("parent").get("link"),
-              e.find("child").get("link"))
+        Joint(
+            e,
+            e.get("name"),
+            e.get("type"),
+            e.find("parent").get("link"),
+            e.find("child").get("link"),
+        )
         for e in root.findall("joint")
-    ]  # fmt: skip
+    ]
     by_name = {joint.name: joint for joint in joints}
     above = {joint.child: joint for joint in joints}
     found: dict[str, np.ndarray] = {}

@@ -45,9 +45,13 @@ def axe(hook: ModuleType) -> str:
 def chromium() -> str:
     """The browser's path; without one the tests are skipped, but in CI they fail."""
     found = next(
-        (path for name in ("chromium", "chromium-browser", "google-chrome")
-         if (path := shutil.which(name))), None,
-    )  # fmt: skip
+        (
+            path
+            for name in ("chromium", "chromium-browser", "google-chrome")
+            if (path := shutil.which(name))
+        ),
+        None,
+    )
     if found is None:
         reason = "the page's tests need chromium on PATH (Debian: apt-get install chromium)"
         if os.environ.get("CI"):
@@ -131,10 +135,14 @@ class Visit:
         """A matrix of a section, as it was computed."""
         rows = self.page.locator(f"#section-{section} .matrix >> nth=0").locator("tbody tr")
         return [
-            [float(value) for value in row.locator("td").evaluate_all(
-                "cells => cells.map(cell => cell.dataset.value)")]
+            [
+                float(value)
+                for value in row.locator("td").evaluate_all(
+                    "cells => cells.map(cell => cell.dataset.value)"
+                )
+            ]
             for row in rows.all()
-        ]  # fmt: skip
+        ]
 
 
 @pytest.fixture
@@ -161,9 +169,15 @@ def open_page(browsers, server) -> Iterator[object]:
         if message.type == "error" and not any(text in message.text for text in expected):
             wrong.append(f"{message.type}: {message.text}")
 
-    def opened(fragment: str | None = "", *, webgl: bool = True, address: str = server,
-               refusals: bool = False, outages: bool = False,
-               **options: object) -> Visit:  # fmt: skip
+    def opened(
+        fragment: str | None = "",
+        *,
+        webgl: bool = True,
+        address: str = server,
+        refusals: bool = False,
+        outages: bool = False,
+        **options: object,
+    ) -> Visit:
         expected.extend(["status of 4"] if refusals else [])
         expected.extend(["status of 503", "net::ERR_"] if outages else [])
         settings = {"viewport": {"width": 1440, "height": 900}, "locale": "en-GB", **options}

@@ -46,10 +46,16 @@ def test_any_change_of_the_sources_makes_it_stale(hook, change, checkout):
 @pytest.mark.parametrize(
     ("version", "taken"),
     [
-        ("v18.20.4", False), ("v20.18.9", False), ("v20.19.0", True), ("v21.7.3", False),
-        ("v22.11.0", False), ("v22.12.0", True), ("v24.19.0", True), ("no", False),
+        ("v18.20.4", False),
+        ("v20.18.9", False),
+        ("v20.19.0", True),
+        ("v21.7.3", False),
+        ("v22.11.0", False),
+        ("v22.12.0", True),
+        ("v24.19.0", True),
+        ("no", False),
     ],
-)  # fmt: skip
+)
 def test_only_a_node_that_is_new_enough_is_taken(hook, version, taken, tmp_path, monkeypatch):
     for name in ("node", "npm"):
         program = tmp_path / name

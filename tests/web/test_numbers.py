@@ -205,11 +205,14 @@ def test_the_page_works_behind_a_path_prefix(open_page, server):
             assert self.path.startswith("/teaching/")
             size = int(self.headers.get("content-length") or 0)
             answer = httpx.request(
-                self.command, server + self.path.removeprefix("/teaching"),
+                self.command,
+                server + self.path.removeprefix("/teaching"),
                 content=self.rfile.read(size),
-                headers={k: v for k, v in self.headers.items()
-                         if k.lower() in ("accept", "content-type")},
-             timeout=PATIENCE)  # fmt: skip
+                headers={
+                    k: v for k, v in self.headers.items() if k.lower() in ("accept", "content-type")
+                },
+                timeout=PATIENCE,
+            )
             self.send_response(answer.status_code)
             for name in ("content-type", "content-security-policy"):
                 if name in answer.headers:
@@ -230,10 +233,13 @@ def test_the_page_works_behind_a_path_prefix(open_page, server):
         refused: list[str] = []
         visit = open_page(None, address=address.rstrip("/"))
         page = visit.page
-        page.on("response", lambda answer: refused.append(answer.url)
-                if answer.status >= 400 else None)  # fmt: skip
-        page.goto(address + "#robot=panda_urdf&q=0,-30,0,-120,0,100,45,0,0"
-                  "&open=pose,jacobian,ik,path,reproduce")  # fmt: skip
+        page.on(
+            "response", lambda answer: refused.append(answer.url) if answer.status >= 400 else None
+        )
+        page.goto(
+            address + "#robot=panda_urdf&q=0,-30,0,-120,0,100,45,0,0"
+            "&open=pose,jacobian,ik,path,reproduce"
+        )
         page.wait_for_selector("#section-jacobian .matrix td[data-value]")
         page.wait_for_function("() => document.querySelector('.host')?.probe?.meshes() > 8")
         visit.settled()

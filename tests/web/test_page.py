@@ -137,9 +137,12 @@ def test_all_of_it_is_reached_by_keyboard(open_page):
     reached = set()
     for _ in range(120):
         page.keyboard.press("Tab")
-        reached.add(page.evaluate(
-            "() => document.activeElement.getAttribute('aria-label') ?? "
-            "document.activeElement.textContent"))  # fmt: skip
+        reached.add(
+            page.evaluate(
+                "() => document.activeElement.getAttribute('aria-label') ?? "
+                "document.activeElement.textContent"
+            )
+        )
     view = (
         "3D view of the robot: arrow keys turn it, + and − zoom."
         " What it shows is in the numbers beside it."
@@ -204,8 +207,14 @@ def test_the_page_is_usable_soon(open_page):
 def test_without_webgl_there_is_a_picture(open_page):
     pictures: list[str] = []
     visit = open_page(None, webgl=False)
-    visit.page.on("response", lambda answer: pictures.append(answer.headers["content-type"])
-                  if "/picture.svg" in answer.url else None)  # fmt: skip
+    visit.page.on(
+        "response",
+        lambda answer: (
+            pictures.append(answer.headers["content-type"])
+            if "/picture.svg" in answer.url
+            else None
+        ),
+    )
     visit.go("robot=puma560&q=0,45,-90,0,45,0")
     visit.page.wait_for_selector("img.picture")
     visit.page.wait_for_function("() => document.querySelector('img.picture').naturalWidth > 100")
@@ -278,7 +287,13 @@ def test_the_lock_names_no_registry():
     lock = json.loads((ROOT / "web" / "package-lock.json").read_text())
     assert not [name for name, one in lock["packages"].items() if "resolved" in one]
     assert all("integrity" in one for name, one in lock["packages"].items() if name)
-    assert set(lock["packages"][""]["dependencies"]) == {"three", "urdf-loader"}
+    assert set(lock["packages"][""]["dependencies"]) == {
+        "@types/three",
+        "three",
+        "typescript",
+        "urdf-loader",
+        "vite",
+    }
 
 
 def test_gzip_forms_are_the_files(client):

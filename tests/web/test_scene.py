@@ -209,14 +209,27 @@ def texts(page) -> set[str]:
 @pytest.mark.parametrize(
     ("robot", "q", "names"),
     [
-        ("puma560", "0,45,-90,0,45,0", {"d₁ = 0.6718 m", "a₂ = 0.4318 m", "d₃ = 0.15 m",
-                                        "a₃ = 0.0203 m", "d₄ = 0.4318 m"}),
-        ("panda", "0,-30,0,-120,0,100,45", {"d₁ = 0.333 m", "d₃ = 0.316 m", "a₃ = 0.0825 m",
-                                            "a₄ = -0.0825 m", "d₅ = 0.384 m", "a₆ = 0.088 m"}),
+        (
+            "puma560",
+            "0,45,-90,0,45,0",
+            {"d₁ = 0.6718 m", "a₂ = 0.4318 m", "d₃ = 0.15 m", "a₃ = 0.0203 m", "d₄ = 0.4318 m"},
+        ),
+        (
+            "panda",
+            "0,-30,0,-120,0,100,45",
+            {
+                "d₁ = 0.333 m",
+                "d₃ = 0.316 m",
+                "a₃ = 0.0825 m",
+                "a₄ = -0.0825 m",
+                "d₅ = 0.384 m",
+                "a₆ = 0.088 m",
+            },
+        ),
         ("rx90", "10,20,-50,30,25,40", {"d₃ = 0.45 m", "r₄ = 0.45 m"}),
         ("scara", "20,40,0.08,0", {"d₁ = 0.387 m", "a₁ = 0.325 m", "a₂ = 0.275 m", "d₃ = 0.08 m"}),
     ],
-)  # fmt: skip
+)
 def test_lengths_are_named_as_the_convention_names_them(robot, q, names, open_page):
     page = open_page(f"robot={robot}&q={q}&view=frames:none,dimensions").page
     page.wait_for_function("() => document.querySelector('.host')?.probe?.labels().length > 1")
@@ -269,11 +282,15 @@ def test_no_label_hides_another_and_the_arm_fills_the_view(robot, q, size, open_
         assert one["halfHeight"] - 1e-6 <= one["y"] <= box["height"] - one["halfHeight"] + 1e-6
     frames = [name for name in page.evaluate(POSES) if name.startswith(("frame", "tool"))]
     assert {f"x{n}" for n in "₀₁"} <= texts(page)
-    pixels = np.array([
-        [at["x"] - box["x"], at["y"] - box["y"]]
-        for at in (page.evaluate("f => document.querySelector('.host').probe.pixel(f)", name)
-                   for name in frames)
-    ])  # fmt: skip
+    pixels = np.array(
+        [
+            [at["x"] - box["x"], at["y"] - box["y"]]
+            for at in (
+                page.evaluate("f => document.querySelector('.host').probe.pixel(f)", name)
+                for name in frames
+            )
+        ]
+    )
     assert (pixels > 0).all()
     assert (pixels < (box["width"], box["height"])).all()
     assert max(np.ptp(pixels, axis=0) / (box["width"], box["height"])) > 0.45
@@ -288,11 +305,15 @@ def layers(page) -> dict[str, int]:
 @pytest.mark.parametrize(
     ("task", "shown", "count"),
     [
-        ("pose", "velocity", 1), ("position", "force", 1), ("pose", "both", 2),
-        ("orientation", "velocity", 1), ("orientation", "both", 2), ("xy", "both", 2),
+        ("pose", "velocity", 1),
+        ("position", "force", 1),
+        ("pose", "both", 2),
+        ("orientation", "velocity", 1),
+        ("orientation", "both", 2),
+        ("xy", "both", 2),
         ("pose", "none", 0),
     ],
-)  # fmt: skip
+)
 def test_ellipsoids_of_the_chosen_task(task, shown, count, open_page):
     visit = open_page(f"robot=puma560&q=10,20,-100,30,25,40&task={task}&view=ellipsoid:{shown}")
     assert layers(visit.page)["ellipsoids"] == count
@@ -327,8 +348,12 @@ def test_solutions_are_ghosts_that_can_be_picked_in_the_view(open_page):
     count = page.locator(".solutions button").count()
     picked = None
     for k in range(count):
-        a, b = (page.evaluate("([k, f]) => document.querySelector('.host').probe.ghost(k, f)",
-                              [k, frame]) for frame in ("frame_1", "frame_2"))  # fmt: skip
+        a, b = (
+            page.evaluate(
+                "([k, f]) => document.querySelector('.host').probe.ghost(k, f)", [k, frame]
+            )
+            for frame in ("frame_1", "frame_2")
+        )
         page.mouse.click(0.5 * (a["x"] + b["x"]), 0.5 * (a["y"] + b["y"]))
         visit.settled()
         visit.drawn()
@@ -348,8 +373,10 @@ def test_solutions_are_ghosts_that_can_be_picked_in_the_view(open_page):
 def test_a_finger_drags_the_tool(open_page):
     visit = open_page(
         "robot=puma560&q=0,45,-90,0,45,0&open=pose",
-        viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True,
-    )  # fmt: skip
+        viewport={"width": 390, "height": 844},
+        has_touch=True,
+        is_mobile=True,
+    )
     page = visit.page
     before = shown(visit)["tool"]
     page.wait_for_function("() => document.querySelector('.host').probe.handle()")

@@ -18,9 +18,13 @@ $i$ & $\theta_i$ & $d_i$ & $a_i$ & $\alpha_i$ \\ \hline
 2 & $\theta_2$ & 0 & 0.3 & 0 \\
 \end{tabular}"""
 MATLAB = "L(1) = Link([0 0.4 0 pi/2]);\nL(2) = Link([0 0 0.3 0]);\n"
-TWO_LINKS = {"convention": "standard", "joints": [
-    {"type": "R", "alpha": "pi/2", "a": 0, "d": 0.4}, {"type": "R", "alpha": 0, "a": 0.3, "d": 0},
-]}  # fmt: skip
+TWO_LINKS = {
+    "convention": "standard",
+    "joints": [
+        {"type": "R", "alpha": "pi/2", "a": 0, "d": 0.4},
+        {"type": "R", "alpha": 0, "a": 0.3, "d": 0},
+    ],
+}
 
 
 def pose_of(client, table, q):
@@ -39,10 +43,14 @@ def test_cells_take_what_people_write(open_page, client):
     for column, text in (("α", "pi/2"), ("a", "0,4"), ("d", "300e-3"), ("θ", "-q1 + 90°")):
         cell(visit, 1, column).fill(text)
     visit.settled()
-    table = {"convention": "standard", "units": {"angle": "deg"}, "joints": [
-        {"type": "R", "alpha": "pi/2", "a": 0.4, "d": 0.3, "theta": "-q1+90"},
-        {"type": "R", "alpha": 0, "a": 0.8, "d": 0},
-    ]}  # fmt: skip
+    table = {
+        "convention": "standard",
+        "units": {"angle": "deg"},
+        "joints": [
+            {"type": "R", "alpha": "pi/2", "a": 0.4, "d": 0.3, "theta": "-q1+90"},
+            {"type": "R", "alpha": 0, "a": 0.8, "d": 0},
+        ],
+    }
     np.testing.assert_allclose(
         visit.matrix("pose"), pose_of(client, table, [30, 60]), rtol=0, atol=1e-15
     )
@@ -203,13 +211,18 @@ def test_a_urdf_is_opened_without_being_stored_and_downloaded(open_page, client,
 @pytest.mark.parametrize(
     ("name", "text"),
     [
-        ("arm.yaml", "convention: modified\nunits: {angle: deg, length: m}\njoints:\n"
-         "  - {type: R, alpha: 0, a: 0, d: 0.4}\n  - {type: R, alpha: 90, a: 0.3, d: 0}\n"),
-        ("arm.csv", "name,type,alpha,a,d,theta,offset,sign\nj1,R,90,0,0.4,0,0,1\n"
-         "j2,R,0,0.3,0,0,0,1\n"),
+        (
+            "arm.yaml",
+            "convention: modified\nunits: {angle: deg, length: m}\njoints:\n"
+            "  - {type: R, alpha: 0, a: 0, d: 0.4}\n  - {type: R, alpha: 90, a: 0.3, d: 0}\n",
+        ),
+        (
+            "arm.csv",
+            "name,type,alpha,a,d,theta,offset,sign\nj1,R,90,0,0.4,0,0,1\nj2,R,0,0.3,0,0,0,1\n",
+        ),
         ("arm.md", MARKDOWN.replace("L3", "0.1")),
     ],
-)  # fmt: skip
+)
 def test_tables_are_opened_from_files(name, text, open_page, tmp_path):
     file = tmp_path / name
     file.write_text(text)
@@ -297,14 +310,17 @@ def test_what_is_wrong_with_the_tool_stands_at_its_field(open_page):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (URDF.replace('type="continuous"', 'type="fixed"').replace('type="revolute"',
-                                                                   'type="fixed"'),
-         "no joint that moves"),
+        (
+            URDF.replace('type="continuous"', 'type="fixed"').replace(
+                'type="revolute"', 'type="fixed"'
+            ),
+            "no joint that moves",
+        ),
         (URDF.replace('xyz="0 1 0"', 'xyz="0 0 0"'), "axis is zero"),
         ("<robot", "XML"),
     ],
     ids=["nothing moves", "no axis", "no XML"],
-)  # fmt: skip
+)
 def test_a_urdf_that_cannot_be_used_leaves_the_page_as_it_is(text, message, open_page, tmp_path):
     file = tmp_path / "bad.urdf"
     file.write_text(text)

@@ -302,10 +302,25 @@ def _untimed(
     """Return the result where there is no timing."""
     none = np.empty((0, result.problem.arm.robot.dof))
     return Retimed(
-        RetimeStatus.NO_PARAMETRISATION, False, message, ("completeness",), None, np.empty(0),
-        none, none, none, *_limits(result.problem, velocity, acceleration),
-        np.nan, np.nan, 1.0, np.nan, np.nan, np.nan, np.full(result.problem.arm.K, np.nan), (),
-    )  # fmt: skip
+        RetimeStatus.NO_PARAMETRISATION,
+        False,
+        message,
+        ("completeness",),
+        None,
+        np.empty(0),
+        none,
+        none,
+        none,
+        *_limits(result.problem, velocity, acceleration),
+        np.nan,
+        np.nan,
+        1.0,
+        np.nan,
+        np.nan,
+        np.nan,
+        np.full(result.problem.arm.K, np.nan),
+        (),
+    )
 
 
 def _warnings(result: PathResult, velocity: FloatArray) -> tuple[str, ...]:

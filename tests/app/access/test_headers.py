@@ -22,8 +22,10 @@ def test_named_origins_may_use_the_api_also_where_it_is_refused(serve):
         httpx.Client(base_url=server.address, timeout=PATIENCE) as client,
     ):
         origin = {"Origin": "https://lab.example.org"}
-        wanted = {"Access-Control-Request-Method": "POST",
-                  "Access-Control-Request-Headers": "content-type, authorization"}  # fmt: skip
+        wanted = {
+            "Access-Control-Request-Method": "POST",
+            "Access-Control-Request-Headers": "content-type, authorization",
+        }
         flight = client.options("/v1/fk", headers={**origin, **wanted})
         assert flight.status_code == 200
         assert flight.headers["access-control-allow-origin"] == origin["Origin"]
@@ -35,8 +37,20 @@ def test_named_origins_may_use_the_api_also_where_it_is_refused(serve):
         assert "access-control-allow-origin" not in other.headers
 
 
-@pytest.mark.parametrize("path", [FK, "/", "/nothing", "/docs", "/openapi.json", "/health/live",
-                                  "/guide", "/v1/robots", FK + "&format=text"])  # fmt: skip
+@pytest.mark.parametrize(
+    "path",
+    [
+        FK,
+        "/",
+        "/nothing",
+        "/docs",
+        "/openapi.json",
+        "/health/live",
+        "/guide",
+        "/v1/robots",
+        FK + "&format=text",
+    ],
+)
 def test_every_answer_has_safe_headers(client, path):
     headers = client.get(path).headers
     assert headers["x-content-type-options"] == "nosniff"

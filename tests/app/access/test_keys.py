@@ -33,13 +33,21 @@ def test_keys_open_what_their_scope_says(serve, tmp_path):
             assert answer.status_code == 401
             assert 'error="invalid_token"' in answer.headers["www-authenticate"]
         assert client.get(FK, headers={"Authorization": "Basic eDp5"}).status_code == 401
-        for headers in (bearer(reader), bearer(writer), {"X-API-Key": reader},
-                        {"authorization": f"bearer {reader}"}):  # fmt: skip
+        for headers in (
+            bearer(reader),
+            bearer(writer),
+            {"X-API-Key": reader},
+            {"authorization": f"bearer {reader}"},
+        ):
             assert client.get(FK, headers=headers).status_code == 200
             inline = {"robot": TABLE, "q": [0]}
             assert client.post("/v1/fk", json=inline, headers=headers).status_code == 200
-        for method, path in (("PUT", "/v1/robots/a"), ("POST", "/v1/robots"),
-                             ("POST", "/v1/robots/"), ("DELETE", "/v1/robots/a")):  # fmt: skip
+        for method, path in (
+            ("PUT", "/v1/robots/a"),
+            ("POST", "/v1/robots"),
+            ("POST", "/v1/robots/"),
+            ("DELETE", "/v1/robots/a"),
+        ):
             refused = client.request(method, path, json=TABLE, headers=bearer(reader))
             assert refused.status_code == 403, path
             assert 'scope="write"' in refused.headers["www-authenticate"]

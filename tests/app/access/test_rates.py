@@ -77,8 +77,13 @@ def test_rates_are_read_or_refused():
 
 @pytest.mark.parametrize(
     ("host", "network"),
-    [("203.0.113.7", "203.0.113.7"), ("2001:db8:1:2:3::4", "2001:db8:1:2::"),
-     ("::ffff:203.0.113.7", "203.0.113.7"), ("fe80::1%eth0", "fe80::"), ("testclient", "unknown")],
-)  # fmt: skip
+    [
+        ("203.0.113.7", "203.0.113.7"),
+        ("2001:db8:1:2:3::4", "2001:db8:1:2::"),
+        ("::ffff:203.0.113.7", "203.0.113.7"),
+        ("fe80::1%eth0", "fe80::"),
+        ("testclient", "unknown"),
+    ],
+)
 def test_addresses_are_grouped(host, network):
     assert network_of(host) == network

@@ -36,18 +36,30 @@ LONG_ARM = {
 BENT = RNG.uniform(-2, 2, 60).round(4).tolist()
 WORK = {
     "singularity": ("/v1/robots/panda/", "singularity", {"q": Q}),
-    "joint velocities": ("/v1/robots/panda/", "joint-velocities",
-                         {"q": Q, "twist": [0.1, 0, 0, 0, 0, 0]}),
+    "joint velocities": (
+        "/v1/robots/panda/",
+        "joint-velocities",
+        {"q": Q, "twist": [0.1, 0, 0, 0, 0, 0]},
+    ),
     "many targets": ("/v1/robots/panda/", "ik", {"targets": FAR, **PATIENT}),
     "nearest singularity": ("/v1/", "singularity/nearest", {"robot": LONG_ARM, "q": BENT}),
     "sqp": ("/v1/robots/planar_8r/", "path", {**SCENE, "method": "sqp", "samples": 5000}),
-    "whole path": ("/v1/robots/planar_8r/", "path",
-                   {**SCENE, "method": "whole_path", "samples": 2000}),
-    "methods": ("/v1/robots/planar_8r/", "path/compare",
-                {**SCENE, "samples": 5000, "methods": ["sqp"] * 16}),
-    "closed forms": ("/v1/", "symbolic", {"robot": TABLE, "quantities": "all",
-                                          "parameters": "symbolic", "time_budget_ms": 60_000}),
-}  # fmt: skip
+    "whole path": (
+        "/v1/robots/planar_8r/",
+        "path",
+        {**SCENE, "method": "whole_path", "samples": 2000},
+    ),
+    "methods": (
+        "/v1/robots/planar_8r/",
+        "path/compare",
+        {**SCENE, "samples": 5000, "methods": ["sqp"] * 16},
+    ),
+    "closed forms": (
+        "/v1/",
+        "symbolic",
+        {"robot": TABLE, "quantities": "all", "parameters": "symbolic", "time_budget_ms": 60_000},
+    ),
+}
 STREAM = "Accept: application/x-ndjson"
 BEFORE_ANY_IS_DONE = 0.005
 """Seconds. Each of these takes a hundred times as long; a time that is up in the middle of a
@@ -72,8 +84,13 @@ def limited(tmp_path_factory):
 def sent(server, path: str, body: dict, *headers: str) -> socket.socket:
     """A connection on which a request is sent, whose answer nobody has read."""
     content = json.dumps(body).encode()
-    lines = (f"POST {path} HTTP/1.1", "Host: x", "Content-Type: application/json",
-             f"Content-Length: {len(content)}", *headers)  # fmt: skip
+    lines = (
+        f"POST {path} HTTP/1.1",
+        "Host: x",
+        "Content-Type: application/json",
+        f"Content-Length: {len(content)}",
+        *headers,
+    )
     connection = server.connect()
     connection.sendall("\r\n".join((*lines, "\r\n")).encode() + content)
     return connection

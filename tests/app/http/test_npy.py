@@ -29,10 +29,16 @@ Q = np.array([[0.5, -0.25], [1.0, 2.0], [0.125, 0.75]])
 @pytest.mark.parametrize(
     "array",
     [
-        Q.astype(">f8"), Q.astype("<f4"), Q.astype(">f4"), Q.astype("<f2"), np.asfortranarray(Q),
-        Q.astype(">f8").copy(order="F"), Q[0], Q.astype(">f2"),
+        Q.astype(">f8"),
+        Q.astype("<f4"),
+        Q.astype(">f4"),
+        Q.astype("<f2"),
+        np.asfortranarray(Q),
+        Q.astype(">f8").copy(order="F"),
+        Q[0],
+        Q.astype(">f2"),
     ],
-)  # fmt: skip
+)
 def test_npy_of_any_real_type_and_order_is_read_exactly(client, array):
     answer = post(client, npy(array), headers=NPY)
     assert answer.status_code == 200, answer.text

@@ -12,11 +12,18 @@ GOOD = {
     "name": "probe",
     "convention": "standard",
     "joints": [
-        {"name": "j1", "type": "revolute", "alpha": 0, "a": 1, "d": 0, "theta": 0,
-         "limits": {"lower": -1, "upper": 1}},
+        {
+            "name": "j1",
+            "type": "revolute",
+            "alpha": 0,
+            "a": 1,
+            "d": 0,
+            "theta": 0,
+            "limits": {"lower": -1, "upper": 1},
+        },
         {"name": "j2", "type": "revolute", "alpha": "pi/2", "a": 1, "d": 0, "theta": 0},
     ],
-}  # fmt: skip
+}
 
 
 def changed(path, value):
@@ -74,13 +81,17 @@ def check(answer, status, pointer, *words):
         (["joints"], "none", "/joints", ["list"]),
         (["joints", 1], 7, "/joints/1", ["mapping"]),
         (["tool"], {"matrix": [[1, 0], [0, 1]]}, "/tool", ["four rows"]),
-        (["tool"], {"matrix": [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]]}, "/tool",
-         ["rotation"]),
+        (
+            ["tool"],
+            {"matrix": [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]]},
+            "/tool",
+            ["rotation"],
+        ),
         (["units"], {"angle": "grad"}, "/units/angle", ["deg"]),
         (["colour"], "red", "/colour", ["unknown"]),
         (["name"], "../etc", "/name", ["letters"]),
     ],
-)  # fmt: skip
+)
 def test_bad_tables(client, path, value, pointer, words):
     body = json.dumps(changed(path, value))
     for answer in (
@@ -100,9 +111,10 @@ def test_sixty_five_joints(client):
     joints = [GOOD["joints"][1] | {"name": f"j{k}"} for k in range(65)]
     answer = client.put("/v1/robots/long", json={"convention": "dh", "joints": joints})
     check(answer, 422, "", "65 joints", "at most 64")
-    assert client.put(
-        "/v1/robots/long", json={"convention": "dh", "joints": joints[:64]}
-    ).status_code == 201  # fmt: skip
+    assert (
+        client.put("/v1/robots/long", json={"convention": "dh", "joints": joints[:64]}).status_code
+        == 201
+    )
     assert client.delete("/v1/robots/long").status_code == 204
 
 
@@ -162,8 +174,12 @@ def test_bad_urdfs(client, urdf, words):
         ("fk", {"q": [0, 0], "frames": []}, "/frames", ["all"]),
         ("fk", {"q": [0, 0], "euler": "ZZX"}, "/euler", ["ZXZ"]),
         ("jacobian", {"q": [0, 0], "frame": "nope"}, "/frame", ["nope"]),
-        ("jacobian", {"q": [0, 0], "reference_frame": "base"}, "/reference_frame",
-         ["base", "local_world_aligned"]),
+        (
+            "jacobian",
+            {"q": [0, 0], "reference_frame": "base"},
+            "/reference_frame",
+            ["base", "local_world_aligned"],
+        ),
         ("jacobian", {"q": [0, 0], "euler": "ZXZ"}, "/euler", ["no rates"]),
         ("singularity", {"q": [0, 0], "task": "poze"}, "/task", ["pose"]),
         ("singularity", {"q": [0, 0], "task": [1, 1]}, "/task", ["six"]),
@@ -172,21 +188,41 @@ def test_bad_urdfs(client, urdf, words):
         ("ik", {"target": {"position": [0, 0, 0]}}, "/target", ["orientation", "task position"]),
         ("ik", {"target": {"position": [0, 0, 0], "rpy": [0, 0]}}, "/target/rpy", ["give 3"]),
         ("ik", {"target": {"matrix": [[1]]}}, "/target/matrix", ["four rows"]),
-        ("ik", {"target": {"position": [0, 0, 0]}, "task": "position", "seed": [0]}, "/seed",
-         ["2 joints"]),
-        ("ik", {"target": {"position": [0, 0]}, "task": "xy", "max_restarts": -1},
-         "/max_restarts", ["give"]),
-        ("ik", {"target": {"position": [0, 0]}, "task": "xy", "tolerance": {"position": 0}},
-         "/tolerance/position", ["give"]),
+        (
+            "ik",
+            {"target": {"position": [0, 0, 0]}, "task": "position", "seed": [0]},
+            "/seed",
+            ["2 joints"],
+        ),
+        (
+            "ik",
+            {"target": {"position": [0, 0]}, "task": "xy", "max_restarts": -1},
+            "/max_restarts",
+            ["give"],
+        ),
+        (
+            "ik",
+            {"target": {"position": [0, 0]}, "task": "xy", "tolerance": {"position": 0}},
+            "/tolerance/position",
+            ["give"],
+        ),
         ("ik", {"target": {"position": [1, 0, 0], "phi": 0}}, "/target/phi", ["rpy"]),
-        ("ik", {"target": {"position": [0, 0]}, "task": "xy", "max_restarts": int("9" * 400)},
-         "/max_restarts", []),
-        ("ik", {"target": {"position": [0, 0]}, "task": "xy", "random_seed": 2**62},
-         "/random_seed", ["give"]),
+        (
+            "ik",
+            {"target": {"position": [0, 0]}, "task": "xy", "max_restarts": int("9" * 400)},
+            "/max_restarts",
+            [],
+        ),
+        (
+            "ik",
+            {"target": {"position": [0, 0]}, "task": "xy", "random_seed": 2**62},
+            "/random_seed",
+            ["give"],
+        ),
         ("ik", {"targets": []}, "/targets", ["give 1 to"]),
         ("ik", {"targets": {"position": [[0, 0, 0]], "rpy": []}}, "/targets", ["unequal"]),
     ],
-)  # fmt: skip
+)
 def test_bad_computations(client, path, body, pointer, words):
     check(client.post(f"/v1/robots/planar_2r/{path}", json=body), 422, pointer, *words)
 
@@ -224,9 +260,13 @@ def test_costly_documents_are_refused_at_once(client, shared_service):
     keys = "{" + ",".join(f'"k{k}":1' for k in range(100_000)) + ',"k99999":1}'
     columns = ",".join(f"c{k}" for k in range(100_000))
     deep, many = "convention: " + "[" * 3000, "joints:\n" + "- {type: R}\n" * 20_000
-    for kind, body in (("application/json", keys), ("text/csv", columns),
-                       ("application/yaml", deep), ("application/yaml", many),
-                       ("application/yaml", "- " * 20_000)):  # fmt: skip
+    for kind, body in (
+        ("application/json", keys),
+        ("text/csv", columns),
+        ("application/yaml", deep),
+        ("application/yaml", many),
+        ("application/yaml", "- " * 20_000),
+    ):
         before = processor_seconds(shared_service[1])
         answer = client.put("/v1/robots/probe", content=body, headers={"Content-Type": kind})
         assert answer.status_code in (400, 422), answer.text

@@ -18,10 +18,17 @@ from tests.conftest import PATIENCE
         (FK, b'{"q": {"j1": 0, "j1": 0, "j2": 0}}', "/q/j1"),
         (FK, b'{"q": [0, 0], "frames": ["q", "tool"], "q": [0, 0]}', "/q"),
         (FK, b'{"q": [0, 0], "euler": "ZXZ", "euler": "ZXZ"}', "/euler"),
-        (IK, b'{"task": "xy", "target": {"position": [1, 0], "position": [0, 1]}}',
-         "/target/position"),
-        (IK, b'{"task": "xy", "targets": [{"position": [1, 0]}, {"position": [1, 0],'
-         b' "position": [0, 1]}]}', "/targets/1/position"),
+        (
+            IK,
+            b'{"task": "xy", "target": {"position": [1, 0], "position": [0, 1]}}',
+            "/target/position",
+        ),
+        (
+            IK,
+            b'{"task": "xy", "targets": [{"position": [1, 0]}, {"position": [1, 0],'
+            b' "position": [0, 1]}]}',
+            "/targets/1/position",
+        ),
         ("/v1/fk", b'{"robot": "planar_2r", "robot": "ur5", "q": [0, 0]}', "/robot"),
         ("/v1/fk", b'{"robot": {"urdf": "a", "urdf": "a"}, "q": [0, 0]}', "/robot/urdf"),
         ("/v1/fk", b'{"robot": {"urdf": "a"}, "robot": {"urdf": "a"}, "q": [0, 0]}', "/robot"),
@@ -29,7 +36,7 @@ from tests.conftest import PATIENCE
         ("/v1/diff", b'{"robot": "ur5", "other": "ur5", "robot": "ur5"}', "/robot"),
         ("/v1/axes-to-dh", b'{"joints": [], "joints": []}', "/joints"),
     ],
-)  # fmt: skip
+)
 def test_a_key_twice_in_one_object_is_refused(client, path, body, pointer):
     check(post(client, body, path), 422, pointer, "stands twice")
 

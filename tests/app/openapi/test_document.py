@@ -34,8 +34,11 @@ def test_every_example_runs_as_it_stands_and_fits_its_schema(client, document):
         if not path.startswith("/v1") or path.endswith("/meshes/{name}"):
             continue  # test_meshes.py reads each file that a robot has
         url = filled(path, operation)
-        query = {p["name"]: p["example"] for p in operation.get("parameters", [])
-                 if p["in"] == "query" and "example" in p}  # fmt: skip
+        query = {
+            p["name"]: p["example"]
+            for p in operation.get("parameters", [])
+            if p["in"] == "query" and "example" in p
+        }
         body = operation.get("requestBody", {}).get("content", {}).get("application/json", {})
         if method == "get":
             answer = client.get(url, params=query)
@@ -67,10 +70,16 @@ def test_batch_answers_fit_their_schemas(client, document):
 
 
 def test_paths_with_everything_fit_their_schemas(client, document):
-    body = {"q": [0, -0.5, 0, -2, 0, 1.6, 0.8, 0, 0], "target": {"position": [0.4, 0.2, 0.5]},
-            "task": "position", "samples": 11, "link_geometry": "urdf", "link_radius": 0.05,
-            "obstacles": [{"type": "half_space", "normal": [0, 0, 1]}],
-            "retime": {"acceleration": 5}}  # fmt: skip
+    body = {
+        "q": [0, -0.5, 0, -2, 0, 1.6, 0.8, 0, 0],
+        "target": {"position": [0.4, 0.2, 0.5]},
+        "task": "position",
+        "samples": 11,
+        "link_geometry": "urdf",
+        "link_radius": 0.05,
+        "obstacles": [{"type": "half_space", "normal": [0, 0, 1]}],
+        "retime": {"acceleration": 5},
+    }
     for name in ("path", "path/compare"):
         operation = document["paths"][f"/v1/robots/{{robot_id}}/{name}"]["post"]
         content = operation["requestBody"]["content"]["application/json"]

@@ -13,12 +13,21 @@ DEGREE = np.pi / 180
 def body_of(scenario):
     lengths, limits = scenario["L"], scenario["limits_deg"]
     joints = [
-        {"type": "R", "alpha": 0, "a": lengths[k - 1] if k else 0, "d": 0,
-         "limits": {"lower": limits[k][0], "upper": limits[k][1]}}
+        {
+            "type": "R",
+            "alpha": 0,
+            "a": lengths[k - 1] if k else 0,
+            "d": 0,
+            "limits": {"lower": limits[k][0], "upper": limits[k][1]},
+        }
         for k in range(len(lengths))
-    ]  # fmt: skip
-    robot = {"convention": "modified", "units": {"angle": "deg", "length": "m"},
-             "tool": {"xyz": [lengths[-1], 0, 0], "rpy": [0, 0, 0]}, "joints": joints}  # fmt: skip
+    ]
+    robot = {
+        "convention": "modified",
+        "units": {"angle": "deg", "length": "m"},
+        "tool": {"xyz": [lengths[-1], 0, 0], "rpy": [0, 0, 0]},
+        "joints": joints,
+    }
     target = {"position": scenario["Pf"]}
     if "phi_f_deg" in scenario:
         target["phi"] = scenario["phi_f_deg"]

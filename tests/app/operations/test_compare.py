@@ -10,8 +10,12 @@ from tests.app.operations.scenarios import LINE, SCENARIOS, body_of
 
 @pytest.mark.scene
 def test_compare_as_json_text_and_csv(client):
-    methods = ["pseudo_inverse", {"method": "pseudo_inverse", "closed_loop": False}, "qp",
-               {"method": "qp", "label": "wide", "margin": 0.01}]  # fmt: skip
+    methods = [
+        "pseudo_inverse",
+        {"method": "pseudo_inverse", "closed_loop": False},
+        "qp",
+        {"method": "qp", "label": "wide", "margin": 0.01},
+    ]
     body = {**body_of(SCENARIOS["8R_obstacles"]), "methods": methods}
     url = "/v1/path/compare?angle=deg"
     table = client.post(url, json=body).json()

@@ -56,13 +56,18 @@ def test_degrees_of_rates(client):
     back = post(client, f"{SCARA}/joint-velocities", body, angle="deg")
     np.testing.assert_allclose(back["qd"], qd, atol=1e-10)
     torques = [
-        post(client, f"{SCARA}/joint-torques", {"q": list(x), "wrench": [1, 2, 3, 4, 5, 6]},
-             angle=angle)["tau"]
+        post(
+            client,
+            f"{SCARA}/joint-torques",
+            {"q": list(x), "wrench": [1, 2, 3, 4, 5, 6]},
+            angle=angle,
+        )["tau"]
         for x, angle in ((q, "deg"), (q * rad, "rad"))
-    ]  # fmt: skip
+    ]
     np.testing.assert_allclose(*torques, atol=1e-12)
-    held = post(client, f"{SCARA}/wrench", {"q": q, "tau": torques[0], "task": "xyz_phi"},
-                angle="deg")  # fmt: skip
+    held = post(
+        client, f"{SCARA}/wrench", {"q": q, "tau": torques[0], "task": "xyz_phi"}, angle="deg"
+    )
     np.testing.assert_allclose(held["wrench"], [1, 2, 3, 6], atol=1e-10)
 
 
@@ -88,8 +93,9 @@ def test_the_query_form_reads_units(client):
     got = client.get(f"{PUMA}/twist", params={"q": q, "qd": "0,0,10deg,0,0,0"}).json()
     expected = post(client, f"{PUMA}/twist", {"q": Q, "qd": [0, 0, np.pi / 18, 0, 0, 0]})
     assert got == expected
-    text = client.get(f"{PUMA}/joint-torques",
-                      params={"q": q, "wrench": "0,0,10,0,0,0", "format": "text"}).text  # fmt: skip
+    text = client.get(
+        f"{PUMA}/joint-torques", params={"q": q, "wrench": "0,0,10,0,0,0", "format": "text"}
+    ).text
     assert "tau: [" in text
     assert "force N" in text
 
@@ -148,9 +154,11 @@ def test_acceleration_of_a_turning_link(client):
 @pytest.mark.parametrize(
     ("operation", "extra", "pointer"),
     [
-        ("twist", {}, "/qd"), ("twist", {"qd": [1]}, "/qd"),
+        ("twist", {}, "/qd"),
+        ("twist", {"qd": [1]}, "/qd"),
         ("twist", {"qd": [[0] * 6] * 2}, "/qd"),
-        ("twist", {"qd": {"j1": 1}}, "/qd"), ("twist", {"qd": ["a"] * 6}, "/qd/0"),
+        ("twist", {"qd": {"j1": 1}}, "/qd"),
+        ("twist", {"qd": ["a"] * 6}, "/qd/0"),
         ("joint-velocities", {"twist": [1, 2]}, "/twist"),
         ("joint-velocities", {"twist": [1e9] * 6}, "/twist/0"),
         ("joint-velocities", {"twist": {"vx": 1}}, "/twist"),
@@ -163,11 +171,13 @@ def test_acceleration_of_a_turning_link(client):
         ("joint-velocities", {"twist": [0] * 6, "task": "xx"}, "/task"),
         ("joint-torques", {"wrench": [1]}, "/wrench"),
         ("joint-torques", {"wrench": [0] * 6, "reference_frame": "tip"}, "/reference_frame"),
-        ("wrench", {"tau": [1]}, "/tau"), ("wrench", {"tau": [0] * 6, "frame": "x"}, "/frame"),
-        ("hessian", {"frame": "x"}, "/frame"), ("manipulability-gradient", {"task": [1]}, "/task"),
+        ("wrench", {"tau": [1]}, "/tau"),
+        ("wrench", {"tau": [0] * 6, "frame": "x"}, "/frame"),
+        ("hessian", {"frame": "x"}, "/frame"),
+        ("manipulability-gradient", {"task": [1]}, "/task"),
         ("jacobian-derivative", {"qd": [[0] * 6] * 2}, "/qd"),
     ],
-)  # fmt: skip
+)
 def test_refusals_point_at_the_field(client, operation, extra, pointer):
     answer = client.post(f"{PUMA}/{operation}", json={"q": [Q] * 3, **extra})
     assert answer.status_code == 422, answer.text
@@ -183,8 +193,9 @@ def test_batches_as_npy_with_the_rest_in_the_query(client):
     headers = {"Content-Type": "application/x-npy"}
 
     def send(operation, **query):
-        answer = client.post(f"{PUMA}/{operation}", content=stream.getvalue(), params=query,
-                             headers=headers)  # fmt: skip
+        answer = client.post(
+            f"{PUMA}/{operation}", content=stream.getvalue(), params=query, headers=headers
+        )
         assert answer.status_code == 200, answer.text
         return answer.json()
 

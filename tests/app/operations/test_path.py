@@ -143,8 +143,14 @@ def test_velocities_come_from_the_time_law(follow):
 
 @pytest.mark.scene
 def test_a_loop_drifts_as_the_course_says(client):
-    body = {"q": [110, -88, -96], "task": "xy", "method": "pseudo_inverse", "samples": 4001,
-            "circle": {"center": [0.18, 0.58], "turns": 1}, "time_law": "linear"}  # fmt: skip
+    body = {
+        "q": [110, -88, -96],
+        "task": "xy",
+        "method": "pseudo_inverse",
+        "samples": 4001,
+        "circle": {"center": [0.18, 0.58], "turns": 1},
+        "time_law": "linear",
+    }
     tip = client.get("/v1/robots/planar_3r/fk?q=110,-88,-96&angle=deg").json()
     x, y, _ = tip["poses"]["tool"]["position"]
     body["circle"]["center"] = [x - 0.1, y]
@@ -202,8 +208,10 @@ def test_spatial_paths_with_every_obstacle(client):
         ],
         "link_radius": 0.05,
     }
-    rad = {**body, "waypoints": [
-        {**w, "rpy": np.deg2rad(w["rpy"]).tolist()} for w in body["waypoints"]]}  # fmt: skip
+    rad = {
+        **body,
+        "waypoints": [{**w, "rpy": np.deg2rad(w["rpy"]).tolist()} for w in body["waypoints"]],
+    }
     rad["obstacles"][1]["rpy"] = [0, 0, np.pi / 4]
     answer = client.post("/v1/robots/panda/path", json=rad).json()
     assert answer["success"], answer["message"]

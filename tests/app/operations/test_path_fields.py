@@ -18,8 +18,10 @@ from tests.app.operations.scenarios import SCENARIOS, body_of
         ({"d_safe": -1}, "/d_safe"),
         ({"link_radius": -1}, "/link_radius"),
         ({"obstacles": [{"type": "cone"}]}, "/obstacles/0/type"),
-        ({"obstacles": [{"type": "circle", "center": [1, 2], "radius": -1}]},
-         "/obstacles/0/radius"),
+        (
+            {"obstacles": [{"type": "circle", "center": [1, 2], "radius": -1}]},
+            "/obstacles/0/radius",
+        ),
         ({"obstacles": [{"type": "sphere", "center": [1, 2], "radius": 1}]}, "/obstacles/0/center"),
         ({"obstacles": [{"type": "circle", "center": [9, 9], "radius": 1}] * 101}, "/obstacles"),
         ({"q": [200, 0, 0]}, "/q/0"),
@@ -35,10 +37,16 @@ from tests.app.operations.scenarios import SCENARIOS, body_of
         ({"method": "task_priority"}, "/secondary"),
         ({"posture": [0, 0]}, "/posture"),
         ({"gains": {"limits": -1}}, "/gains/limits"),
-        ({"method": "whole_path", "samples": 10_000, "obstacles":
-          [{"type": "circle", "center": [9, 9], "radius": 1}] * 5}, "/samples"),
+        (
+            {
+                "method": "whole_path",
+                "samples": 10_000,
+                "obstacles": [{"type": "circle", "center": [9, 9], "radius": 1}] * 5,
+            },
+            "/samples",
+        ),
     ],
-)  # fmt: skip
+)
 def test_bad_paths_name_their_field(client, change, pointer):
     body = {**body_of(SCENARIOS["3R_free"]), **change}
     answer = client.post("/v1/path?angle=deg", json=body)
@@ -80,24 +88,45 @@ def test_bad_limits_and_links_name_their_field(client, change, pointer, words):
     ("change", "pointer", "words"),
     [
         ({"target": {"position": [1]}}, "/target/position", "target.position has 1 values; give 2"),
-        ({"target": None, "waypoints": [{"position": [0.5, 0.2]}, {"position": []}]},
-         "/waypoints/1/position", "waypoints.1.position has 0 values"),
-        ({"obstacles": [{"type": "box", "center": [9, 9, 0], "size": [1, 1, 1], "rpy": [0, 0]}]},
-         "/obstacles/0/rpy", "obstacles.0.rpy has 2 values; give 3"),
+        (
+            {"target": None, "waypoints": [{"position": [0.5, 0.2]}, {"position": []}]},
+            "/waypoints/1/position",
+            "waypoints.1.position has 0 values",
+        ),
+        (
+            {"obstacles": [{"type": "box", "center": [9, 9, 0], "size": [1, 1, 1], "rpy": [0, 0]}]},
+            "/obstacles/0/rpy",
+            "obstacles.0.rpy has 2 values; give 3",
+        ),
         ({"target": None, "circle": {"center": [0.1]}}, "/circle/center", "give two"),
-        ({"target": None, "circle": {"center": [0.1, 0], "plane": "xz"}}, "/circle/plane",
-         "leaves the plane of the task xy"),
+        (
+            {"target": None, "circle": {"center": [0.1, 0], "plane": "xz"}},
+            "/circle/plane",
+            "leaves the plane of the task xy",
+        ),
         ({"methods": ["qp", {"method": "qp", "margin": -1}]}, "/methods/1/margin", "margin is -1"),
-        ({"methods": [{"method": "null_space", "gains": {"limits": -1}}]},
-         "/methods/0/gains/limits", "give 0"),
-        ({"d_safe": 0.02, "methods": ["qp", {"method": "null_space", "influence": 0.01}]},
-         "/methods/1/influence", "give more than d_safe, 0.02"),
-        ({"obstacles": [{"type": "box", "center": [9, 9, 0], "size": [1, 0, 1]}]},
-         "/obstacles/0/size", "the size has a value that is not positive"),
-        ({"obstacles": [{"type": "circle", "center": [9], "radius": 1}]},
-         "/obstacles/0/center", "center has 1 values; give 2 or 3"),
+        (
+            {"methods": [{"method": "null_space", "gains": {"limits": -1}}]},
+            "/methods/0/gains/limits",
+            "give 0",
+        ),
+        (
+            {"d_safe": 0.02, "methods": ["qp", {"method": "null_space", "influence": 0.01}]},
+            "/methods/1/influence",
+            "give more than d_safe, 0.02",
+        ),
+        (
+            {"obstacles": [{"type": "box", "center": [9, 9, 0], "size": [1, 0, 1]}]},
+            "/obstacles/0/size",
+            "the size has a value that is not positive",
+        ),
+        (
+            {"obstacles": [{"type": "circle", "center": [9], "radius": 1}]},
+            "/obstacles/0/center",
+            "center has 1 values; give 2 or 3",
+        ),
     ],
-)  # fmt: skip
+)
 def test_refusals_name_the_field_as_it_was_given(client, change, pointer, words):
     body = {**body_of(SCENARIOS["3R_free"]), **change}
     body = {key: value for key, value in body.items() if value is not None}

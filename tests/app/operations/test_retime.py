@@ -76,8 +76,13 @@ def test_a_retimed_path_as_text_picture_npy_and_stream(client):
 
 
 def test_a_stuck_path_has_no_motion_to_time(client):
-    body = {"q": [0, 0, 0], "target": {"position": [0.9, 0]}, "task": "xy",
-            "method": "pseudo_inverse", "retime": {"acceleration": 1}}  # fmt: skip
+    body = {
+        "q": [0, 0, 0],
+        "target": {"position": [0.9, 0]},
+        "task": "xy",
+        "method": "pseudo_inverse",
+        "retime": {"acceleration": 1},
+    }
     url = "/v1/robots/planar_3r/path"
     motion = client.post(url, json=body).json()["retimed"]
     assert (motion["status"], motion["success"], motion["duration"]) == ("no_motion", False, 0)

@@ -49,11 +49,13 @@ def test_a_singular_report_has_no_numbers_that_are_none(client):
     assert report["factorization"]["factors"][0]["vanishes"]
     assert any("cannot move along (0.866025, 0.5, 0)" in text for text in report["explanation"])
     assert any("1 : -2.25" in text for text in report["explanation"])
-    text = client.get("/v1/robots/planar_2r/singularity",
-                      params={"q": "0,0", "task": "xy", "format": "text"}).text  # fmt: skip
+    text = client.get(
+        "/v1/robots/planar_2r/singularity", params={"q": "0,0", "task": "xy", "format": "text"}
+    ).text
     assert not re.search(r"\b(nan|inf)\b", text)
-    batch = client.post("/v1/robots/planar_2r/singularity",
-                        json={"q": [[0.1, 0], [0.1, 0.5]], "task": "xy"}).json()  # fmt: skip
+    batch = client.post(
+        "/v1/robots/planar_2r/singularity", json={"q": [[0.1, 0], [0.1, 0.5]], "task": "xy"}
+    ).json()
     assert batch["dexterity"]["condition_number"][0] is None
     assert batch["dexterity"]["condition_number"][1] > 1
     assert [len(texts) for texts in batch["explanation"]] == [2, 0]

@@ -25,8 +25,12 @@ PA10 = "/v1/robots/pa10/symbolic"
 
 @pytest.mark.scene
 def test_position_as_a_student_asks_for_it(client):
-    query = {"quantities": "position", "parameters": "symbolic", "base": "frame_0",
-             "frame": "frame_7"}  # fmt: skip
+    query = {
+        "quantities": "position",
+        "parameters": "symbolic",
+        "base": "frame_0",
+        "frame": "frame_7",
+    }
     answer = client.get(PA10, params={**query, "format": "text"})
     assert answer.headers["content-type"].startswith("text/plain")
     lines = answer.text.splitlines()
@@ -88,8 +92,9 @@ def test_inline_tables_and_names(client):
     assert answer["det_jacobian"]["expression"] == "L1*L2*S2"
     query = "quantities=det_jacobian&symbols=a1:L1,a2:L2"
     assert client.get(f"/v1/robots/planar_2r/symbolic?{query}").json()["values"] == {
-        "L1": 1.0, "L2": 0.8
-    }  # fmt: skip
+        "L1": 1.0,
+        "L2": 0.8,
+    }
 
 
 def test_a_robot_from_a_urdf_is_written_by_its_extracted_table(client):

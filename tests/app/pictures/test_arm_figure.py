@@ -35,8 +35,11 @@ def test_a_picture_from_a_query(client):
 def test_the_joints_stand_where_they_are(client):
     """Joints of a planar arm are circles, as far apart as the links are long, in one scale."""
     root = ET.fromstring(client.get("/v1/robots/planar_3r/picture.svg?q=0.5,-0.8,1").text)
-    joints = [(float(c.get("cx")), float(c.get("cy"))) for c in root.iter(f"{SVG}circle")
-              if c.get("r") == "7.00"]  # fmt: skip
+    joints = [
+        (float(c.get("cx")), float(c.get("cy")))
+        for c in root.iter(f"{SVG}circle")
+        if c.get("r") == "7.00"
+    ]
     poses = client.get("/v1/robots/planar_3r/fk?q=0.5,-0.8,1&frames=all").json()["poses"]
     places = np.array([poses[f"frame_{k}"]["position"][:2] for k in (1, 2, 3)])
     drawn = np.array(joints)
@@ -144,8 +147,10 @@ def test_colours_grow_lighter():
 
 
 def revolute(count, **cells):
-    return [{"type": "R", "alpha": 90 * (k % 2), "a": 0.1, "d": 0.02, **cells, "name": f"j{k}"}
-            for k in range(count)]  # fmt: skip
+    return [
+        {"type": "R", "alpha": 90 * (k % 2), "a": 0.1, "d": 0.02, **cells, "name": f"j{k}"}
+        for k in range(count)
+    ]
 
 
 TREE = """<robot name="tree"><link name="base"/><link name="a"/><link name="b"/><link name="c"/>
@@ -165,9 +170,10 @@ ODD = {
     "thin": [*revolute(1, d=5.0), *revolute(2, a=0.01)[1:]],
     "64 joints": revolute(64),
     "slides": [{"type": "P", "alpha": 90, "a": 0, "theta": 0}] * 3,
-    "long names": [{**row, "name": f"a_very_long_name_of_joint_{k}"}
-                   for k, row in enumerate(revolute(12))],
-}  # fmt: skip
+    "long names": [
+        {**row, "name": f"a_very_long_name_of_joint_{k}"} for k, row in enumerate(revolute(12))
+    ],
+}
 
 
 def drawn(client, body):
@@ -192,8 +198,12 @@ def boxes(root):
 @pytest.mark.parametrize("name", [*ODD, "tree", "talos"])
 def test_odd_robots_can_be_read(name, size, client):
     """No text upon another or out of the picture; the arm fills what is left of it."""
-    robot = {"name": "odd", "convention": "standard", "units": {"angle": "deg"},
-             "joints": ODD.get(name)}  # fmt: skip
+    robot = {
+        "name": "odd",
+        "convention": "standard",
+        "units": {"angle": "deg"},
+        "joints": ODD.get(name),
+    }
     dof = len(ODD.get(name, [0] * 3))
     body = {"robot": robot, "q": [0.3, 0.4, 0.5] if name == "slides" else [20] * dof}
     if name == "tree":
@@ -228,8 +238,13 @@ def test_links_of_a_urdf_are_drawn(client):
 
 
 def test_a_long_caption_says_that_it_is_cut(client):
-    root = drawn(client, {"robot": {"name": "odd", "convention": "standard",
-                                    "joints": ODD["long names"]}, "q": [0] * 12})  # fmt: skip
+    root = drawn(
+        client,
+        {
+            "robot": {"name": "odd", "convention": "standard", "joints": ODD["long names"]},
+            "q": [0] * 12,
+        },
+    )
     texts = [element.text for element in root.iter(f"{SVG}text")]
     assert sum("very_long" in text for text in texts) == 3
     assert any(text.endswith("…") for text in texts)

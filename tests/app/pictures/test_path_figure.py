@@ -48,8 +48,10 @@ def test_links_keep_their_lengths_in_the_picture(client):
     """Nine snapshots of eight links of equal length, in one scale."""
     body = plane_path(client, "path", method="qp")
     root = ET.fromstring(client.post("/v1/robots/planar_8r/path?format=svg", json=body).text)
-    shapes = [np.array([pair.split(",") for pair in e.get("points").split()], dtype=float)
-              for e in root.iter(f"{SVG}polyline")]  # fmt: skip
+    shapes = [
+        np.array([pair.split(",") for pair in e.get("points").split()], dtype=float)
+        for e in root.iter(f"{SVG}polyline")
+    ]
     arms = [shape for shape in shapes if len(shape) == 9]
     assert len(arms) == 9
     lengths = np.linalg.norm(np.diff(arms, axis=1), axis=2)

@@ -40,8 +40,16 @@ def test_a_batch_is_the_single_answers_stacked(client, operation):
         for leaf, value in leaves(client.post(path, json={"q": q, **options}).json()):
             if not isinstance(value, (list, float, int)) or isinstance(value, bool):
                 continue
-            if leaf[-1] in ("rows", "columns", "joints", "base", "tool", "warnings", "tolerance",
-                            "characteristic_length"):  # fmt: skip
+            if leaf[-1] in (
+                "rows",
+                "columns",
+                "joints",
+                "base",
+                "tool",
+                "warnings",
+                "tolerance",
+                "characteristic_length",
+            ):
                 assert many[leaf] == value
             elif leaf[-1] == "explanation":
                 assert many[leaf][k] == value
@@ -142,12 +150,22 @@ def test_npy_in_and_out(client, dtype, order):
 
 
 @pytest.mark.parametrize(
-    "body", [b"", b"\x93NUMPY", npy(np.array(["a"])), npy(np.zeros((2, 7)))[:-8],
-             *(npy(np.zeros((2, 6))).replace(b"(2, 6), ", shape.ljust(8))
-               for shape in (b"(-2,-3),", b"(0,10),", b"(True,6)")),
-             npy(np.array([1 + 2j] * 7)), npy(np.full((2, 7), np.nan)), npy(np.zeros(5)),
-             npy(np.zeros((2, 7))).replace(b"(2, 7),", b"(-2,7),")],
-)  # fmt: skip
+    "body",
+    [
+        b"",
+        b"\x93NUMPY",
+        npy(np.array(["a"])),
+        npy(np.zeros((2, 7)))[:-8],
+        *(
+            npy(np.zeros((2, 6))).replace(b"(2, 6), ", shape.ljust(8))
+            for shape in (b"(-2,-3),", b"(0,10),", b"(True,6)")
+        ),
+        npy(np.array([1 + 2j] * 7)),
+        npy(np.full((2, 7), np.nan)),
+        npy(np.zeros(5)),
+        npy(np.zeros((2, 7))).replace(b"(2, 7),", b"(-2,7),"),
+    ],
+)
 def test_npy_that_is_no_q(client, body):
     answer = client.post("/v1/robots/panda/fk", content=body, headers=NPY)
     assert answer.status_code in (400, 422), answer.status_code
@@ -163,8 +181,13 @@ def test_text_for_a_terminal(client):
         rows = answer.text.split("matrix:\n")[1].splitlines()[:4]
         assert float(rows[0].split()[3]) == pytest.approx(1.07308064)
         assert len({len(row) for row in rows}) == 1
-    for path in ("/", "/v1/robots", "/v1/robots/panda", "/v1/robots/panda/dh",
-                 "/v1/robots/panda/singularity?q=0,0,0,0,0,0,0"):  # fmt: skip
+    for path in (
+        "/",
+        "/v1/robots",
+        "/v1/robots/panda",
+        "/v1/robots/panda/dh",
+        "/v1/robots/panda/singularity?q=0,0,0,0,0,0,0",
+    ):
         assert client.get(path, headers={"Accept": "text/plain"}).text.strip()
 
 

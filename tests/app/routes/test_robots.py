@@ -15,11 +15,18 @@ TABLE = {
     "convention": "standard",
     "units": {"angle": "deg", "length": "mm"},
     "joints": [
-        {"name": "a1", "type": "revolute", "a": 0, "alpha": 90, "d": 400, "theta": 0,
-         "limits": {"lower": -170, "upper": 170, "velocity": 90, "effort": 100}},
+        {
+            "name": "a1",
+            "type": "revolute",
+            "a": 0,
+            "alpha": 90,
+            "d": 400,
+            "theta": 0,
+            "limits": {"lower": -170, "upper": 170, "velocity": 90, "effort": 100},
+        },
         {"name": "a2", "type": "prismatic", "a": 300, "alpha": 0, "d": 0, "theta": 30},
     ],
-}  # fmt: skip
+}
 YAML = """
 name: arm
 convention: standard
@@ -109,9 +116,11 @@ def test_conditional_requests(client, arm):
 
 
 def test_shipped_robots_are_read_only(client):
-    for answer in (client.put("/v1/robots/pa10", json=TABLE | {"name": "pa10"}),
-                   client.delete("/v1/robots/pa10"),
-                   client.post("/v1/robots", json=TABLE | {"name": "pa10"})):  # fmt: skip
+    for answer in (
+        client.put("/v1/robots/pa10", json=TABLE | {"name": "pa10"}),
+        client.delete("/v1/robots/pa10"),
+        client.post("/v1/robots", json=TABLE | {"name": "pa10"}),
+    ):
         assert answer.status_code == 409
         assert "read-only" in answer.json()["detail"]
 
@@ -125,8 +134,10 @@ def test_name_must_be_the_id_of_the_path(client):
     assert client.post("/v1/robots", json=unnamed).status_code == 422
     assert client.delete("/v1/robots/other").status_code == 204
     urdf = {"content": URDF, "headers": {"Content-Type": "application/xml"}}
-    for answer in (client.put("/v1/robots/other?name=this", json=unnamed | {"name": "other"}),
-                   client.put("/v1/robots/other?name=this", **urdf)):  # fmt: skip
+    for answer in (
+        client.put("/v1/robots/other?name=this", json=unnamed | {"name": "other"}),
+        client.put("/v1/robots/other?name=this", **urdf),
+    ):
         assert answer.status_code == 422
         assert "'this' but the path says 'other'" in answer.json()["detail"]
     assert client.post("/v1/robots?name=", **urdf).status_code == 422

@@ -10,16 +10,20 @@ URDF = """<robot name="two"><link name="root"/><link name="arm"/><link name="han
 <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
 <joint name="a" type="continuous"><parent link="arm"/><child link="hand"/>
 <origin xyz="1 0 0.5"/><axis xyz="0 1 0"/></joint></robot>"""
-AXES = {"joints": [
-    {"type": "R", "point": [0, 0, 0], "direction": [0, 0, 1]},
-    {"type": "R", "point": [0.4, 0, 0], "direction": [0, 0, 1]},
-], "tip": {"xyz": [1, 0, 0]}}  # fmt: skip
+AXES = {
+    "joints": [
+        {"type": "R", "point": [0, 0, 0], "direction": [0, 0, 1]},
+        {"type": "R", "point": [0.4, 0, 0], "direction": [0, 0, 1]},
+    ],
+    "tip": {"xyz": [1, 0, 0]},
+}
 XML = {"Content-Type": "application/xml"}
 
 
 def fk(client, table, q):
-    return np.array(client.post("/v1/fk", json={"robot": table, "q": q}).json()["poses"]["tool"]
-                    ["matrix"])  # fmt: skip
+    return np.array(
+        client.post("/v1/fk", json={"robot": table, "q": q}).json()["poses"]["tool"]["matrix"]
+    )
 
 
 def test_a_urdf_robot_has_a_table_in_every_convention_that_can_be_sent_back(client):
@@ -121,19 +125,29 @@ def test_axes_to_dh(client):
     refused = client.post("/v1/axes-to-dh?convention=dh", json=bad)
     assert refused.json()["errors"][0]["pointer"] == "/joints/0/direction"
     for body in ("[1]", "3", '"x"', '{"joints": 3}'):
-        answer = client.post("/v1/axes-to-dh?convention=dh", content=body,
-                             headers={"Content-Type": "application/json"})  # fmt: skip
+        answer = client.post(
+            "/v1/axes-to-dh?convention=dh",
+            content=body,
+            headers={"Content-Type": "application/json"},
+        )
         assert answer.status_code == 422
 
 
 def test_convert_reads_every_table_and_refuses_trees_without_tip(client):
     csv = "type,alpha,a,d\nR,90,0,1\nR,0,2,0\n"
-    answer = client.post("/v1/convert-dh?to=mdh&convention=dh&angle=deg", content=csv,
-                         headers={"Content-Type": "text/csv"})  # fmt: skip
+    answer = client.post(
+        "/v1/convert-dh?to=mdh&convention=dh&angle=deg",
+        content=csv,
+        headers={"Content-Type": "text/csv"},
+    )
     assert [row["alpha"] for row in answer.json()["joints"]] == [0.0, 90.0]
-    tree = {"convention": "khalil", "joints": [
-        {"name": name, "type": "R", "alpha": 0, "d": 1, "r": 0, "ant": ant}
-        for name, ant in (("a", 0), ("b", 1), ("c", 1))]}  # fmt: skip
+    tree = {
+        "convention": "khalil",
+        "joints": [
+            {"name": name, "type": "R", "alpha": 0, "d": 1, "r": 0, "ant": ant}
+            for name, ant in (("a", 0), ("b", 1), ("c", 1))
+        ],
+    }
     refused = client.post("/v1/convert-dh?to=dh", json=tree)
     assert refused.json()["errors"][0]["pointer"] == "/tip"
     part = client.post("/v1/convert-dh?to=dh&tip=c", json=tree).json()
@@ -145,9 +159,17 @@ def test_convert_reads_every_table_and_refuses_trees_without_tip(client):
 
 @pytest.mark.scene
 def test_diff_finds_the_toolboxs_ur5(client):
-    rows = [{"type": "R", "alpha": alpha, "a": a, "d": d} for alpha, a, d in (
-        ("pi/2", 0, 0.089459), (0, -0.425, 0), (0, -0.39225, 0), ("pi/2", 0, 0.10915),
-        ("-pi/2", 0, 0.09465), (0, 0, 0.0823))]  # fmt: skip
+    rows = [
+        {"type": "R", "alpha": alpha, "a": a, "d": d}
+        for alpha, a, d in (
+            ("pi/2", 0, 0.089459),
+            (0, -0.425, 0),
+            (0, -0.39225, 0),
+            ("pi/2", 0, 0.10915),
+            ("-pi/2", 0, 0.09465),
+            (0, 0, 0.0823),
+        )
+    ]
     toolbox = {"convention": "standard", "joints": rows}
     answer = client.post("/v1/robots/ur5/diff", json={"other": toolbox})
     assert answer.status_code == 200, answer.text

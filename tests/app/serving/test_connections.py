@@ -172,12 +172,26 @@ def test_a_reader_who_takes_its_time_gets_all(serve):
         (b"GET  HTTP/1.1\r\n\r\n", 400),
         (b"POST /v1/fk HTTP/1.1\r\nContent-Length: -1\r\n\r\n", 400),
         (b"POST /v1/fk HTTP/1.1\r\nContent-Length: 3\r\nContent-Length: 4\r\n\r\n", 400),
-        (b"POST /v1/fk HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
-         + b"1;" + b"e" * 200_000, 415),
+        (
+            b"POST /v1/fk HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
+            + b"1;"
+            + b"e" * 200_000,
+            415,
+        ),
     ],
-    ids=["headers", "header", "open-header", "target", "open-target", "tls", "no-target",
-         "negative", "two-lengths", "extension"],
-)  # fmt: skip
+    ids=[
+        "headers",
+        "header",
+        "open-header",
+        "target",
+        "open-target",
+        "tls",
+        "no-target",
+        "negative",
+        "two-lengths",
+        "extension",
+    ],
+)
 def test_heads_that_are_too_large_or_none_are_refused(server, request_, status):
     host, port = server.removeprefix("http://").split(":")
     with socket.create_connection((host, int(port)), PATIENCE) as connection:

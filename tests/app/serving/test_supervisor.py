@@ -25,9 +25,13 @@ def denavit(*arguments, **environment):
     """Runs a server that is to fail; gives its exit status and the events that it wrote."""
     command = [DENAVIT, "serve", *arguments]
     done = subprocess.run(
-        command, capture_output=True, text=True, timeout=PATIENCE, check=False,
+        command,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
         env={**os.environ, "DENAVIT_PRELOAD": "false", **environment},
-    )  # fmt: skip
+    )
     events = [json.loads(line) for line in done.stderr.splitlines()]
     return done.returncode, events
 
@@ -133,8 +137,10 @@ def test_a_bad_data_directory_or_setting_is_told(tmp_path):
     done = subprocess.run(
         [DENAVIT, "serve"],
         env={**os.environ, "DENAVIT_MAX_BATCH": "many", "DENAVIT_ROOT_PATH": "x\ny"},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 1
     assert "DENAVIT_MAX_BATCH: Input should be a valid integer" in done.stderr
     assert "DENAVIT_ROOT_PATH" in done.stderr

@@ -11,9 +11,22 @@ from hypothesis import strategies as st
 from app.telemetry.lines import LIMIT, REQUEST_ID, JSONLine, TextLine
 
 NASTY = (
-    "a\nb", "a\r\nb", "\x1b[2K\x1b[1A", "\x85", "\u2028", "\u202e evil", "\u2066", "\x00", "\x7f",
-    "\x9b31m", "\ud800", "\U000e0041", '{"level":"info"}', "\u200f", "é",
-)  # fmt: skip
+    "a\nb",
+    "a\r\nb",
+    "\x1b[2K\x1b[1A",
+    "\x85",
+    "\u2028",
+    "\u202e evil",
+    "\u2066",
+    "\x00",
+    "\x7f",
+    "\x9b31m",
+    "\ud800",
+    "\U000e0041",
+    '{"level":"info"}',
+    "\u200f",
+    "é",
+)
 texts = st.one_of(
     st.text(st.characters(exclude_categories=())),
     st.sampled_from(NASTY),

@@ -140,8 +140,11 @@ def test_clients_are_named_when_wanted_and_escaped(logged, monkeypatch):
     monkeypatch.setenv("DENAVIT_LOG_CLIENTS", "true")
 
     def act(address):
-        raw(address, "GET /nope HTTP/1.1\r\nHost: a\r\nX-Forwarded-For: \u202e1\x85\r\n"
-                     "Connection: close\r\n\r\n".encode())  # fmt: skip
+        raw(
+            address,
+            "GET /nope HTTP/1.1\r\nHost: a\r\nX-Forwarded-For: \u202e1\x85\r\n"
+            "Connection: close\r\n\r\n".encode(),
+        )
         httpx.get(f"{address}/nope", timeout=PATIENCE)
 
     written = logged(act)

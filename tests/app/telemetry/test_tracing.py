@@ -85,10 +85,17 @@ def test_a_missing_package_is_told(tmp_path):
     path = f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
     done = subprocess.run(
         [Path(sys.executable).parent / "denavit", "serve", "--port", "0"],
-        env={**os.environ, "PYTHONPATH": path, "DENAVIT_DATA_DIR": str(tmp_path),
-             "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT": "http://127.0.0.1:9/v1/traces"},
-        capture_output=True, text=True, timeout=PATIENCE, check=False,
-    )  # fmt: skip
+        env={
+            **os.environ,
+            "PYTHONPATH": path,
+            "DENAVIT_DATA_DIR": str(tmp_path),
+            "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT": "http://127.0.0.1:9/v1/traces",
+        },
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+    )
     assert done.returncode == 1
     assert "pip install 'denavit[telemetry]'" in json.loads(done.stderr)["event"]
 

@@ -12,11 +12,18 @@ TABLE = {
     "convention": "standard",
     "tool": {"xyz": [0, 0, 0.1]},
     "joints": [
-        {"name": "j1", "type": "R", "alpha": "-pi/2", "a": 0.25, "d": 0.4, "theta": "q1+pi/6",
-         "limits": {"lower": "-90deg", "upper": "90deg", "velocity": 2}},
+        {
+            "name": "j1",
+            "type": "R",
+            "alpha": "-pi/2",
+            "a": 0.25,
+            "d": 0.4,
+            "theta": "q1+pi/6",
+            "limits": {"lower": "-90deg", "upper": "90deg", "velocity": 2},
+        },
         {"name": "j2", "type": "P", "alpha": "10deg", "a": 0, "d": 0.5, "theta": "pi", "sign": -1},
     ],
-}  # fmt: skip
+}
 
 
 @settings(deadline=None, max_examples=50)
@@ -57,8 +64,12 @@ def test_text_is_aligned_and_complete():
     start = lines[3].index("alpha")
     assert lines[4][start:].startswith("-90 ")
     assert "base: identity" in lines
-    assert lines[lines.index("tool:") + 3].split() == ["0.000000000", "0.000000000", "1.000000000",
-                                                       "0.100000000"]  # fmt: skip
+    assert lines[lines.index("tool:") + 3].split() == [
+        "0.000000000",
+        "0.000000000",
+        "1.000000000",
+        "0.100000000",
+    ]
 
 
 def test_conventions_are_in_csv_headers():

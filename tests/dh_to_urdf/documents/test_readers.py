@@ -30,26 +30,59 @@ ARM = {
     "base": {"xyz": [0, 0, 100], "rpy": [0, 0, 90]},
     "tool": {"matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 50], [0, 0, 0, 1]]},
     "joints": [
-        {"name": "j1", "type": "revolute", "a": 0, "alpha": 90, "d": 672, "theta": 0,
-         "limits": {"lower": -160, "upper": 160, "velocity": 90, "effort": 100}},
-        {"name": "j2", "type": "revolute", "a": 431.8, "alpha": 0, "d": 0, "theta": "q2 - pi/2",
-         "limits": {"lower": -45, "upper": 225}},
-        {"name": "j3", "type": "prismatic", "a": 0, "alpha": 0, "d": 0, "theta": 30, "sign": -1,
-         "offset": 20, "limits": {"lower": 0, "upper": "0.5m"},
-         "inertial": {"mass": 2, "com": [1, 2, 3], "inertia": {"ixx": 1, "iyy": 1, "izz": 1}}},
+        {
+            "name": "j1",
+            "type": "revolute",
+            "a": 0,
+            "alpha": 90,
+            "d": 672,
+            "theta": 0,
+            "limits": {"lower": -160, "upper": 160, "velocity": 90, "effort": 100},
+        },
+        {
+            "name": "j2",
+            "type": "revolute",
+            "a": 431.8,
+            "alpha": 0,
+            "d": 0,
+            "theta": "q2 - pi/2",
+            "limits": {"lower": -45, "upper": 225},
+        },
+        {
+            "name": "j3",
+            "type": "prismatic",
+            "a": 0,
+            "alpha": 0,
+            "d": 0,
+            "theta": 30,
+            "sign": -1,
+            "offset": 20,
+            "limits": {"lower": 0, "upper": "0.5m"},
+            "inertial": {"mass": 2, "com": [1, 2, 3], "inertia": {"ixx": 1, "iyy": 1, "izz": 1}},
+        },
         {"name": "j4", "type": "fixed", "a": 1, "alpha": 2, "d": 3, "theta": 4, "visual": False},
     ],
-}  # fmt: skip
+}
 TREE = {
     "name": "tree",
     "convention": "khalil",
     "joints": [
         {"name": "j1", "sigma": 0, "mu": 1, "ant": 0, "alpha": 0, "d": 0, "theta": 0, "r": 0},
-        {"name": "j2", "sigma": 1, "mu": 1, "ant": 1, "alpha": "pi/2", "d": 0.1, "theta": 0,
-         "r": "r2", "gamma": "pi/3", "b": 0.4},
+        {
+            "name": "j2",
+            "sigma": 1,
+            "mu": 1,
+            "ant": 1,
+            "alpha": "pi/2",
+            "d": 0.1,
+            "theta": 0,
+            "r": "r2",
+            "gamma": "pi/3",
+            "b": 0.4,
+        },
         {"name": "j3", "sigma": 2, "mu": 0, "ant": 1, "alpha": 0, "d": 0.3, "theta": 0, "r": 0.2},
     ],
-}  # fmt: skip
+}
 GONE = object()
 
 
@@ -306,8 +339,13 @@ J2, J3 = "joint 2 (j2)", "joint 3 (j3)"
         (ARM, "joints/2/inertial/com", [1, 2], "joints/2/inertial", (J3, "com", "list of 3")),
         (ARM, "joints/2/inertial/inertia/ixx", 5, "joints/2/inertial/inertia", (J3, "no body")),
         (ARM, "joints/2/inertial/inertia/xx", 5, "joints/2/inertial", (J3, "unknown field 'xx'")),
-        (ARM, "joints/2/inertial/inertia", [[1, 2, 3], [0, 1, 0], [0, 0, 1]],
-         "joints/2/inertial", (J3, "not symmetric")),
+        (
+            ARM,
+            "joints/2/inertial/inertia",
+            [[1, 2, 3], [0, 1, 0], [0, 0, 1]],
+            "joints/2/inertial",
+            (J3, "not symmetric"),
+        ),
         (ARM, "joints/2/inertial/inertia", 5, "joints/2/inertial", (J3, "neither a 3x3 matrix")),
         (ARM, "base", "origin", "", ("base is 'origin'", 'give {"xyz"')),
         (ARM, "base", 5, "", ("base is 5", 'give {"xyz"')),
@@ -333,8 +371,13 @@ J2, J3 = "joint 2 (j2)", "joint 3 (j3)"
         (TREE, "joints/1/sigma", GONE, "joints/1/type", (J2, "type is missing")),
         (TREE, "joints/1/sigma", 3, "", (J2, "sigma is 3", "0 (revolute), 1 (prismatic)")),
         (TREE, "joints/1/sigma", 1e400, "", (J2, "sigma is inf", "give 0 (revolute)")),
-        (TREE, "joints/1/type", "revolute", "joints/1/sigma",
-         (J2, "sigma says prismatic but type says revolute")),
+        (
+            TREE,
+            "joints/1/type",
+            "revolute",
+            "joints/1/sigma",
+            (J2, "sigma says prismatic but type says revolute"),
+        ),
         (TREE, "joints/1/mu", 0, "", (J2, "passive joint", "closed loop", "Give mu = 1")),
         (TREE, "joints/1/mu", 2, "", (J2, "mu is 2", "give 1 (moved) or 0")),
         (TREE, "joints/1/ant", 2, "", (J2, "ant is the joint itself", "closed loops")),
@@ -344,7 +387,7 @@ J2, J3 = "joint 2 (j2)", "joint 3 (j3)"
         (TREE, "joints/1/ant", "j1", "", (J2, "ant is 'j1'", "give the number")),
         (TREE, "joints/1/ant", 0.5, "", (J2, "ant is 0.5", "give the number")),
     ],
-)  # fmt: skip
+)
 def test_a_refusal_names_the_place_the_joint_and_a_remedy(document, where, value, place, words):
     read_mapping(document)
     found = faults(read_mapping, edited(document, where, value))
@@ -539,14 +582,14 @@ def test_yaml_is_version_1_2():
 @pytest.mark.parametrize(
     "text",
     [
-        "name,type,alpha,a,d,theta\nj1,R,pi/2,\"0,4\",0,0\n",
+        'name,type,alpha,a,d,theta\nj1,R,pi/2,"0,4",0,0\n',
         "name;type;alpha;a;d;theta\nj1;R;pi/2;0,4;0;0\n",
         "name\ttype\talpha\ta\td\ttheta\nj1\tR\tpi/2\t0,4\t0\t0\n",
         "\ufeffname,type,alpha,a,d,theta\r\nj1,R,pi/2,0.4,0,0\r\n",
         "Name, Type, ALPHA, a , d, theta\n\n j1 , R , pi/2 , 0.4 , 0 , 0 \n\n",
         "theta,d,a,alpha,type,name\n,0,0.4,pi/2,R,j1",
     ],
-)  # fmt: skip
+)
 def test_csv_dialects_of_spreadsheets_are_read(text):
     for content in (text, text.encode()):
         (row,) = read_csv(content, "standard").rows
@@ -577,8 +620,11 @@ def test_csv_limits_become_limits_and_empty_cells_nothing():
         ("a,alpha,A\n1,2,3\n", "", ("names 'a' twice",)),
         (",".join(f"c{k}" for k in range(33)), "", ("33 columns",)),
         ("type,alpha,a,d\n", "joints", ("empty", "one entry a joint")),
-        ("type,alpha,a,d\nR,0,0,4,0\n", "joints/0",
-         ("line 2 has 5 cells under 4 columns", "quote a cell", "semicolons")),
+        (
+            "type,alpha,a,d\nR,0,0,4,0\n",
+            "joints/0",
+            ("line 2 has 5 cells under 4 columns", "quote a cell", "semicolons"),
+        ),
         ("type,alpha,a,d\nR,0,0,4\nR,0\n", "joints/1", ("line 3 has 2 cells",)),
         ("type,alpha,d\nR,0,0\n", "joints/0/a", ("joint 1: column a is missing", "give it")),
         ("type,alpha,a,d\nR,0,,0\n", "joints/0/a", ("joint 1: a is missing", "give it")),
@@ -587,7 +633,7 @@ def test_csv_limits_become_limits_and_empty_cells_nothing():
         ("name,type,alpha,a,d\nx,R,0,foo,0\n", "joints/0/a", ("joint 1 (x)", "'foo'")),
         ("type,alpha,a,d,lower,upper\nR,0,0,0,2,1\n", "joints/0/limits/lower", ("swap them",)),
     ],
-)  # fmt: skip
+)
 def test_bad_csv_is_refused(text, place, words):
     found = faults(read_csv, text, "standard")
     assert at(place) in [location for location, _ in found]

@@ -9,13 +9,23 @@ TWO_R = {
     "name": "two_r",
     "units": {"angle": "deg", "length": "mm"},
     "joints": [
-        {"name": "a", "type": "R", "point": [0, 0, 100], "direction": [0, 0, 7],
-         "limits": {"lower": -90, "upper": 90}},
-        {"name": "b", "type": "P", "point": ["400", 0, 300], "direction": [0, 1, 0],
-         "limits": {"lower": -10, "upper": 10}},
+        {
+            "name": "a",
+            "type": "R",
+            "point": [0, 0, 100],
+            "direction": [0, 0, 7],
+            "limits": {"lower": -90, "upper": 90},
+        },
+        {
+            "name": "b",
+            "type": "P",
+            "point": ["400", 0, 300],
+            "direction": [0, 1, 0],
+            "limits": {"lower": -10, "upper": 10},
+        },
     ],
     "tip": {"xyz": [900, 0, 300], "rpy": [0, 90, 0]},
-}  # fmt: skip
+}
 
 
 def test_axes_of_a_drawing_become_a_table():
@@ -62,8 +72,9 @@ def test_what_is_wrong_is_named(change, location, message):
     assert message in refused.value.faults[0].message
 
 
-@pytest.mark.parametrize("document", [None, [], {}, {"joints": []}, {"joints": [3]},
-                                      {"joints": [{}] * 65}])  # fmt: skip
+@pytest.mark.parametrize(
+    "document", [None, [], {}, {"joints": []}, {"joints": [3]}, {"joints": [{}] * 65}]
+)
 def test_no_axes_are_refused(document):
     with pytest.raises(DHError):
         read_axes(document)

@@ -22,10 +22,14 @@ def ur5(base=None, tool=None, offsets=(0,) * 6, signs=(1,) * 6, **changes):
     for name, value in changes.items():
         columns[name[:-1]][int(name[-1]) - 1] = value
     rows = [
-        {"type": "R", "offset": offsets[k], "sign": signs[k],
-         **{name: column[k] for name, column in columns.items()}}
+        {
+            "type": "R",
+            "offset": offsets[k],
+            "sign": signs[k],
+            **{name: column[k] for name, column in columns.items()},
+        }
         for k in range(6)
-    ]  # fmt: skip
+    ]
     document = {"convention": "dh", "joints": rows}
     document |= {key: value for key, value in (("base", base), ("tool", tool)) if value}
     return read_chain(table_to_urdf(read_mapping(document)))
@@ -68,8 +72,11 @@ def test_a_change_is_found_at_its_joint_and_parameter(change, joint, parameter, 
     first = found.differences[0]
     assert (first.joint, first.parameter, first.absorbed_by) == (joint, parameter, absorbed)
     value = next(iter(change.values()))
-    reference = {"a": [0, -0.425, -0.39225, 0, 0, 0], "d": [0.089159, 0, 0, 0.10915, 0.09465,
-                 0.0823], "alpha": ALPHA}[parameter][joint - 1]  # fmt: skip
+    reference = {
+        "a": [0, -0.425, -0.39225, 0, 0, 0],
+        "d": [0.089159, 0, 0, 0.10915, 0.09465, 0.0823],
+        "alpha": ALPHA,
+    }[parameter][joint - 1]
     assert abs(first.difference) == pytest.approx(abs(value - reference), rel=1e-6)
     assert found.verdict is (Verdict.EQUIVALENT if absorbed else Verdict.DIFFERENT)
     # Nothing diverges before that joint.
@@ -100,11 +107,12 @@ def test_random_arms_equal_themselves_behind_other_bases_and_zeros(tables, data)
         base=np.array([[0, -1, 0, 0.3], [1, 0, 0, 0.1], [0, 0, 1, -0.2], [0, 0, 0, 1.0]]),
         tool=np.array([[0, 0, 1, 0.1], [0, -1, 0, 0.4], [1, 0, 0, 0.2], [0, 0, 0, 1.0]]),
         rows=tuple(
-            row if row.type is JointType.FIXED
+            row
+            if row.type is JointType.FIXED
             else replace(row, offset=row.offset + data.draw(st.floats(-1, 1)))
             for row in table.rows
         ),
-    )  # fmt: skip
+    )
     found = compare(read_chain(table_to_urdf(table)), read_chain(table_to_urdf(moved)))
     assert found.verdict is not Verdict.DIFFERENT, found.words
     assert all(one.absorbed_by for one in found.differences)
@@ -116,9 +124,13 @@ SLIDING = (
     ("RPR", (-math.pi / 2, 1.88, -2.26), (0.615, 0, 0), (0, -0.74, 0.618)),
     ("RRP", (math.pi, 0, math.pi / 2), (0.135, 0.355, 0), (0.068, 0.876, -1.17)),
     ("RPR", (0, math.pi / 2, 0), (0.476, 0, 0), (0.738, 0, 0.864)),
-    ("RRRPRPR", (2.88, 0, -1.75, -0.89, math.pi, 0, 0.3), (0.6, 0, 0, 0.8, 0.2, 0.5, 0),
-     (0.7, 0, 0.5, 0.9, 0.3, 0, 0.3)),
-)  # fmt: skip
+    (
+        "RRRPRPR",
+        (2.88, 0, -1.75, -0.89, math.pi, 0, 0.3),
+        (0.6, 0, 0, 0.8, 0.2, 0.5, 0),
+        (0.7, 0, 0.5, 0.9, 0.3, 0, 0.3),
+    ),
+)
 
 
 @pytest.mark.parametrize("arm", SLIDING)
@@ -130,8 +142,11 @@ def test_where_the_line_of_a_slide_runs_does_not_matter(arm):
             for t, alpha, a, b in zip(*arm, strict=True)
         ]
         rows[0]["alpha"] += change
-        document = {"convention": "dh", "joints": rows, "tool": {"xyz": [0.1, tool, 0.2],
-                    "rpy": [0.4, tool, 1]}}  # fmt: skip
+        document = {
+            "convention": "dh",
+            "joints": rows,
+            "tool": {"xyz": [0.1, tool, 0.2], "rpy": [0.4, tool, 1]},
+        }
         return read_chain(table_to_urdf(read_mapping(document)))
 
     found = compare(chain(0, 0), chain(0.4, -0.9))

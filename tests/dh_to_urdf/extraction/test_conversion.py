@@ -16,10 +16,18 @@ TREE = {
         {"name": "trunk", "type": "R", "alpha": 0, "d": 0, "r": 0.5},
         {"name": "left", "type": "R", "alpha": 1, "d": 0.1, "r": 0, "gamma": 0.4, "b": 0.2},
         {"name": "left_hand", "type": "P", "alpha": 0.5, "d": 0.3, "theta": 0.3},
-        {"name": "right", "type": "R", "alpha": -1, "d": 0.1, "r": 0, "ant": 1, "gamma": -0.4,
-         "limits": {"lower": -1, "upper": 2}},
+        {
+            "name": "right",
+            "type": "R",
+            "alpha": -1,
+            "d": 0.1,
+            "r": 0,
+            "ant": 1,
+            "gamma": -0.4,
+            "limits": {"lower": -1, "upper": 2},
+        },
     ],
-}  # fmt: skip
+}
 
 
 def bodies(elementary, table, q):
@@ -40,8 +48,10 @@ def test_fk_bodies_and_limits_survive_any_way_round(elementary, tables, configur
     table = data.draw(tables(trees=False, inertials=data.draw(st.booleans())))
     if table.convention is Convention.KHALIL:
         # A chain may still have γ and b.
-        rows = [replace(row, gamma=data.draw(st.sampled_from([0.0, 0.7])), b=0.2 * k)
-                for k, row in enumerate(table.rows)]  # fmt: skip
+        rows = [
+            replace(row, gamma=data.draw(st.sampled_from([0.0, 0.7])), b=0.2 * k)
+            for k, row in enumerate(table.rows)
+        ]
         table = replace(table, rows=tuple(rows))
     q = data.draw(configurations(table))
     expected = elementary.tip(table, q)

@@ -43,8 +43,10 @@ def test_the_published_table_of_the_ur5_comes_back(elementary):
     found = extract(chain_of(elementary, published), Convention.STANDARD).table
     np.testing.assert_allclose([row.d for row in found.rows], UR5["d"], atol=1e-14)
     # Each x may point the other way, which turns the signs of its a and alpha together.
-    senses = [1 if row.alpha * alpha > 0 or row.a * a > 0 else -1
-              for row, a, alpha in zip(found.rows, UR5["a"], UR5_ALPHA, strict=True)]  # fmt: skip
+    senses = [
+        1 if row.alpha * alpha > 0 or row.a * a > 0 else -1
+        for row, a, alpha in zip(found.rows, UR5["a"], UR5_ALPHA, strict=True)
+    ]
     for row, a, alpha, sense in zip(found.rows, UR5["a"], UR5_ALPHA, senses, strict=True):
         assert row.a == pytest.approx(sense * a, abs=1e-14)
         assert row.alpha == pytest.approx(sense * alpha, abs=1e-14)
@@ -70,16 +72,27 @@ def test_the_published_table_of_the_panda_comes_back_from_its_urdf():
 @pytest.mark.parametrize(
     ("first", "second", "case", "feet"),
     [
-        (((0, 0, 5), (0, 0, 1)), ((0.3, 9, 0.2), (0, 2, 0)), Case.SKEW,
-         ((0, 0, 0.2), (0.3, 0, 0.2))),
-        (((0, 0, 0), (0, 0, 1)), ((0, 4, 0.7), (0, -1, 0)), Case.INTERSECTING,
-         ((0, 0, 0.7), (0, 0, 0.7))),
-        (((0, 0, 0), (0, 0, 1)), ((0.5, 0, 3), (0, 0, -1)), Case.PARALLEL,
-         ((0, 0, 0), (0.5, 0, 0))),
-        (((0, 0, 0), (0, 0, 1)), ((0, 0, 3), (0, 0, 1)), Case.COINCIDENT,
-         ((0, 0, 0), (0, 0, 0))),
+        (
+            ((0, 0, 5), (0, 0, 1)),
+            ((0.3, 9, 0.2), (0, 2, 0)),
+            Case.SKEW,
+            ((0, 0, 0.2), (0.3, 0, 0.2)),
+        ),
+        (
+            ((0, 0, 0), (0, 0, 1)),
+            ((0, 4, 0.7), (0, -1, 0)),
+            Case.INTERSECTING,
+            ((0, 0, 0.7), (0, 0, 0.7)),
+        ),
+        (
+            ((0, 0, 0), (0, 0, 1)),
+            ((0.5, 0, 3), (0, 0, -1)),
+            Case.PARALLEL,
+            ((0, 0, 0), (0.5, 0, 0)),
+        ),
+        (((0, 0, 0), (0, 0, 1)), ((0, 0, 3), (0, 0, 1)), Case.COINCIDENT, ((0, 0, 0), (0, 0, 0))),
     ],
-)  # fmt: skip
+)
 def test_every_case_is_named_and_its_feet_are_told(first, second, case, feet):
     found = extract(axes(first, second), Convention.STANDARD)
     _, step, _ = explain(found)
@@ -105,10 +118,16 @@ def test_a_slide_is_drawn_through_the_next_origin():
     """Stanford: wherever the slide's point is given, its line runs through the wrist."""
     for point in ((0, 0.1, 0.4), (3.0, -2.0, 7.0)):
         found = extract(
-            axes(((0, 0, 0), (0, 0, 1)), ((0, 0, 0.4), (0, 1, 0)), (point, (0, 0, 1)),
-                 ((0, 0.15, 1), (0, 0, 1)), ((0, 0.15, 1), (0, 1, 0)), types="RRPRR"),
+            axes(
+                ((0, 0, 0), (0, 0, 1)),
+                ((0, 0, 0.4), (0, 1, 0)),
+                (point, (0, 0, 1)),
+                ((0, 0.15, 1), (0, 0, 1)),
+                ((0, 0.15, 1), (0, 1, 0)),
+                types="RRPRR",
+            ),
             Convention.STANDARD,
-        )  # fmt: skip
+        )
         slide, after = found.table.rows[2:4]
         assert (slide.a, after.a, after.d) == (0.0, 0.0, 0.0)
         assert slide.offset == pytest.approx(0.6)

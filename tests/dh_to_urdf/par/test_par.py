@@ -190,7 +190,7 @@ def test_closed_loops_are_refused_or_cut():
         ("NF = 6", "NF = 6\nhello", (), ("line 6", "'hello'", "neither")),
         ("NF = 6", "NF = 6\nd", (), ("neither",)),
     ],
-)  # fmt: skip
+)
 def test_a_refusal_names_the_place_and_a_remedy(old, new, location, words):
     assert old in RX90
     found = fault(RX90.replace(old, new, 1), values=LENGTHS)
@@ -228,10 +228,27 @@ def test_a_file_without_a_name_takes_the_default_or_is_refused():
 
 
 SCRAPS = st.sampled_from(
-    [*"{}=,()*+-/ \n\x00é1", "(*", "*)", "Alpha", "theta = {t1}", "sigma = {0}", "d = {0}", "r={0}",
-     "alpha={0}", "NJ = 1", "NL = 1", "th1", "Pi", "Z", "1e999", "(* Joint 1: lower = 2 *)",
-     "(* Frame 1: tool *)", "(* Robotname = 'a' *)"]
-)  # fmt: skip
+    [
+        *"{}=,()*+-/ \n\x00é1",
+        "(*",
+        "*)",
+        "Alpha",
+        "theta = {t1}",
+        "sigma = {0}",
+        "d = {0}",
+        "r={0}",
+        "alpha={0}",
+        "NJ = 1",
+        "NL = 1",
+        "th1",
+        "Pi",
+        "Z",
+        "1e999",
+        "(* Joint 1: lower = 2 *)",
+        "(* Frame 1: tool *)",
+        "(* Robotname = 'a' *)",
+    ]
+)
 
 
 @settings(max_examples=300, deadline=None)

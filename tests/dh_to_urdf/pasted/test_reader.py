@@ -252,8 +252,11 @@ GOOD = HEAD + "|1|0|0|0.4|q1|\n|2|0.3|0|0|q2|\n"
     [
         (GOOD.replace("|0.4|", "|x|"), "dh", ("joint 1 (line 3, column d)", "'x'", "values x:")),
         (GOOD.replace("|0|q2", "|0|q3"), "dh", ("line 4", "open")),
-        (GOOD.replace("|0.3|0|", "|0.3|90|"), "dh", ("line 4, column α", "'90' has no unit",
-                                                    "write 90°", "angle=deg")),
+        (
+            GOOD.replace("|0.3|0|", "|0.3|90|"),
+            "dh",
+            ("line 4, column α", "'90' has no unit", "write 90°", "angle=deg"),
+        ),
         (GOOD.replace("q2", "q2 - 90"), "dh", ("line 4, column θ", "'q2 - 90' has no unit")),
         (GOOD.replace("0.3", "1,234"), "dh", ("line 4, column a", "two numbers", "decimal point")),
         (GOOD.replace("0.3", "45°"), "dh", ("line 4, column a", "an angle; a length is needed")),
@@ -271,16 +274,22 @@ GOOD = HEAD + "|1|0|0|0.4|q1|\n|2|0.3|0|0|q2|\n"
         (GOOD, "khalil", ("khalil has no column a",)),
         (GOOD, None, ("convention is missing", "standard (distal, Paul)")),
         (GOOD, "foo", ("'foo' is unknown",)),
-        (GOOD.replace("| i |", "| type |").replace("|2|", "|x|"), "dh",
-         ("joint 2 (line 4, column type)", "R, P or F")),
+        (
+            GOOD.replace("| i |", "| type |").replace("|2|", "|x|"),
+            "dh",
+            ("joint 2 (line 4, column type)", "R, P or F"),
+        ),
         ("", "dh", ("no table",)),
         ("hello world, this is\nno table", "dh", ("names no columns", "columns=theta,d,a,alpha")),
         ("0 0.4 0 pi/2\n0 0 0.3 0\n", "dh", ("line 1", "names no columns")),
         ("A = [0 0.4 0 pi/2; 0 0 0.3 0]", "dh", ("names no columns", "% theta d a alpha")),
         ("% theta d a alpha\n[0 0.4 0 pi/2; 0 0 0.3]", "dh", ("row 2 of the matrix", "3 elements")),
         ("[1 2 3; 1 2 3]\n[1 2 3; 1 2 3]", "dh", ("2 matrices",)),
-        ("Link('d', 0.4, 'alpha', pi/2)", "mdh", ("link is standard", "convention=standard",
-                                                 "add 'modified'")),
+        (
+            "Link('d', 0.4, 'alpha', pi/2)",
+            "mdh",
+            ("link is standard", "convention=standard", "add 'modified'"),
+        ),
         ("RevoluteMDH(d=0.4)", "dh", ("link is modified", "convention=modified")),
         ("RevoluteMDH(d=0.4)", "khalil", ("not khalil", "convention=modified")),
         ("Link('d', 0.4, 'alpha', 90)", "dh", ("column alpha", "'90' has no unit")),
@@ -293,20 +302,26 @@ GOOD = HEAD + "|1|0|0|0.4|q1|\n|2|0.3|0|0|q2|\n"
         ("L(1) = Link('d', 0);\nL(1).offset = pi/2;", "dh", ("line 2", "'L(1).offset'")),
         ("L(1) = Link('d', 0);\nL(3) = Link('d', 0);", "dh", ("line 2", "link 3", "2 is due")),
         ("L(1) = Link('d', 0);\nL(1) = Link('d', 0);", "dh", ("'L(1)' is made twice",)),
-        ("A = Link('d', 0);\n\ufeffB = Link('d', 0);\n\ufeffB = Link('d', 0)",
-         "dh", ("line 3", r"'\ufeffB' is made twice")),
+        (
+            "A = Link('d', 0);\n\ufeffB = Link('d', 0);\n\ufeffB = Link('d', 0)",
+            "dh",
+            ("line 3", r"'\ufeffB' is made twice"),
+        ),
         ("A = Link('d', 0); SerialLink([A B])", "dh", ("'B'", "not made")),
         ("A = Link('d', 0); SerialLink(A, 'tool', transl(0,0,1))", "dh", ("line of its own",)),
         ("Link('d', 0", "dh", ("line 1", "never closed")),
         (LATEX + LATEX, "mdh", ("two LaTeX tables",)),
-        (LATEX.replace(r"\dfrac", r"\foo"), "mdh", ("joint 3 (line 10, column $\\alpha_{i-1}$)",
-                                                    "unexpected")),
+        (
+            LATEX.replace(r"\dfrac", r"\foo"),
+            "mdh",
+            ("joint 3 (line 10, column $\\alpha_{i-1}$)", "unexpected"),
+        ),
         (HEAD + "|1|0|0|0.4|q|\n" * 301, "dh", ("line 4, column i", "2 is due")),
         ("θ d a α\n" + "q 0 0 0\n" * 301, "dh", ("301 rows; at most 300",)),
         ("x" * 100_001, "dh", ("longer than 100000",)),
         (b"\xff\xfe\x00", "dh", ("not UTF-8",)),
     ],
-)  # fmt: skip
+)
 def test_a_refusal_names_line_column_and_remedy(text, convention, words):
     with pytest.raises(DHError) as caught:
         read_pasted(text, convention)
@@ -360,13 +375,41 @@ def test_csv_takes_values_too():
     assert table.rows[0].a == 0.3
 
 
-SCRAPS = st.sampled_from([
-    *"ab:-&*[]{}|>%'\"#, \n\t017.eE+;=\x00\r_^$~°θπ()\\", "\\\\", "\\frac{", "\\begin{tabular}",
-    "\\end{tabular}", "\\theta_", "alpha", "theta", "| a | alpha | d | theta |\n", "Link(",
-    "RevoluteDH(", "SerialLink(", "'d',", "d=", "[0 0 0 0]", "q1", "pi/2", "90°", "tool = [",
-    "L(1) = ", "np.array(", "\\multicolumn{2}{c}{", "% theta d a alpha\n", "[0 0 0 0; 0 0 0 0]",
-    "i\ta\td\talpha\ttheta\n", "1\t0\t0\t0\tq1\n", "1e999", "nan", " 'modified'", "qlim=[", "²",
-])  # fmt: skip
+SCRAPS = st.sampled_from(
+    [
+        *"ab:-&*[]{}|>%'\"#, \n\t017.eE+;=\x00\r_^$~°θπ()\\",
+        "\\\\",
+        "\\frac{",
+        "\\begin{tabular}",
+        "\\end{tabular}",
+        "\\theta_",
+        "alpha",
+        "theta",
+        "| a | alpha | d | theta |\n",
+        "Link(",
+        "RevoluteDH(",
+        "SerialLink(",
+        "'d',",
+        "d=",
+        "[0 0 0 0]",
+        "q1",
+        "pi/2",
+        "90°",
+        "tool = [",
+        "L(1) = ",
+        "np.array(",
+        "\\multicolumn{2}{c}{",
+        "% theta d a alpha\n",
+        "[0 0 0 0; 0 0 0 0]",
+        "i\ta\td\talpha\ttheta\n",
+        "1\t0\t0\t0\tq1\n",
+        "1e999",
+        "nan",
+        " 'modified'",
+        "qlim=[",
+        "²",
+    ]
+)
 
 
 @settings(max_examples=400, deadline=None)
@@ -398,11 +441,36 @@ def test_a_damaged_table_is_refused_or_a_table(data):
 
 @pytest.mark.parametrize(
     "piece",
-    ["a=", "[", "[ [", "(", "L(1)=", "Link(", "\\frac{", "^{", "_", "a & b \\\\\n", "|a|b|\n", "\n",
-     "\\begin{tabular}", "Link([0 0 0 0])\n", "[0 0 0 0]\n", "x = [", "tool = [", " ", "'", "[[1,",
-     "% a alpha d theta\n", "\\hline", "\\multicolumn{", "$",
-     "%{\n", "%{ \nLink(", '"""\n'],
-)  # fmt: skip
+    [
+        "a=",
+        "[",
+        "[ [",
+        "(",
+        "L(1)=",
+        "Link(",
+        "\\frac{",
+        "^{",
+        "_",
+        "a & b \\\\\n",
+        "|a|b|\n",
+        "\n",
+        "\\begin{tabular}",
+        "Link([0 0 0 0])\n",
+        "[0 0 0 0]\n",
+        "x = [",
+        "tool = [",
+        " ",
+        "'",
+        "[[1,",
+        "% a alpha d theta\n",
+        "\\hline",
+        "\\multicolumn{",
+        "$",
+        "%{\n",
+        "%{ \nLink(",
+        '"""\n',
+    ],
+)
 def test_long_garbage_takes_no_time(piece):
     started = time.thread_time()
     with pytest.raises(DHError):

@@ -107,9 +107,19 @@ def test_random_poses(name):
             assert len(set(found.postures(form))) == len(found.q)
 
 
-COUNTS = {"puma560": {8}, "rx90": {8}, "stanford": {8}, "kr6_r900": {4, 8}, "abb_irb140": {4, 8},
-          "ur5": {2, 4, 6, 8}, "pa10": {8}, "iiwa14": {8}, "scara": {2}, "planar_2r": {2},
-          "planar_3r": {2}}  # fmt: skip
+COUNTS = {
+    "puma560": {8},
+    "rx90": {8},
+    "stanford": {8},
+    "kr6_r900": {4, 8},
+    "abb_irb140": {4, 8},
+    "ur5": {2, 4, 6, 8},
+    "pa10": {8},
+    "iiwa14": {8},
+    "scara": {2},
+    "planar_2r": {2},
+    "planar_3r": {2},
+}
 
 
 @pytest.mark.parametrize("name", COUNTS)

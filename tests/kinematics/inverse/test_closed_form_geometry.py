@@ -94,9 +94,23 @@ def solved(chain, target, q, swivel=None):
 
 @pytest.mark.parametrize(
     "name",
-    ["puma560", "rx90", "kr6_r900", "abb_irb140", "stanford", "kinova", "ur5", "ur10e", "z1",
-     "scara", "planar_2r", "planar_3r", "pa10", "iiwa14"],
-)  # fmt: skip
+    [
+        "puma560",
+        "rx90",
+        "kr6_r900",
+        "abb_irb140",
+        "stanford",
+        "kinova",
+        "ur5",
+        "ur10e",
+        "z1",
+        "scara",
+        "planar_2r",
+        "planar_3r",
+        "pa10",
+        "iiwa14",
+    ],
+)
 def test_the_same_arm_described_otherwise(name):
     """Another base, tool, zero, direction of rotation and origin on each axis."""
     robot = shipped_robot(name)
@@ -153,9 +167,16 @@ def arm(kind, generator):
 
 @pytest.mark.parametrize(
     ("kind", "most"),
-    [("1 and 2 meeting", 8), ("1 and 2 parallel", 8), ("2 and 3 parallel", 8),
-     ("2 and 3 meeting", 8), ("general", 8), ("parallel", 16), ("parallel, 5 and 6 meeting", 8)],
-)  # fmt: skip
+    [
+        ("1 and 2 meeting", 8),
+        ("1 and 2 parallel", 8),
+        ("2 and 3 parallel", 8),
+        ("2 and 3 meeting", 8),
+        ("general", 8),
+        ("parallel", 16),
+        ("parallel, 5 and 6 meeting", 8),
+    ],
+)
 def test_random_arms(kind, most):
     generator = np.random.default_rng(5)
     for _ in range(8):

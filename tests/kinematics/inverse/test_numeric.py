@@ -54,9 +54,17 @@ def test_reachable_poses_are_reached_within_limits(name):
 
 @pytest.mark.parametrize(
     ("name", "task"),
-    [("planar_2r", "xy"), ("planar_3r", "xy_phi"), ("planar_8r", "xy"), ("scara", "xyz_phi"),
-     ("stanford", "pose"), ("kinova", "pose"), ("iiwa14", "position"), ("talos_arm", "pose")],
-)  # fmt: skip
+    [
+        ("planar_2r", "xy"),
+        ("planar_3r", "xy_phi"),
+        ("planar_8r", "xy"),
+        ("scara", "xyz_phi"),
+        ("stanford", "pose"),
+        ("kinova", "pose"),
+        ("iiwa14", "position"),
+        ("talos_arm", "pose"),
+    ],
+)
 def test_other_tasks_arms_and_bases(name, task):
     robot, task = shipped_robot(name), TASKS[task]
     for target in reachable(robot, 50, seed=1):
@@ -172,10 +180,16 @@ def test_an_answer_is_never_a_lie(position, rpy, name, task):
 
 
 @pytest.mark.parametrize(
-    "options", [{"max_restarts": -1}, {"time_budget": -1.0}, {"random_seed": -5},
-                {"max_iterations": 0}, {"tolerance": Tolerance(0.0, 1e-6)},
-                {"tolerance": Tolerance(float("nan"), 1e-6)}],
-)  # fmt: skip
+    "options",
+    [
+        {"max_restarts": -1},
+        {"time_budget": -1.0},
+        {"random_seed": -5},
+        {"max_iterations": 0},
+        {"tolerance": Tolerance(0.0, 1e-6)},
+        {"tolerance": Tolerance(float("nan"), 1e-6)},
+    ],
+)
 def test_options_out_of_range_are_refused(options):
     with pytest.raises(InvalidOption, match="give"):
         IKOptions(**options)

@@ -16,14 +16,38 @@ from robots.robot import robot_from_table, robot_from_urdf
 from robots.shipped import shipped_ids, shipped_robot
 
 SIX = [
-    "puma560", "rx90", "abb_irb140", "kr6_r900", "stanford", "z1", "b1_z1", "talos_left_arm",
-    "ur3", "ur3e", "ur5", "ur5e", "ur10", "ur10e", "ur5_urdf", "ur10_urdf", "ur3_gripper",
-]  # fmt: skip
+    "puma560",
+    "rx90",
+    "abb_irb140",
+    "kr6_r900",
+    "stanford",
+    "z1",
+    "b1_z1",
+    "talos_left_arm",
+    "ur3",
+    "ur3e",
+    "ur5",
+    "ur5e",
+    "ur10",
+    "ur10e",
+    "ur5_urdf",
+    "ur10_urdf",
+    "ur3_gripper",
+]
 OTHERS = [
-    ("pa10", "pose"), ("iiwa14", "pose"), ("planar_2r", "xy"), ("planar_2r", "position"),
-    ("planar_3r", "xy_phi"), ("planar_3r", "pose"), ("scara", "xyz_phi"), ("scara", "pose"),
-    ("solo12", "position"), ("go1", "position"), ("finger_edu", "position"), ("asr_twodof", "xy"),
-]  # fmt: skip
+    ("pa10", "pose"),
+    ("iiwa14", "pose"),
+    ("planar_2r", "xy"),
+    ("planar_2r", "position"),
+    ("planar_3r", "xy_phi"),
+    ("planar_3r", "pose"),
+    ("scara", "xyz_phi"),
+    ("scara", "pose"),
+    ("solo12", "position"),
+    ("go1", "position"),
+    ("finger_edu", "position"),
+    ("asr_twodof", "xy"),
+]
 
 
 def sampled(robot, seed, n):
@@ -43,9 +67,11 @@ def check(robot, q, task, relative=1e-12):
     J = jacobian(robot, q)[:, list(TASKS[task].rows)][:, :, moving_columns(robot)]
     for k, one in enumerate(J):
         square = one.shape[0] == one.shape[1]
-        expected = np.linalg.det(one) if square else np.sqrt(
-            np.linalg.det(one @ one.T if one.shape[0] < one.shape[1] else one.T @ one)
-        )  # fmt: skip
+        expected = (
+            np.linalg.det(one)
+            if square
+            else np.sqrt(np.linalg.det(one @ one.T if one.shape[0] < one.shape[1] else one.T @ one))
+        )
         product = found.constant[k] * np.prod([factor.value[k] for factor in found.factors])
         product = product if square else abs(product)
         assert abs(product - expected) <= relative * max(abs(expected), 1e-3)
@@ -135,8 +161,9 @@ def test_where_one_factor_vanishes_the_arm_is_singular(name):
             else:
                 high = middle
         assert singularity_report(robot, low).singular
-        others = [abs(f.normalised) for k, f in enumerate(factorization(robot, low).factors)
-                  if k != index]  # fmt: skip
+        others = [
+            abs(f.normalised) for k, f in enumerate(factorization(robot, low).factors) if k != index
+        ]
         assert min(others) > 1e-6
 
 
@@ -148,19 +175,30 @@ LENGTHS = st.sampled_from([0.0, 0.0, 0.3, -0.4, 1.2])
 def wrist_partitioned(draw):
     """Any three joints, then a wrist; the tool and the zero positions anyhow."""
     joints = [
-        {"type": draw(st.sampled_from("RRP")), "alpha": draw(ANGLES), "a": draw(LENGTHS),
-         "d": draw(LENGTHS), "theta": 0}
+        {
+            "type": draw(st.sampled_from("RRP")),
+            "alpha": draw(ANGLES),
+            "a": draw(LENGTHS),
+            "d": draw(LENGTHS),
+            "theta": 0,
+        }
         for _ in range(3)
-    ]  # fmt: skip
+    ]
     for joint in joints:
         joint["theta" if joint["type"] == "P" else "offset"] = draw(ANGLES)
         if joint["type"] == "P":
             joint["d"] = 0
     joints += [
-        {"type": "R", "alpha": draw(ANGLES), "a": 0, "d": draw(LENGTHS) if k == 0 else 0,
-         "offset": draw(ANGLES), "sign": draw(st.sampled_from([1, -1]))}
+        {
+            "type": "R",
+            "alpha": draw(ANGLES),
+            "a": 0,
+            "d": draw(LENGTHS) if k == 0 else 0,
+            "offset": draw(ANGLES),
+            "sign": draw(st.sampled_from([1, -1])),
+        }
         for k in range(3)
-    ]  # fmt: skip
+    ]
     tool = {"xyz": [draw(LENGTHS) for _ in range(3)], "rpy": [0.1, draw(ANGLES), 0.2]}
     document = {"name": "arm", "convention": "standard", "joints": joints, "tool": tool}
     return robot_from_table(read_mapping(document))

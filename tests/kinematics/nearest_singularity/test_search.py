@@ -24,11 +24,21 @@ def is_singular(robot, q, task):
 
 @pytest.mark.parametrize(
     ("name", "task"),
-    [("puma560", "pose"), ("ur5", "pose"), ("stanford", "pose"), ("pa10", "pose"),
-     ("panda", "pose"), ("planar_3r", "xy"), ("planar_2r", "xy"), ("scara", "xyz_phi"),
-     ("kinova", "pose"), ("talos_left_arm", "pose"), ("puma560", "position"),
-     ("so101", "position")],
-)  # fmt: skip
+    [
+        ("puma560", "pose"),
+        ("ur5", "pose"),
+        ("stanford", "pose"),
+        ("pa10", "pose"),
+        ("panda", "pose"),
+        ("planar_3r", "xy"),
+        ("planar_2r", "xy"),
+        ("scara", "xyz_phi"),
+        ("kinova", "pose"),
+        ("talos_left_arm", "pose"),
+        ("puma560", "position"),
+        ("so101", "position"),
+    ],
+)
 @pytest.mark.parametrize("seed", [0, 1])
 def test_what_is_found_is_singular_and_within_the_limits(name, task, seed):
     robot = shipped_robot(name)
@@ -112,7 +122,7 @@ def test_limits_hold():
         joints = [{"type": "R", "alpha": 0, "a": 1, "d": 0}, second]
         return robot_from_table(
             read_mapping({"name": "arm", "convention": "standard", "joints": joints})
-        )  # fmt: skip
+        )
 
     q, task = np.array([0.0, 0.5]), TASKS["xy"]
     folded = nearest_singularity(arm(0.1, 3.5), q, task)
@@ -133,13 +143,20 @@ def test_a_slide_through_the_shoulder():
     robot = shipped_robot("stanford")
     q = np.array([0.2, 0.9, 0.5, 0.3, 0.6, 0.2])
     document = {
-        "name": "free", "convention": "standard",
+        "name": "free",
+        "convention": "standard",
         "joints": [
-            {"type": "P" if k == 2 else "R", "alpha": row.alpha, "a": row.a, "d": row.d,
-             "theta": row.theta} | ({"d": 0} if k == 2 else {"theta": 0})
+            {
+                "type": "P" if k == 2 else "R",
+                "alpha": row.alpha,
+                "a": row.a,
+                "d": row.d,
+                "theta": row.theta,
+            }
+            | ({"d": 0} if k == 2 else {"theta": 0})
             for k, row in enumerate(robot.table.rows)
         ],
-    }  # fmt: skip
+    }
     free = robot_from_table(read_mapping(document))
     slide = next(one for one in nearest_singularity(free, q).joints if one.column == 2)
     assert slide.values

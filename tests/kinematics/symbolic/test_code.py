@@ -60,17 +60,26 @@ def test_lengths_are_arguments_of_python():
 def test_c(name, parameters, tmp_path):
     robot = shipped_robot(name)
     answer = written(
-        robot.table, "T", "jacobian", "position", "det_jacobian",
-        notation=Notation.C, parameters=parameters,
-    )  # fmt: skip
+        robot.table,
+        "T",
+        "jacobian",
+        "position",
+        "det_jacobian",
+        notation=Notation.C,
+        parameters=parameters,
+    )
     q = random_q(robot.dof, 5)
     dof, minors = robot.dof, 7 if name == "pa10" else 1
     determinant = "jacobian_minors" if name == "pa10" else "det_jacobian"
     calls = []
     for one in q:
         literal = "(double[]){" + ", ".join(map(repr, one.tolist())) + "}"
-        for function, size in (("fk", 16), ("position", 3), ("jacobian", 6 * dof),
-                               (determinant, minors)):  # fmt: skip
+        for function, size in (
+            ("fk", 16),
+            ("position", 3),
+            ("jacobian", 6 * dof),
+            (determinant, minors),
+        ):
             lengths = arguments_of(answer["code"], function, answer["values"])
             calls.append((f"{function}({literal}, {lengths}out)", size))
     found = c_program(answer["code"], calls, tmp_path, COMPILER).reshape(len(q), -1)

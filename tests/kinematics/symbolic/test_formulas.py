@@ -12,8 +12,18 @@ from robots.robot import robot_from_table
 from robots.shipped import shipped_robot
 from tests.kinematics.symbolic.formulas import evaluator, plain, written
 
-ARMS = ["planar_2r", "planar_3r", "planar_8r", "scara", "stanford", "puma560", "rx90", "ur5",
-        "panda", "pa10"]  # fmt: skip
+ARMS = [
+    "planar_2r",
+    "planar_3r",
+    "planar_8r",
+    "scara",
+    "stanford",
+    "puma560",
+    "rx90",
+    "ur5",
+    "panda",
+    "pa10",
+]
 
 
 def random_q(dof, n=100, seed=0):
@@ -94,9 +104,13 @@ def monomials(formula):
 
 def test_the_pa10_s_position_is_that_of_the_lecture_term_by_term():
     answer = written(
-        shipped_robot("pa10").table, "position", "T0",
-        parameters="symbolic", base="frame_0", frame="frame_7",
-    )  # fmt: skip
+        shipped_robot("pa10").table,
+        "position",
+        "T0",
+        parameters="symbolic",
+        base="frame_0",
+        frame="frame_7",
+    )
     expected = {
         "X": "R5*(S4*C3*C2*C1 - S4*S3*S1 + C4*S2*C1) + R3*C1*S2",
         "Y": "R5*(S4*C3*C2*S1 + S4*S3*C1 + C4*S2*S1) + R3*S2*S1",
@@ -121,8 +135,11 @@ def test_the_puma_s_determinant_falls_into_shoulder_elbow_and_wrist(exercises):
     answer = written(shipped_robot("puma560").table, "det_jacobian", parameters="symbolic")
     found = answer["det_jacobian"]
     assert {f["factor"] for f in found["factors"]} == {
-        "a2", "S5", "a2*C2 + a3*C23 - d4*S23", "a3*S3 + d4*C3"
-    }  # fmt: skip
+        "a2",
+        "S5",
+        "a2*C2 + a3*C23 - d4*S23",
+        "a3*S3 + d4*C3",
+    }
     assert all(f["exponent"] == 1 for f in found["factors"])
     expected = exercises["E15_PUMA_det factors"]["value"]
     S5 = expected["wrist"]

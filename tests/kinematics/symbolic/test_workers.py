@@ -104,8 +104,9 @@ def test_a_late_worker_is_killed(monkeypatch):
     monkeypatch.setattr(workers, "GRACE_SECONDS", 0.2)
     sleeping = subprocess.Popen(
         [sys.executable, "-c", "import time; print('{}', flush=True); time.sleep(600)"],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-    )  # fmt: skip
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
     with sleeping:
         assert workers._lines(sleeping, b"task", 1.0) == (["{}"], False)
         sleeping.kill()

@@ -102,8 +102,11 @@ def test_a_lock_that_is_no_file_stops_writers_only(tmp_path, store, make_robot, 
     store.put("probe", make_robot())
     lock = tmp_path / "robots.lock"
     lock.unlink()
-    {"directory": lock.mkdir, "pipe": lambda: os.mkfifo(lock),
-     "link": lambda: lock.symlink_to("/etc/passwd")}[kind]()  # fmt: skip
+    {
+        "directory": lock.mkdir,
+        "pipe": lambda: os.mkfifo(lock),
+        "link": lambda: lock.symlink_to("/etc/passwd"),
+    }[kind]()
     fresh = RobotStore(tmp_path)
     assert fresh.get("probe").robot.revision == make_robot().revision
     assert uploads(fresh) == ["probe"]
@@ -180,11 +183,14 @@ def test_without_free_file_descriptors_nothing_is_lost_damaged_or_leaked(
     assert not (tmp_path / "quarantine").exists()
     assert store.get("cold").robot.revision == make_robot().revision
     assert sorted(path.name for path in (tmp_path / "robots").iterdir()) == [
-        "cold.json", "probe.json"]  # fmt: skip
+        "cold.json",
+        "probe.json",
+    ]
 
 
-@pytest.mark.parametrize("limit", [{"size": "96k"}, {"size": "8m", "nr_inodes": 12}],
-                         ids=["space", "inodes"])  # fmt: skip
+@pytest.mark.parametrize(
+    "limit", [{"size": "96k"}, {"size": "8m", "nr_inodes": 12}], ids=["space", "inodes"]
+)
 def test_a_full_disk_refuses_and_keeps_what_it_has(tmp_path, make_robot, limit):
     with small_disk(tmp_path / "disk", **limit) as directory:
         if directory is None:

@@ -164,7 +164,10 @@ sys.exit(any(os.waitpid(child, 0)[1] for child in children))
 def test_the_quota_is_exact_among_processes(tmp_path):
     ran = subprocess.run(
         [sys.executable, "-c", RACERS, str(tmp_path)],
-        capture_output=True, text=True, check=True, timeout=PATIENCE,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=PATIENCE,
+    )
     assert sorted(ran.stdout.split()) == ["refused"] * 55 + ["stored"] * 25
     assert len(files(tmp_path)) == 25

@@ -129,7 +129,7 @@ def test_torn_bytes_are_refused(start, rest):
         ("<axis", '<axis xyz="0 0 1"/><axis', ("joint 'turn' has two <axis>", "keep one")),
         ("<parent", '<parent link="boom"/><parent', ("joint 'turn' has two <parent>",)),
         ("<child", '<child link="boom"/><child', ("joint 'turn' has two <child>",)),
-        ("<origin xyz=\"0 0.2 0\"/>", '<origin xyz="0 0.2 0"/><origin/>', ("two <origin>",)),
+        ('<origin xyz="0 0.2 0"/>', '<origin xyz="0 0.2 0"/><origin/>', ("two <origin>",)),
         ("<limit", '<limit lower="0" upper="0"/><limit', ("joint 'reach' has two <limit>",)),
         ("<mass", '<mass value="0"/><mass', ("link 'turret' has two <mass> in <inertial>",)),
         ("<inertial>", "<inertial/><inertial>", ("link 'turret' has two <inertial>",)),
@@ -137,8 +137,11 @@ def test_torn_bytes_are_refused(start, rest):
         ("<cylinder", '<box size="1 1 1"/><cylinder', ("link 'turret'", "two geometries")),
         ('<cylinder radius="0.1" length="0.4"/>', "<gazebo/>", ("<collision> has no geometry",)),
         ("<axis", "<dynamics><joint/></dynamics><axis", ("<dynamics> holds a <joint>",)),
-        ('<link name="boom"/>', '<link name="boom"><link name="b"/></link>',
-         ("link 'boom': <link> cannot stand in <link>",)),
+        (
+            '<link name="boom"/>',
+            '<link name="boom"><link name="b"/></link>',
+            ("link 'boom': <link> cannot stand in <link>",),
+        ),
         ('<link name="boom"/>', '<link name="boom"><joint name="b"/></link>', ("cannot stand in",)),
         ("</robot>", '<robot name="b"/></robot>', ("<robot> cannot stand in <robot>",)),
         ("</robot>", '<group><link name="b"/></group></robot>', ("<group>", "holds a <link>")),
@@ -146,10 +149,16 @@ def test_torn_bytes_are_refused(start, rest):
         ("</robot>", '<x:link xmlns:x="y" name="b"/></robot>', ("<link> cannot stand in",)),
         ("</robot>", '<x:link xmlns="y" xmlns:x="y" name="b"/></robot>', ("<link> cannot",)),
         ("</robot>", '<include filename="arm.urdf"/></robot>', ("holds <include>, which is not",)),
-        ("</robot>", '<i:include xmlns:i="http://www.w3.org/2001/XInclude" href="/etc/passwd"/>'
-         "</robot>", ("holds <include>, which is not read", "in its place")),
-        ("</robot>", '<loop_joint name="x"><link1 link="boom"/></loop_joint></robot>',
-         ("holds <loop_joint>", "a robot is a tree")),
+        (
+            "</robot>",
+            '<i:include xmlns:i="http://www.w3.org/2001/XInclude" href="/etc/passwd"/></robot>',
+            ("holds <include>, which is not read", "in its place"),
+        ),
+        (
+            "</robot>",
+            '<loop_joint name="x"><link1 link="boom"/></loop_joint></robot>',
+            ("holds <loop_joint>", "a robot is a tree"),
+        ),
         ("<axis", "<mimic/><axis", ("joint 'turn': <mimic> lacks", "give joint=")),
         ("<axis", '<mimic joint="nil"/><axis', ("joint 'turn' mimics 'nil', which does not",)),
         ("<axis", '<mimic joint="turn"/><axis', ("joint 'turn' mimics itself;",)),
@@ -162,8 +171,11 @@ def test_torn_bytes_are_refused(start, rest):
         ('<origin xyz="0 0.2 0"', '<origin xzy="0 0.2 0"', ("attribute 'xzy'", "xyz, rpy")),
         ('rpy="0.1 0.2 0.3"', 'quat_xyzw="0 0 0 1"', ("attribute 'quat_xyzw'", "xyz, rpy")),
         ('<axis xyz="0 0 2"/>', '<axis xyz_="0 0 2"/>', ("<axis> has an attribute 'xyz_'",)),
-        ('<link name="boom"/>', '<link name="boom"><origin xyz="0 0 1"/></link>',
-         ("link 'boom': <origin> cannot stand in <link>",)),
+        (
+            '<link name="boom"/>',
+            '<link name="boom"><origin xyz="0 0 1"/></link>',
+            ("link 'boom': <origin> cannot stand in <link>",),
+        ),
         ('xyz="0 0.2 0"', 'xyz="0 \u0660.2 0"', ("joint 'reach'", "'٠.2'", "finite number")),
         ('xyz="0 0.2 0"', 'xyz="0\u00a00.2 0"', ("give 3 numbers",)),
         ('xyz="0 0.2 0"', f'xyz="0 0.{"2" * 1000} 0"', ("…; give 3 numbers",)),
@@ -187,11 +199,12 @@ def test_torn_bytes_are_refused(start, rest):
         ('<parent link="turret"/>', '<parent link="turr\u00e8t"/>', ("parent link 'turrèt' does",)),
         ('<parent link="turret"/>', f'<parent link="{"t" * 500}"/>', ("ttt… does not exist",)),
     ],
-)  # fmt: skip
+)
 def test_a_slip_is_refused_and_not_dropped(arm_urdf, old, new, words):
     assert old in arm_urdf
-    message = refusal(arm_urdf.replace(old, new, 1) if old != "</robot>" else new.join(
-        arm_urdf.rsplit(old, 1)))  # fmt: skip
+    message = refusal(
+        arm_urdf.replace(old, new, 1) if old != "</robot>" else new.join(arm_urdf.rsplit(old, 1))
+    )
     assert [word for word in words if word not in message] == []
 
 
@@ -239,23 +252,56 @@ def test_an_inertia_that_no_body_has_is_named_and_kept(arm_urdf):
         " does not use it",
     )
     assert 'ixy="5.0"' in robot.urdf
-    slightly = robot_from_urdf(arm_urdf.replace('ixx="0.1"', 'ixx="-5e-20"').replace(
-        'iyy="0.1"', 'iyy="0"'))  # fmt: skip
+    slightly = robot_from_urdf(
+        arm_urdf.replace('ixx="0.1"', 'ixx="-5e-20"').replace('iyy="0.1"', 'iyy="0"')
+    )
     assert slightly.warnings == ()
 
 
 @pytest.mark.parametrize(
     "filename",
     [
-        "/etc/passwd", "//host/share", "file:///etc/passwd", "file://etc/passwd", "FILE:///x",
-        "http://example.org/a.stl", "https://[::1]/a.stl", "ftp://a/b", "model://a/b",
-        "package://../../etc/passwd", "package://a/../../b", "package:////etc/passwd",
-        "../meshes/a.stl", "a/../../b", "..", ".", "", "a//b", "a/./b", "..\\..\\boot.ini",
-        "C:\\a.stl", "C:/a.stl", "\\\\host\\a", "~/a.stl", "$HOME/a.stl", "`id`", "a|b",
-        "package://a/%2e%2e/b", "%2e%2e/a", "package://a\u202e/b", "data:,x", "javascript:x",
-        "<x>", "a'b", "a;b", "x" * 600, " /etc/passwd", "package://", "package:///",
+        "/etc/passwd",
+        "//host/share",
+        "file:///etc/passwd",
+        "file://etc/passwd",
+        "FILE:///x",
+        "http://example.org/a.stl",
+        "https://[::1]/a.stl",
+        "ftp://a/b",
+        "model://a/b",
+        "package://../../etc/passwd",
+        "package://a/../../b",
+        "package:////etc/passwd",
+        "../meshes/a.stl",
+        "a/../../b",
+        "..",
+        ".",
+        "",
+        "a//b",
+        "a/./b",
+        "..\\..\\boot.ini",
+        "C:\\a.stl",
+        "C:/a.stl",
+        "\\\\host\\a",
+        "~/a.stl",
+        "$HOME/a.stl",
+        "`id`",
+        "a|b",
+        "package://a/%2e%2e/b",
+        "%2e%2e/a",
+        "package://a\u202e/b",
+        "data:,x",
+        "javascript:x",
+        "<x>",
+        "a'b",
+        "a;b",
+        "x" * 600,
+        " /etc/passwd",
+        "package://",
+        "package:///",
     ],
-)  # fmt: skip
+)
 def test_a_mesh_that_leads_elsewhere_is_not_handed_on(arm_urdf, tmp_path, filename):
     from xml.sax.saxutils import escape
 

@@ -111,8 +111,12 @@ def placement_of(origin):
 
 def coal_shape(form):
     size = [float(word) for value in form.attrib.values() for word in value.split()]
-    return {"capsule": coal.Capsule, "sphere": coal.Sphere, "cylinder": coal.Cylinder,
-            "box": coal.Box}[form.tag](*size)  # fmt: skip
+    return {
+        "capsule": coal.Capsule,
+        "sphere": coal.Sphere,
+        "cylinder": coal.Cylinder,
+        "box": coal.Box,
+    }[form.tag](*size)
 
 
 class Oracle:
@@ -178,8 +182,14 @@ def test_what_moves_counts_with_its_true_shape_also_beyond_the_frame():
     assert not geometry.warnings
     assert all(part.excess == 0.0 for part in geometry.parts)
     joints = {part.link: part.joint for part in geometry.parts}
-    assert joints == {"shoulder": "j1", "horn": "j1", "upper": "j2", "slide": "j3", "hand": "j3",
-                      "finger": "j3"}  # fmt: skip
+    assert joints == {
+        "shoulder": "j1",
+        "horn": "j1",
+        "upper": "j2",
+        "slide": "j3",
+        "hand": "j3",
+        "finger": "j3",
+    }
     order = [oracle.names.index(name) for name in names]
     world, rng = encoded(WORLD), np.random.default_rng(1)
     for _ in range(50):

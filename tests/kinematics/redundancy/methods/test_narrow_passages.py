@@ -41,8 +41,9 @@ def boxed(line):
     ]
     q = [0.6286, 1.0156, 2.0017, -1.4928, -1.1353, 1.4329, -1.3801]
     end = (0.1093, 0.3263, 0.8737)
-    return to(line, shipped_robot("panda"), q, end, "position", solids, samples=15,
-              link_radius=0.0431)  # fmt: skip
+    return to(
+        line, shipped_robot("panda"), q, end, "position", solids, samples=15, link_radius=0.0431
+    )
 
 
 def balls(line):
@@ -55,17 +56,20 @@ def balls(line):
     ]
     q = [0.2291, -1.3873, 0.6785, -0.6413, -0.7562, 1.2312, 1.3224]
     end = (-0.5635, -0.4264, 0.6155)
-    return to(line, shipped_robot("panda"), q, end, "position", solids, samples=15,
-              link_radius=0.0454)  # fmt: skip
+    return to(
+        line, shipped_robot("panda"), q, end, "position", solids, samples=15, link_radius=0.0454
+    )
 
 
 def turned(roll, pitch, yaw):
     (a, b, c), (d, e, f) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
-    return np.array([
-        [c * b, c * e * d - f * a, c * e * a + f * d],
-        [f * b, f * e * d + c * a, f * e * a - c * d],
-        [-e, b * d, b * a],
-    ])  # fmt: skip
+    return np.array(
+        [
+            [c * b, c * e * d - f * a, c * e * a + f * d],
+            [f * b, f * e * d + c * a, f * e * a - c * d],
+            [-e, b * d, b * a],
+        ]
+    )
 
 
 @pytest.mark.parametrize("method", ["sqp", "qp", "whole_path"])
