@@ -135,6 +135,6 @@ def test_a_first_service_answers_at_once_and_correctly(
             said = httpx.get(f"{address}/health/ready").json()["checks"]["kernels"]["status"]
             return said == "ok"
 
-        wait_for(compiled, 1800)
+        wait_for(compiled)
     with start_server(tmp_path / "data") as (address, _):
         assert httpx.get(f"{address}/health/ready").json()["checks"]["kernels"]["status"] == "ok"
