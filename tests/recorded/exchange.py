@@ -11,7 +11,7 @@ from tests.recorded.fixture import MINE, Answer, Asked
 from tests.recorded.normalise import normalised
 from tests.torture.exchange import Sent
 
-PATIENCE = 120.0
+PATIENCE = 600.0
 _TAG = re.compile(r"\{etag:([^}]*)\}")
 
 

@@ -16,7 +16,7 @@ FOLDER = Path(__file__).parent
 REQUESTS = FOLDER / "requests.ndjson.xz"
 OPENAPI = FOLDER / "openapi.json.xz"
 ROBOTS = FOLDER / "robots.json.xz"
-FILTERS = [{"id": lzma.FILTER_LZMA2, "preset": 9 | lzma.PRESET_EXTREME, "dict_size": 1 << 26}]
+FILTERS = [{"id": lzma.FILTER_LZMA2, "preset": 9, "dict_size": 1 << 26}]
 SETUP = "setup"
 """Operation of the requests that others rest on: they are sent whatever is chosen."""
 MINE = "recorded-"

@@ -15,8 +15,8 @@ LINE = {
     "q": Q3,
     "target": {"position": [0.6, 0.5]},
     "task": "xy",
-    "method": "qp",
-    "samples": 7,
+    "method": "damped",
+    "samples": 4,
     "obstacles": [{"type": "circle", "center": [3, 3], "radius": 0.1}],
 }
 OPTIONS = {
@@ -245,7 +245,7 @@ BODIES: dict[str, list[tuple[str, dict[str, Any]]]] = {
         ("planar_2r", {"q": [Q2, [0, 0]], "task": "xy"}),
     ],
     "singularity/nearest": [
-        ("puma560", {"q": Q6, "task": "position", "frame": "tool", "tolerance": 1e-10}),
+        ("planar_3r", {"q": Q3, "task": "xy", "frame": "tool", "tolerance": 1e-10}),
     ],
     "symbolic": [
         (
@@ -293,7 +293,7 @@ BODIES: dict[str, list[tuple[str, dict[str, Any]]]] = {
             {
                 "q": Q3,
                 "task": "xy",
-                "samples": 7,
+                "samples": 4,
                 "circle": {"center": [0.6, 0.2], "plane": "xy", "turns": 0.2},
             },
         ),
@@ -302,7 +302,7 @@ BODIES: dict[str, list[tuple[str, dict[str, Any]]]] = {
             {
                 "q": Q3,
                 "task": "xy",
-                "samples": 7,
+                "samples": 4,
                 "circle": {"center": [0.6, 0.2, 0.0], "normal": [0, 0, 1]},
             },
         ),
@@ -311,7 +311,7 @@ BODIES: dict[str, list[tuple[str, dict[str, Any]]]] = {
             {
                 "q": Q3,
                 "task": "xy_phi",
-                "samples": 7,
+                "samples": 4,
                 "waypoints": [
                     {"position": [0.7, 0.4], "phi": 0.5},
                     {"position": [0.6, 0.5], "phi": 0.6},

@@ -123,6 +123,23 @@ def _negotiated(name: str, robot: str, body: dict[str, Any]) -> Iterator[Asked]:
             kind,
             Sent("POST", f"/v1/{name}", "", headers, inline, what=f"inline, type {what}"),
         )
+    text = ("Accept", "text/plain")
+    for what, wrong in {
+        "cut": b'{"q": [0',
+        "a field more": json.dumps({**body, "zzz": 1}).encode(),
+        "nothing": b"{}",
+        "a robot": json.dumps({**body, "robot": "nothing"}).encode(),
+    }.items():
+        for place in (path, f"/v1/{name}"):
+            told = f"{what} at {place}"
+            yield Asked(
+                name, "refused as text", Sent("POST", place, "", (JSON, text), wrong, what=told)
+            )
+            for form in ("text", "ndjson"):
+                query = f"format={form}"
+                yield Asked(
+                    name, "refused as text", Sent("POST", place, query, (JSON,), wrong, what=told)
+                )
     for method in ("PUT", "DELETE", "PATCH", "OPTIONS", "HEAD"):
         yield Asked(name, kind, Sent(method, path, what=f"{method} stored"))
         yield Asked(name, kind, Sent(method, f"/v1/{name}", what=f"{method} inline"))

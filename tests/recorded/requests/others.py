@@ -11,8 +11,8 @@ from tests.corpus.case import Case
 from tests.recorded.fixture import MINE, Asked
 from tests.recorded.requests import sent
 
-LONGEST_BODY = 6_000
-"""Bytes of a case of the corpus that is recorded."""
+LONGEST_DOCUMENT, LONGEST_BODY = 6_000, 700_000
+"""Bytes of a case of the corpus that is recorded: of a document, and of other requests."""
 PROBLEMS = (
     "malformed-body",
     "invalid-request",
@@ -120,11 +120,14 @@ def _corpus() -> Iterator[Asked]:
     """The hostile and odd requests of tests/corpus, as far as they are short."""
     cases: list[Case] = []
     for module in (urdfs, tables, bodies, addresses):
-        cases += [*module.refused(), *module.accepted()]
+        longest = LONGEST_DOCUMENT if module in (urdfs, tables) else LONGEST_BODY
+        cases += [
+            case
+            for case in (*module.refused(), *module.accepted())
+            if len(case.sent.body or b"") <= (LONGEST_DOCUMENT if case.accepted else longest)
+        ]
     for case in cases:
         asked_for = case.sent
-        if len(asked_for.body or b"") > LONGEST_BODY or len(asked_for.target) > LONGEST_BODY:
-            continue
         if asked_for.path in ("/docs", "/openapi.json") or (
             asked_for.path == "/" and (asked_for.method == "HEAD" or asked_for.header("accept"))
         ):

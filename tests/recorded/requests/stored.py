@@ -151,14 +151,20 @@ def _uploads() -> Iterator[Asked]:
             "values=x",
             "columns=x",
             "loops=cut",
+            "loops=x",
             "tip=zzz",
+            "base=zzz",
             "format=csv",
             "name=",
         ):
-            added = f"{given}{'&' if query else '?'}{more}"
-            yield sent.ask(
-                "uploads", "query", "PUT", added, document, type_, what=f"{what}: {more}"
-            )
+            added = "&".join(part for part in (query, more) if part)
+            told = f"{what}: {more}"
+            if more in ("zzz=1", "tip=zzz", "format=csv", "name="):
+                yield sent.ask(
+                    "uploads", "query", "PUT", f"{here}?{added}", document, type_, what=told
+                )
+            door = f"/v1/dh-to-urdf?{added}"
+            yield sent.ask("uploads", "query", "POST", door, document, type_, what=told)
         yield sent.ask("uploads", "query", "DELETE", here, what=what)
     for what, body in mutate.bodies(BARE):
         yield sent.ask("uploads", "refused table", "POST", "/v1/dh-to-urdf", body, what=what)

@@ -107,6 +107,37 @@ def _inverse(pose: Pose) -> Iterator[Asked]:
                 what=robot,
             ),
         )
+    common = f"max_restarts=5&time_budget_ms={UNHURRIED}"
+    for query in (
+        "position=0.4,0.2,0.5&quaternion_xyzw=0,0,0,1",
+        "position=400mm,200mm,0.5&rpy=0,90deg,pi/2",
+        "position=0.4,0.2,0.5&euler=ZXZ:10,20,30&angle=deg",
+        "matrix=1,0,0,0.4,0,1,0,0.2,0,0,1,0.5,0,0,0,1",
+        "matrix=1,0,0,0.4,0,1,0,0.2,0,0,2,0.5,0,0,0,1",
+        "position=0.4,0.2,0.5&direction=0,0,-1&task=position_direction",
+        "position=0.4,0.2,0.5&task=position&tolerance=1e-4&frame=frame_5",
+        "position=0.4,0.2,0.5&rpy=0,0,0&seed=10,20,-30,0,40,0&angle=deg",
+        "position=0.4,0.2,0.5&rpy=0,0,0&choose=closest",
+        "position=0.4,0.2,0.5&task=1,1,1,0,0,0",
+        "position=0.4,0.2,0.5&phi=0.3&task=xyz_phi",
+        "rpy=0.1,0.2,0.3&task=orientation",
+        "position=0.4,0.2,0.5",
+        "rpy=0.1,0.2,0.3",
+    ):
+        yield get("ik", "form: query", "puma560", f"{query}&{common}")
+        yield get("ik", "form: query", "puma560", f"{query}&{common}&format=text")
+        if "choose" not in query:
+            yield get("ik/solutions", "form: query", "puma560", query)
+    for query in (
+        "position=0.6,0.5&phi=0.3&task=xy_phi",
+        "matrix=1,0,0,0.6,0,1,0,0.5,0,0,1,0,0,0,0,1&task=xy_phi",
+        "position=0.6,0.5&task=xy&tolerance=1e-3&damping=0.1&method=damped&tf=1",
+        "position=0.6,0.5&phi=20&task=xy_phi&angle=deg",
+        "phi=0.3&task=xy_phi",
+        "task=xy",
+    ):
+        yield get("ik", "form: query", "planar_3r", f"{query}&{common}")
+        yield get("path", "form: query", "planar_3r", f"q=0.5,-0.7,1.0&samples=4&{query}")
     for frame, task in (("left_gripper", "position"), ("right_hand", "pose"), ("zzz", "pose")):
         yield post(
             "ik",
