@@ -1,6 +1,7 @@
 """Tables of the documentation that repeat what the code says are held to it."""
 
 import re
+import tomllib
 
 from app.http.rendering import ALL_TYPES
 from app.settings import Settings
@@ -43,6 +44,14 @@ def test_every_setting_that_is_named_exists():
     for path in (*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")):
         named = {name.lower() for name in NAMED_VARIABLE.findall(path.read_text())}
         assert named <= set(Settings.model_fields), path
+
+
+def test_every_extra_that_is_named_exists():
+    project = tomllib.loads(text_of("pyproject.toml"))["project"]
+    table = text_of("docs/operate.md").partition("| extra | for |")[2].partition("\n\n")[0]
+    named = set(re.findall(r"^\| `([\w-]+)`", table, re.MULTILINE))
+    assert len(named) >= 5
+    assert named <= set(project["optional-dependencies"])
 
 
 def test_the_table_of_errors_is_that_of_the_service():
