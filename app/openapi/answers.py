@@ -105,7 +105,8 @@ def _plain(answer: Any) -> Any:
         return answer
     hints = get_type_hints(answer, include_extras=True)
     members = {
-        name: _replaced(hint) if name in answer.__required_keys__ else NotRequired[_replaced(hint)]
+        # Not by __required_keys__: it cannot see NotRequired in annotations that are texts.
+        name: NotRequired[_replaced(hint)] if get_origin(hint) is NotRequired else _replaced(hint)
         for name, hint in hints.items()
     }
     plain = TypedDict(answer.__name__, members)  # type: ignore[misc]

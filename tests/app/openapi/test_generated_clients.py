@@ -24,8 +24,8 @@ client = Client(sys.argv[1])
 pose = fk.sync("planar_2r", client=client, body=FKRequest(q=[0.0, 0.0]))
 assert isinstance(pose, FKAnswer), pose
 matrix = pose.poses["tool"].matrix
-assert (type(matrix[0][3]), matrix[0][3]) == (float, 2.0), matrix
-wanted = IKRequest(target=Target(position=[2.0, 0.0]), task="xy")
+assert (type(matrix[0][3]), matrix[0][3]) == (float, 1.8), matrix
+wanted = IKRequest(target=Target(position=[1.8, 0.0]), task="xy")
 answer = ik.sync("planar_2r", client=client, body=wanted)
 assert isinstance(answer, IKAnswer), answer
 assert answer.status == "converged"
