@@ -8,6 +8,9 @@ BIN := $(VENV)/bin
 RUNNING := $(VENV)/.running
 STAMP := $(VENV)/.installed
 
+# Some environments forbid byte code; here each server that a test starts would compile all anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 # Both cores; a worker that has nothing left takes tests from the other. For one file pytest alone
 # is quicker: .venv/bin/python -m pytest tests/robots
 PYTEST := $(BIN)/python -m pytest -n 2 --dist worksteal

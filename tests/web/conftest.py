@@ -62,8 +62,9 @@ def chromium() -> str:
     return found
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browsers() -> Iterator[object]:
+    """Starts a browser by its flags. Closed before other tests come: its loop runs until then."""
     executable = chromium()
     started: dict[str, Browser] = {}
     with sync_playwright() as playwright:
