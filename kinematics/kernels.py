@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.compiled import jit
+from kinematics.compiled import inner, jit
 
 Array: TypeAlias = NDArray[Any]
 
@@ -20,7 +20,7 @@ QUARTER_LOW = 2.02226624879595063154e-21
 
 
 @jit
-def sines_and_cosines(q: Array, sines: Array, cosines: Array) -> None:
+def sines_and_cosines(q: Array, trig: Array) -> None:
     """Compute sines and cosines to 2e-16 for values up to 1e6, without branches.
 
     Reduction to ±π/4 after Cody and Waite, then the minimax polynomials of fdlibm (Sun, 1993); a
@@ -28,10 +28,10 @@ def sines_and_cosines(q: Array, sines: Array, cosines: Array) -> None:
 
     Args:
         q: Angles, rad, shape (K,).
-        sines: Filled, shape (K,).
-        cosines: Filled, shape (K,).
+        trig: Filled with the sines, then the cosines, shape (2 K,).
     """
-    for k in range(len(q)):
+    K = len(q)
+    for k in range(K):
         n = math.floor(q[k] * 0.63661977236758134308 + 0.5)
         r = ((q[k] - n * QUARTER_HIGH) - n * QUARTER_MIDDLE) - n * QUARTER_LOW
         z = r * r
@@ -46,14 +46,12 @@ def sines_and_cosines(q: Array, sines: Array, cosines: Array) -> None:
         quadrant = n - 4.0 * math.floor(0.25 * n)
         odd = (quadrant == 1.0) or (quadrant == 3.0)
         x, y = (sine, cosine) if odd else (cosine, sine)
-        cosines[k] = -x if (quadrant == 1.0 or quadrant == 2.0) else x
-        sines[k] = -y if quadrant >= 2.0 else y
+        trig[K + k] = -x if (quadrant == 1.0 or quadrant == 2.0) else x
+        trig[k] = -y if quadrant >= 2.0 else y
 
 
 @jit
-def forward(
-    C: Array, is_revolute: Array, q: Array, trig: Array, Z: Array, O: Array, T: Array
-) -> None:
+def forward(C: Array, is_revolute: Array, q: Array, trig: Array, W: Array, T: Array) -> None:
     """Compute the poses along a chain, in the terms of :class:`kinematics.chain.Chain`.
 
     Args:
@@ -61,19 +59,17 @@ def forward(
         is_revolute: Nonzero for an angle, shape (K,).
         q: Joint values, shape (K,).
         trig: Memory, shape (2 K,).
-        Z: Filled with the axes of the joints, shape (K, 3).
-        O: Filled with their origins, shape (K, 3).
+        W: Filled with axes and origins of the joints, m, in columns 0 to 2 and 3 to 5 of K rows.
         T: Filled with the pose of the frame, 12 numbers.
     """
     K = len(q)
-    sines, cosines = trig[:K], trig[K : 2 * K]
-    sines_and_cosines(q, sines, cosines)
+    sines_and_cosines(q, trig)
     r00, r01, r02, p0 = C[0, 0], C[0, 1], C[0, 2], C[0, 3]
     r10, r11, r12, p1 = C[0, 4], C[0, 5], C[0, 6], C[0, 7]
     r20, r21, r22, p2 = C[0, 8], C[0, 9], C[0, 10], C[0, 11]
     for k in range(K):
         if is_revolute[k]:
-            c, s = cosines[k], sines[k]
+            c, s = trig[K + k], trig[k]
             r00, r01 = c * r00 + s * r01, c * r01 - s * r00
             r10, r11 = c * r10 + s * r11, c * r11 - s * r10
             r20, r21 = c * r20 + s * r21, c * r21 - s * r20
@@ -81,8 +77,8 @@ def forward(
             p0 += q[k] * r02
             p1 += q[k] * r12
             p2 += q[k] * r22
-        Z[k, 0], Z[k, 1], Z[k, 2] = r02, r12, r22
-        O[k, 0], O[k, 1], O[k, 2] = p0, p1, p2
+        W[k, 0], W[k, 1], W[k, 2] = r02, r12, r22
+        W[k, 3], W[k, 4], W[k, 5] = p0, p1, p2
         x = C[k + 1]
         p0 += r00 * x[3] + r01 * x[7] + r02 * x[11]
         p1 += r10 * x[3] + r11 * x[7] + r12 * x[11]
@@ -104,6 +100,25 @@ def forward(
     T[8], T[9], T[10], T[11] = r20, r21, r22, p2
 
 
+@inner
+def _matrix(
+    C: Array,
+    is_revolute: Array,
+    columns: Array,
+    Q: Array,
+    q: Array,
+    trig: Array,
+    W: Array,
+    T: Array,
+) -> None:
+    """Compute a pose as a 4x4 matrix, 16 numbers; arguments as of :func:`forward_many`."""
+    for k in range(len(columns)):
+        q[k] = Q[columns[k]]
+    forward(C, is_revolute, q, trig, W, T)
+    T[12] = T[13] = T[14] = 0.0
+    T[15] = 1.0
+
+
 @jit
 def forward_many(
     C: Array, is_revolute: Array, columns: Array, Q: Array, q: Array, W: Array, out: Array
@@ -121,11 +136,7 @@ def forward_many(
     """
     trig = np.empty(2 * len(columns))
     for i in range(len(Q)):
-        for k in range(len(columns)):
-            q[k] = Q[i, columns[k]]
-        forward(C, is_revolute, q, trig, W[:, 0:3], W[:, 3:6], out[i])
-        out[i, 12] = out[i, 13] = out[i, 14] = 0.0
-        out[i, 15] = 1.0
+        _matrix(C, is_revolute, columns, Q[i], q, trig, W, out[i])
 
 
 @jit
@@ -146,11 +157,7 @@ def jacobian_many(
     """
     trig = np.empty(2 * len(columns))
     for i in range(len(Q)):
-        for k in range(len(columns)):
-            q[k] = Q[i, columns[k]]
-        forward(C, is_revolute, q, trig, W[:, 0:3], W[:, 3:6], T[i])
-        T[i, 12] = T[i, 13] = T[i, 14] = 0.0
-        T[i, 15] = 1.0
+        _matrix(C, is_revolute, columns, Q[i], q, trig, W, T[i])
         for k in range(len(columns)):
             j = columns[k]
             zx, zy, zz = W[k, 0], W[k, 1], W[k, 2]

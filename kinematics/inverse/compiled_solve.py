@@ -17,7 +17,7 @@ from kinematics.inverse.damped_least_squares import (
     proceed,
     reached,
 )
-from kinematics.inverse.damped_step import TURN
+from kinematics.inverse.damped_step import LOWER, TURN, UPPER
 from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, unpacked
 from kinematics.inverse.task_error import residual, workspace
 from kinematics.kernels import Array
@@ -46,7 +46,8 @@ DOUBTS = 20
 def _nearest(
     candidates: Candidates,
     count: int,
-    constants: SolverConstants,
+    limits: Array,
+    is_revolute: Array,
     criteria: Criteria,
     seed: Array,
     q: Array,
@@ -58,7 +59,8 @@ def _nearest(
     Args:
         candidates: Solutions in closed form.
         count: How many there are.
-        constants: Of the chain.
+        limits: Limits of the joints, shape (3, K).
+        is_revolute: Nonzero for an angle, shape (K,).
         criteria: The tolerance.
         seed: Shape (K,).
         q: Filled, shape (K or more,).
@@ -67,8 +69,6 @@ def _nearest(
         Its index, or -1 where there is none.
     """
     found, errors = candidates.q, candidates.errors
-    lower, upper = constants.limits.lower, constants.limits.upper
-    is_revolute = constants.chain.is_revolute
     K = len(seed)
     best, index = math.inf, -1
     for i in range(count):
@@ -76,7 +76,7 @@ def _nearest(
             continue
         distance = 0.0
         for k in range(K):
-            low, high, value = lower[k], upper[k], found[i, k]
+            low, high, value = limits[LOWER, k], limits[UPPER, k], found[i, k]
             if is_revolute[k]:
                 value += TURN * math.floor((seed[k] - value) / TURN + 0.5)
                 if value > high + TOUCH and value - TURN >= low - TOUCH:
@@ -122,7 +122,7 @@ def _closed(
     else:
         count = planar.solve(form, target, seed, 0.0, False, candidates)
     while True:
-        index = _nearest(candidates, count, constants, criteria, seed, answer)
+        index = _nearest(candidates, count, limits, chain.is_revolute, criteria, seed, answer)
         if index < 0:
             return False
         candidate = candidates.q[index]
@@ -130,7 +130,7 @@ def _closed(
             position, rotation = errors[index, 0] ** 2, errors[index, 1] ** 2
             moved = False
             for k in range(K):
-                answer[k] = min(max(candidate[k], limits.lower[k]), limits.upper[k])
+                answer[k] = min(max(candidate[k], limits[LOWER, k]), limits[UPPER, k])
                 moved = moved or answer[k] != candidate[k]
             if moved:
                 W = work[: 2 * K + 12].reshape((K + 6, 12))

@@ -11,9 +11,9 @@ import math
 from typing import NamedTuple
 
 from kinematics.compiled import inner
-from kinematics.inverse.damped_step import nearest_turn, step
+from kinematics.inverse.damped_step import LOWER, UPPER, WRAPS, nearest_turn, step
 from kinematics.inverse.solver_constants import SolverConstants
-from kinematics.inverse.task_error import residual
+from kinematics.inverse.task_error import TaskChain, residual
 from kinematics.kernels import Array
 
 DAMPING = 0.03
@@ -51,12 +51,19 @@ def reached(criteria: Criteria, position: float, rotation: float) -> bool:
 
 @inner
 def descend(
-    constants: SolverConstants, criteria: Criteria, G: Array, q: Array, best: Array, W: Array
+    chain: TaskChain,
+    limits: Array,
+    criteria: Criteria,
+    G: Array,
+    q: Array,
+    best: Array,
+    W: Array,
 ) -> tuple[int, int]:
     """Work at one start from q until it converges, stalls or is out of steps.
 
     Args:
-        constants: Of the chain.
+        chain: The chain and the task.
+        limits: Limits of its joints, shape (3, K).
         criteria: When it ends.
         G: Target, 12 numbers.
         q: The start, moved; shape (K,).
@@ -71,7 +78,7 @@ def descend(
     stalls, lowest = 0, math.inf
     iteration = 0
     while True:
-        position, rotation = residual(constants.chain, G, q, W)
+        position, rotation = residual(chain, G, q, W)
         energy = 0.5 * (position + rotation)
         converged = reached(criteria, position, rotation)
         if converged or energy < best[K]:
@@ -84,18 +91,25 @@ def descend(
         lowest = min(lowest, energy)
         if stalls >= STALLS or iteration >= criteria.steps:
             return iteration, GIVEN_UP
-        step(constants.chain, constants.limits, q, DAMPING * energy + FLOOR, W, q)
+        step(chain, limits, q, DAMPING * energy + FLOOR, W, q)
         iteration += 1
 
 
 @inner
 def settle(
-    constants: SolverConstants, criteria: Criteria, G: Array, best: Array, W: Array, q: Array
+    chain: TaskChain,
+    limits: Array,
+    criteria: Criteria,
+    G: Array,
+    best: Array,
+    W: Array,
+    q: Array,
 ) -> int:
     """Move the best q down to the nearest pose, every step a descent (Marquardt's rule).
 
     Args:
-        constants: Of the chain.
+        chain: The chain and the task.
+        limits: Limits of its joints, shape (3, K).
         criteria: When it ends.
         G: Target, 12 numbers.
         best: As of :func:`descend`; shape (K + 3,).
@@ -105,13 +119,13 @@ def settle(
     Returns:
         Steps.
     """
-    K, chain = len(q), constants.chain
+    K = len(q)
     damping = DAMPING * best[K] + FLOOR
     iteration = 0
     while iteration < criteria.steps and damping <= MAX_DAMPING:
         iteration += 1
         residual(chain, G, best[:K], W)
-        step(chain, constants.limits, best[:K], damping, W, q)
+        step(chain, limits, best[:K], damping, W, q)
         position, rotation = residual(chain, G, q, W)
         energy = 0.5 * (position + rotation)
         if energy < best[K]:
@@ -128,13 +142,12 @@ def settle(
 
 
 @inner
-def _beyond(constants: SolverConstants, criteria: Criteria, G: Array) -> bool:
+def _beyond(chain: TaskChain, reach: float, criteria: Criteria, G: Array) -> bool:
     """Return whether a target is provably farther away than the arm is long."""
-    C, mask = constants.chain.C, constants.chain.mask
     away = 0.0
     for i in range(3):
-        away += mask[i] * (G[4 * i + 3] - C[0, 4 * i + 3]) ** 2
-    limit = constants.reach * (1.0 + 1e-9) + math.sqrt(criteria.position)
+        away += chain.mask[i] * (G[4 * i + 3] - chain.C[0, 4 * i + 3]) ** 2
+    limit = reach * (1.0 + 1e-9) + math.sqrt(criteria.position)
     return away > limit * limit
 
 
@@ -169,8 +182,8 @@ def proceed(
     """
     chain, limits, starts = constants.chain, constants.limits, constants.starts
     K = len(seed)
-    best, q = answer[K + 2 : 2 * K + 5], W[K + 2 :].reshape(-1)[K : 2 * K]
-    unreachable = _beyond(constants, criteria, G)
+    best, q = answer[K + 2 : 2 * K + 5], W[K + 2 :].reshape(-1)[:K]
+    unreachable = _beyond(chain, constants.reach, criteria, G)
     most = criteria.restarts
     last = min(most, UNREACHABLE_RESTARTS) if unreachable else most
     if first == 0:
@@ -180,21 +193,20 @@ def proceed(
     steps, s = 0, first
     while True:
         for k in range(K):
-            u = starts.offset[k] + s * starts.ratio[k]
-            q[k] = seed[k] if s == 0 else starts.low[k] + (u - math.floor(u)) * starts.span[k]
-        used, code = descend(constants, criteria, G, q, best, W)
+            u = starts[0, k] + s * starts[1, k]
+            q[k] = seed[k] if s == 0 else starts[2, k] + (u - math.floor(u)) * starts[3, k]
+        used, code = descend(chain, limits, criteria, G, q, best, W)
         steps += used
         if code == CONVERGED or s >= last or steps + s - first >= budget:
             break
         s += 1
     over = code == CONVERGED or s >= last
     if code != CONVERGED and over and criteria.steps > 0:
-        steps += settle(constants, criteria, G, best, W, q)
+        steps += settle(chain, limits, criteria, G, best, W, q)
     position, rotation, turned = best[K + 1], best[K + 2], False
     for k in range(K):
-        answer[k] = nearest_turn(
-            best[k], seed[k], limits.lower[k], limits.upper[k], limits.wraps[k]
-        )
+        lower, upper, wraps = limits[LOWER, k], limits[UPPER, k], limits[WRAPS, k]
+        answer[k] = nearest_turn(best[k], seed[k], lower, upper, wraps)
         turned = turned or answer[k] != best[k]
     if turned:
         position, rotation = residual(chain, G, answer[:K], W)

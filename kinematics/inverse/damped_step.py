@@ -3,33 +3,21 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from kinematics.compiled import inner, jit
 from kinematics.inverse.task_error import TaskChain, columns
 from kinematics.kernels import Array
 
 TURN = 2.0 * math.pi
-
-
-class JointLimits(NamedTuple):
-    """Limits of K joints, rad and m.
-
-    Attributes:
-        lower: Lower limits, -inf where none; shape (K,).
-        upper: Upper limits, inf where none; shape (K,).
-        wraps: Nonzero where an angle's range spans a turn, so that a step beyond one limit
-            re-enters at the other; shape (K,).
-    """
-
-    lower: Array
-    upper: Array
-    wraps: Array
+LOWER, UPPER, WRAPS = 0, 1, 2
+"""Rows of the limits of K joints, shape (3, K): lower (-inf where none) and upper (inf where none),
+rad and m, and nonzero where an angle's range spans a turn, so that a step beyond one limit
+re-enters at the other."""
 
 
 @inner
 def step(
-    chain: TaskChain, limits: JointLimits, q: Array, damping: float, W: Array, result: Array
+    chain: TaskChain, limits: Array, q: Array, damping: float, W: Array, result: Array
 ) -> None:
     """Take a damped step from the q of the last residual, within the limits.
 
@@ -37,52 +25,50 @@ def step(
 
     Args:
         chain: The chain and the task.
-        limits: Limits of its joints.
+        limits: Limits of its joints, shape (3, K).
         q: Joint values of the last residual, shape (K,).
         damping: λ, above 0.
-        W: Workspace, after ``residual`` at q.
+        W: Workspace, after ``residual`` at q; the axes in it are overwritten.
         result: Filled with the new joint values, shape (K,); may be q itself.
     """
-    K, lower, upper, wraps = len(q), limits.lower, limits.upper, limits.wraps
-    J, e, y = W[0:K, 6:12], W[K + 1, 0:6], W[K + 1, 6:12]
-    delta = W[K + 2 :].reshape(-1)[:K]
+    K = len(q)
     columns(chain, W)
     for _ in range(K):
-        damped(J, damping, e, y)
+        damped(W, K, damping)
         again = False
         for k in range(K):
             d = 0.0
-            for i in range(6):
-                d += J[k, i] * y[i]
-            delta[k] = d
-            if wraps[k] == 0.0 and (
-                (d < 0.0 and q[k] <= lower[k]) or (d > 0.0 and q[k] >= upper[k])
+            for i in range(6, 12):
+                d += W[k, i] * W[K + 1, i]
+            W[k, 0] = d
+            if limits[WRAPS, k] == 0.0 and (
+                (d < 0.0 and q[k] <= limits[LOWER, k]) or (d > 0.0 and q[k] >= limits[UPPER, k])
             ):
-                J[k, :] = 0.0  # held at its limit: the others do without it
+                for i in range(6, 12):
+                    W[k, i] = 0.0
                 again = True
         if not again:
             break
     for k in range(K):
-        result[k] = inside(q[k] + delta[k], lower[k], upper[k], wraps[k])
+        result[k] = inside(q[k] + W[k, 0], limits[LOWER, k], limits[UPPER, k], limits[WRAPS, k])
 
 
 @inner
-def damped(J: Array, damping: float, e: Array, y: Array) -> None:
-    """Solve ``(Σ J_k J_kᵀ + damping I) y = e`` by symmetric elimination (LDLᵀ).
+def damped(W: Array, K: int, damping: float) -> None:
+    """Solve ``(J Jᵀ + λ I) y = e`` by symmetric elimination (LDLᵀ).
 
     Every pivot is at least the damping, but for rounding, which is not let below it.
 
     Args:
-        J: Columns of the Jacobian as rows, shape (K, 6).
+        W: Workspace with the columns J_k and the error e; y is written to ``W[K + 1, 6:12]``.
+        K: Number of joints.
         damping: λ, above 0.
-        e: Right-hand side, shape (6,).
-        y: Filled, shape (6,).
     """
     a00 = a11 = a22 = a33 = a44 = a55 = damping
     a10 = a20 = a30 = a40 = a50 = a21 = a31 = a41 = a51 = 0.0
     a32 = a42 = a52 = a43 = a53 = a54 = 0.0
-    for k in range(len(J)):
-        j0, j1, j2, j3, j4, j5 = J[k, 0], J[k, 1], J[k, 2], J[k, 3], J[k, 4], J[k, 5]
+    for k in range(K):
+        j0, j1, j2, j3, j4, j5 = W[k, 6], W[k, 7], W[k, 8], W[k, 9], W[k, 10], W[k, 11]
         a00 += j0 * j0
         a10, a11 = a10 + j1 * j0, a11 + j1 * j1
         a20, a21, a22 = a20 + j2 * j0, a21 + j2 * j1, a22 + j2 * j2
@@ -91,6 +77,7 @@ def damped(J: Array, damping: float, e: Array, y: Array) -> None:
         a43, a44 = a43 + j4 * j3, a44 + j4 * j4
         a50, a51, a52 = a50 + j5 * j0, a51 + j5 * j1, a52 + j5 * j2
         a53, a54, a55 = a53 + j5 * j3, a54 + j5 * j4, a55 + j5 * j5
+    e = W[K + 1]
     y0, y1, y2, y3, y4, y5 = e[0], e[1], e[2], e[3], e[4], e[5]
 
     r0 = 1.0 / a00
@@ -135,7 +122,7 @@ def damped(J: Array, damping: float, e: Array, y: Array) -> None:
     y2 = (y2 - a32 * y3 - a42 * y4 - a52 * y5) * r2
     y1 = (y1 - a21 * y2 - a31 * y3 - a41 * y4 - a51 * y5) * r1
     y0 = (y0 - a10 * y1 - a20 * y2 - a30 * y3 - a40 * y4 - a50 * y5) * r0
-    y[0], y[1], y[2], y[3], y[4], y[5] = y0, y1, y2, y3, y4, y5
+    e[6], e[7], e[8], e[9], e[10], e[11] = y0, y1, y2, y3, y4, y5
 
 
 @inner

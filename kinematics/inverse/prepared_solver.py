@@ -17,9 +17,8 @@ from kinematics.inverse import damped_least_squares as kernel
 from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.closed_form import closed_form_of
 from kinematics.inverse.compiled_solve import KINDS, solve_many, solve_one
-from kinematics.inverse.damped_step import JointLimits
 from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus
-from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, Starts, packed
+from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, packed
 from kinematics.inverse.starts import starts
 from kinematics.inverse.task_error import TaskChain
 from kinematics.kernels import Array
@@ -101,8 +100,8 @@ class Solver:
         made = packed(
             SolverConstants(
                 TaskChain(chain.placements, chain.is_revolute, self.task.mask),
-                JointLimits(chain.lower, chain.upper, self.bounds.wraps[columns]),
-                Starts(*starts(random_seed, low[columns], high[columns])),
+                np.array([chain.lower, chain.upper, self.bounds.wraps[columns]]),
+                starts(random_seed, low[columns], high[columns]),
                 chain.reach if chain.length else np.inf,
                 NUMERIC if form is None else KINDS[form.kind],
                 np.empty(0) if form is None else form.constants,

@@ -31,13 +31,13 @@ class TaskChain(NamedTuple):
 
 @jit
 def workspace(K: int) -> Array:
-    """Return memory for a chain of K joints, shape (K + 2 + ⌈K / 3⌉, 12); one a thread.
+    """Return memory for a chain of K joints, shape (K + 2 + ⌈K / 4⌉, 12); one a thread.
 
     Row k < K holds axis, origin (base axes, m) and Jacobian column of joint k, row K the pose of
-    the frame, row K + 1 the task error (6) and memory of the solver (6). The rest is 4 K numbers:
-    a step and a configuration, then sines and cosines.
+    the frame, row K + 1 the task error (6) and memory of the solver (6). The rest is a
+    configuration (K), sines and cosines (2 K).
     """
-    return np.empty((K + 2 + (4 * K + 11) // 12, 12))
+    return np.empty((K + 2 + (3 * K + 11) // 12, 12))
 
 
 @jit
@@ -117,9 +117,9 @@ def residual(chain: TaskChain, G: Array, q: Array, W: Array) -> tuple[float, flo
         Squared norms of the position error, m², and of the rotation error, rad².
     """
     K, mask = len(q), chain.mask
-    T, e = W[K], W[K + 1, 0:6]
-    trig = W[K + 2 :].reshape(-1)[2 * K : 4 * K]
-    forward(chain.C, chain.is_revolute, q, trig, W[0:K, 0:3], W[0:K, 3:6], T)
+    T, e = W[K], W[K + 1]
+    trig = W[K + 2 :].reshape(-1)[K : 3 * K]
+    forward(chain.C, chain.is_revolute, q, trig, W, T)
     if mask[6] != 0.0:
         axis_error(T, G, e)
     else:

@@ -84,8 +84,7 @@ def posture(chain: Chain, q: FloatArray) -> Posture:
     memory, trig, poses = np.empty((n, K, 6)), np.empty(2 * K), np.empty((n, 12))
     own = np.ascontiguousarray(q[:, chain.columns])
     for k in range(n):
-        axes, origins = memory[k, :, :3], memory[k, :, 3:]
-        forward(chain.placements, chain.is_revolute, own[k], trig, axes, origins, poses[k])
+        forward(chain.placements, chain.is_revolute, own[k], trig, memory[k], poses[k])
     T = poses.reshape(n, 3, 4)
     return Posture(memory[:, :, :3], memory[:, :, 3:], T[:, :, :3], T[:, :, 3])
 

@@ -81,7 +81,6 @@ def improve(chain: TaskChain, target: Array, q: Array, errors: Array, work: Arra
     """
     K = len(q)
     W, kept = work[: 2 * K + 12].reshape((K + 6, 12)), work[WORK - 2 :].reshape(-1)
-    J, e, y = W[0:K, 6:12], W[K + 1, 0:6], W[K + 1, 6:12]
     best = np.inf
     for attempt in range(STEPS + 1):
         position, rotation = residual(chain, target.reshape(16), q, W)
@@ -99,14 +98,30 @@ def improve(chain: TaskChain, target: Array, q: Array, errors: Array, work: Arra
         columns(chain, W)
         scale = 1e-300
         for k in range(K):
-            for i in range(6):
-                scale += J[k, i] * J[k, i]
-        damped(J, DAMPING * scale, e, y)
+            for i in range(6, 12):
+                scale += W[k, i] * W[k, i]
+        damped(W, K, DAMPING * scale)
         for k in range(K):
             kept[k] = q[k]
-            for i in range(6):
-                q[k] += J[k, i] * y[i]
+            for i in range(6, 12):
+                q[k] += W[k, i] * W[K + 1, i]
     return bool(best <= ACCEPTED)
+
+
+@inner
+def put(
+    candidates: Candidates,
+    n: int,
+    values: tuple[float, ...],
+    codes: tuple[int, int, int],
+    free: int,
+) -> None:
+    """Write a candidate into row n: joint values, codes of its postures, bits of free joints."""
+    for k in range(len(values)):
+        candidates.q[n, k] = values[k]
+    for i in range(3):
+        candidates.codes[n, i] = codes[i]
+    candidates.free[n] = free
 
 
 @inner

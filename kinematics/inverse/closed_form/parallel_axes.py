@@ -25,6 +25,7 @@ from kinematics.inverse.closed_form.candidates import (
     keep,
     none_yet,
     pose_parts,
+    put,
 )
 from kinematics.inverse.closed_form.quartic import roots, times
 from kinematics.inverse.closed_form.spherical import bend, three_turns
@@ -191,8 +192,7 @@ def _plane(
     work: Array,
 ) -> int:
     """Add the solutions of joints 2, 3, 4 for one choice of the others: up to two."""
-    numbers, q, codes, free = form.numbers, candidates.q, candidates.codes, candidates.free
-    goal, point, total = branch.goal, branch.point, branch.total
+    numbers, goal, point, total = form.numbers, branch.goal, branch.point, branch.total
     size, sign3, sign4 = numbers[SIZE], numbers[SIGN3], numbers[SIGN4]
     h = vector(numbers, TRIPLE)
     p2, p3, p4 = vector(numbers, P2), vector(numbers, P3), vector(numbers, P4)
@@ -205,11 +205,11 @@ def _plane(
         determined, q2 = align(h, reached, end, size)
         if not determined:
             q2 = given[1]
-        q[n, 0], q[n, 1], q[n, 2] = branch.q1, q2, sign3 * elbow
-        q[n, 3], q[n, 4], q[n, 5] = sign4 * (total - q2 - elbow), branch.q5, branch.q6
+        q3, q4 = sign3 * elbow, sign4 * (total - q2 - elbow)
         fold = dot(h, cross(sub(p3, p2), sub(reached, sub(p3, p2))))
-        codes[n, 0], codes[n, 1], codes[n, 2] = branch.left, 0 if fold >= 0.0 else 1, branch.side
-        free[n] = branch.free if determined else branch.free | 2
+        values = (branch.q1, q2, q3, q4, branch.q5, branch.q6)
+        codes = (branch.left, 0 if fold >= 0.0 else 1, branch.side)
+        put(candidates, n, values, codes, branch.free if determined else branch.free | 2)
         n = keep(form, target, measured, candidates, n, work)
     return n
 

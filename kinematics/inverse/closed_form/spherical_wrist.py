@@ -24,6 +24,7 @@ from kinematics.inverse.closed_form.candidates import (
     keep,
     none_yet,
     pose_parts,
+    put,
 )
 from kinematics.inverse.closed_form.quartic import roots, times
 from kinematics.inverse.closed_form.spherical import bend, three_turns
@@ -88,9 +89,7 @@ def solve(
     Returns:
         Number of solutions.
     """
-    numbers, is_revolute, q = form.numbers, form.chain.is_revolute, candidates.q
-    codes, free = candidates.codes, candidates.free
-    work = np.empty((WORK, 6))
+    numbers, work = form.numbers, np.empty((WORK, 6))
     arms = work[WORK - 24 : WORK - 16]
     position, rotation = pose_parts(target, work)
     w = add(position, turned(rotation, vector(numbers, WRIST_IN_TIP)))
@@ -102,12 +101,12 @@ def solve(
     for i in range(found):
         c1, s1 = math.cos(arms[i, 0]), math.sin(arms[i, 0])
         c2, s2 = math.cos(arms[i, 1]), math.sin(arms[i, 1])
-        c3, s3 = 1.0, 0.0
-        if is_revolute[2]:
+        c3, s3, third_turns = 1.0, 0.0, form.chain.is_revolute[2] != 0.0
+        if third_turns:
             c3, s3 = math.cos(arms[i, 2]), math.sin(arms[i, 2])
         wrist_c = turn(h3, c3, -s3, turn(h2, c2, -s2, turn(h1, c1, -s1, image_c)))
         wrist_v = turn(h3, c3, -s3, turn(h2, c2, -s2, turn(h1, c1, -s1, image_v)))
-        shoulder, elbow = _posture(numbers, is_revolute[2] != 0.0, arms[i, 2], c2, s2, c3, s3)
+        shoulder, elbow = _posture(numbers, third_turns, arms[i, 2], c2, s2, c3, s3)
         exists, bent = bend(numbers, TRIPLE, wrist_c)
         if not exists:
             continue
@@ -115,10 +114,9 @@ def solve(
             loose, q4, q5, q6 = three_turns(
                 numbers, TRIPLE, wrist_c, wrist_v, bent if side else -bent, given[3]
             )
-            q[n, 0], q[n, 1], q[n, 2] = arms[i, 0], arms[i, 1], arms[i, 2]
-            q[n, 3], q[n, 4], q[n, 5] = q4, q5, q6
-            codes[n, 0], codes[n, 1], codes[n, 2] = shoulder, elbow, side
-            free[n] = int(arms[i, 3]) + (8 if loose else 0)
+            values = (arms[i, 0], arms[i, 1], arms[i, 2], q4, q5, q6)
+            free = int(arms[i, 3]) + (8 if loose else 0)
+            put(candidates, n, values, (shoulder, elbow, side), free)
             n = keep(form, target, measured, candidates, n, work)
     return n
 

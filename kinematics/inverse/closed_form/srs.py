@@ -27,6 +27,7 @@ from kinematics.inverse.closed_form.candidates import (
     keep,
     none_yet,
     pose_parts,
+    put,
 )
 from kinematics.inverse.closed_form.spherical import bend, three_turns
 from kinematics.inverse.closed_form.subproblems import distance
@@ -74,8 +75,7 @@ def solve(
 
     The postures are those of shoulder, elbow and wrist. At most 8 solutions.
     """
-    numbers, q, codes, free = form.numbers, candidates.q, candidates.codes, candidates.free
-    work = np.empty((WORK, 6))
+    numbers, work = form.numbers, np.empty((WORK, 6))
     position, rotation = pose_parts(target, work)
     size = numbers[SIZE]
     s, e, w0 = vector(numbers, SHOULDER), vector(numbers, ELBOW), vector(numbers, WRIST)
@@ -116,10 +116,8 @@ def solve(
                 loose5, q5, q6, q7 = three_turns(
                     numbers, LAST, wrist_c, wrist_v, -bent5 if k else bent5, given[4]
                 )
-                q[n, 0], q[n, 1], q[n, 2], q[n, 3] = q1, q2, q3, q4
-                q[n, 4], q[n, 5], q[n, 6] = q5, q6, q7
-                codes[n, 0], codes[n, 1], codes[n, 2] = j, 0 if fold <= 0.0 else 1, k
-                free[n] = (1 if loose1 else 0) + (16 if loose5 else 0)
+                values, codes = (q1, q2, q3, q4, q5, q6, q7), (j, 0 if fold <= 0.0 else 1, k)
+                put(candidates, n, values, codes, (1 if loose1 else 0) + (16 if loose5 else 0))
                 n = keep(form, target, measured, candidates, n, work)
     return n
 

@@ -34,7 +34,7 @@ def link_points(chain: TaskChain, q: Array, links: Array, W: Array) -> None:
     K, L = len(q), len(links)
     T = W[K + 1]
     trig = W[K + 2 :].reshape(-1)[: 2 * K]
-    forward(chain.C, chain.is_revolute, q, trig, W[0:K, 0:3], W[0:K, 3:6], T)
+    forward(chain.C, chain.is_revolute, q, trig, W, T)
     W[K, 3], W[K, 4], W[K, 5] = T[3], T[7], T[11]
     turned = False
     for k in range(L):

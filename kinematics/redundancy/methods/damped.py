@@ -50,7 +50,7 @@ def _follow(
 ) -> None:
     """Fill samples from ``first`` up to before ``last``."""
     G, K = course.targets, len(chain.is_revolute)
-    y, trial, floor = np.empty(6), np.empty(K), damping * damping
+    trial, floor = np.empty(K), damping * damping
     for i in range(first, last):
         q, before, strength = course.Q[i], sample_before(course, i), floor
         for k in range(K):
@@ -60,12 +60,12 @@ def _follow(
             if position <= EXACT * EXACT and rotation <= EXACT * EXACT:
                 break
             columns(chain, W)
-            damped(W[0:K, 6:12], strength, W[K + 1, 0:6], y)
+            damped(W, K, strength)
             moved = 0.0
             for k in range(K):
                 d = 0.0
-                for r in range(6):
-                    d += W[k, 6 + r] * y[r]
+                for r in range(6, 12):
+                    d += W[k, r] * W[K + 1, r]
                 trial[k] = q[k] + d
                 moved = max(moved, abs(d))
             if moved < 1e-15:

@@ -158,7 +158,7 @@ class _Program:
         return q if solved else None
 
     def _look(self, q: FloatArray, target: FloatArray) -> None:
-        if np.array_equal(q, self.seen):
+        if (q == self.seen).all():
             return
         checkpoint()
         self.seen[:] = q

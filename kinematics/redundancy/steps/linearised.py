@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from kinematics.compiled import inner, jit
 from kinematics.deadline import checkpoint
 from kinematics.kernels import Array
-from kinematics.redundancy.clearance.distances import Pairs, Scene, near_pairs
+from kinematics.redundancy.clearance.distances import Pairs, Scene, clearances, near_pairs
 from kinematics.redundancy.clearance.sweep import RESOLUTION, swept_clearance
 from kinematics.redundancy.kernel import ArmConstants, task_at, workspace
-from kinematics.redundancy.measure import clearances_at
 from kinematics.redundancy.problem import PathOptions, PathProblem
 from robots.robot import FloatArray
 
@@ -192,6 +191,7 @@ class Linearised:
         self.least = problem.d_safe + 2 * RESOLUTION
         self._pairs = pairs
         self.way = Way(np.empty(K), np.ones(1))
+        self._needs = np.empty(1)
         self.arrays = self._memory(1)
         self.used = self.count = 0
         self.position = self.rotation = self.missing = 0.0
@@ -215,25 +215,31 @@ class Linearised:
 
     def look_between(self, parts: Sequence[float]) -> None:
         """Set the parts of the way from the sample before at which clearances are kept as well."""
-        if len(parts) + 1 != len(self.way.parts):
-            self.arrays = self._memory(len(parts) + 1)
-        self.way = Way(self.way.previous, np.array((1.0, *parts)))
+        count = len(parts) + 1
+        if count != len(self.way.parts):
+            self.arrays, self._needs = self._memory(count), np.empty(count)
+            self.way = Way(self.way.previous, np.empty(count))
+        self.way.parts[:] = (1.0, *parts)
 
     def needs(self, need: float) -> FloatArray:
         """Return the clearance to keep at each part of the way, m; ``need`` at the sample."""
-        wanted = np.full(len(self.way.parts), min(self.in_between, need))
-        wanted[0] = need
-        return wanted
+        self._fill_needs(need)
+        return self._needs.copy()
+
+    def _fill_needs(self, need: float) -> None:
+        self._needs[:] = min(self.in_between, need)
+        self._needs[0] = need
 
     def at(self, q: FloatArray, target: FloatArray, need: float) -> None:
         """Linearise at q, shape (K,), for a target of 12 numbers and a clearance, m."""
         checkpoint()
+        self._fill_needs(need)
         self.used, self.count, self.position, self.rotation, self.missing = assemble(
             self.problem.arm.constants,
             self.problem.scene,
             self.region,
             self.way,
-            self.needs(need),
+            self._needs,
             target,
             q,
             self._W,
@@ -266,5 +272,6 @@ class Linearised:
 
     def clearance(self, q: FloatArray) -> float:
         """Return the least clearance at q less the resolution of a swept one, m."""
-        found, _ = clearances_at(self.problem, q[None])
-        return float(found[0]) - RESOLUTION
+        chain, found, whose = self.problem.arm.constants.chain, np.empty(1), np.empty((1, 2), int)
+        clearances(chain, q[None], self.problem.scene, self._W, found, whose)
+        return found.item() - RESOLUTION
