@@ -17,7 +17,7 @@ from kinematics.kernel_cache import enable_cache
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-# Reassociation and "no NaN" stay off: results must not depend on the compiler's mood.
+# No reassociation and no "no NaN": results must not depend on how the compiler arranges sums.
 _OPTIONS: dict[str, Any] = {
     "nogil": True,
     "error_model": "numpy",
@@ -26,20 +26,20 @@ _OPTIONS: dict[str, Any] = {
 
 
 def writable(array: NDArray[Any]) -> NDArray[np.float64]:
-    """The same numbers as compiled functions want them: float, in one piece, writable.
+    """Return the array as compiled functions take it: float64, C-contiguous, writable.
 
-    A read-only array is another type to the compiler, and a new type is compiled for anew.
+    A read-only or strided array is another type to the compiler, and each type is compiled anew.
     """
     return np.require(array, np.float64, ("C", "W"))
 
 
 def jit(function: F) -> F:
-    """Compiles a function of scalars and float arrays on its first call."""
+    """Compile a function on its first call; for those that Python calls."""
     return _compiled(function, {})
 
 
 def inner(function: F) -> F:
-    """As :func:`jit`, for functions that only compiled ones call: quicker to compile."""
+    """Compile a function that only compiled ones call, which is quicker than :func:`jit`."""
     return _compiled(function, {"no_cpython_wrapper": True, "no_cfunc_wrapper": True})
 
 

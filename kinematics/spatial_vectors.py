@@ -12,7 +12,6 @@ from kinematics.bounds import MAX_VALUE
 from kinematics.errors import WrongVector
 from robots.robot import FloatArray
 
-TWIST_ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 WRENCH_ROWS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 

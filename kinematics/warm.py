@@ -60,7 +60,7 @@ def _solve_in_closed_form_and_follow_a_path() -> None:
 
 
 def _follow_a_path() -> None:
-    """Every compiled method on a short path past a ball."""
+    """Follow a short path past a ball by every compiled method."""
     robot = shipped_robot("panda")
     q = np.clip(np.full(robot.dof, 0.3), robot.lower, robot.upper)
     arm = Arm.of(robot, None, POSE)
@@ -80,7 +80,7 @@ HALVES = (_solve, _solve_in_closed_form_and_follow_a_path)
 
 
 def warm_up_on(robot: Robot) -> None:
-    """Computes with a robot once: what is kept of it is made now, not in a request."""
+    """Compute with a robot once, so that what is kept of it is not made in a request."""
     middle = JointBounds.of(robot).middle()
     pose = fk(robot, middle)[robot.tip_frame]
     jacobian(robot, middle)

@@ -1,4 +1,4 @@
-"""Every q that reaches a target: in closed form where the arm has one, else by search."""
+"""All q that reach a target: in closed form where the arm has one, else by search."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ import numpy as np
 from kinematics.chain import Chain, chain_of
 from kinematics.deadline import checked
 from kinematics.inverse.api import solve_ik
-from kinematics.inverse.bounds import TURN, JointBounds
+from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.closed_form import closed_form_of, solutions, swivel_of
+from kinematics.inverse.damped_step import TURN
 from kinematics.inverse.result import IKOptions, IKStatus, Tolerance
 from kinematics.inverse.starts import starts
 from kinematics.jacobian import jacobian
@@ -61,7 +62,7 @@ class IKSolution:
 
 @dataclass(frozen=True)
 class IKSolutions:
-    """All that was found.
+    """What was found.
 
     Attributes:
         method: ``closed_form``, or ``search``: many starts of the numeric solver.
@@ -87,7 +88,7 @@ def all_solutions(
     seed: FloatArray | None = None,
     options: IKOptions | None = None,
 ) -> IKSolutions:
-    """Finds every q that brings a frame to a target.
+    """Find every q that brings a frame to a target.
 
     Args:
         robot: The robot.
@@ -191,7 +192,14 @@ def _search(
 
 
 def turned(robot: Robot, q: FloatArray, reference: FloatArray, chain: Chain) -> FloatArray:
-    """Angles of a chain by whole turns as near to a reference as the limits allow."""
+    """Turn the angles of a chain by whole turns as near to a reference as the limits allow.
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,), rad and m.
+        reference: Shape (dof,), rad and m.
+        chain: Whose joints are turned.
+    """
     q = q.copy()
     for column in chain.columns[chain.is_revolute]:
         nearest = q[column] + TURN * np.round((reference[column] - q[column]) / TURN)
@@ -205,7 +213,7 @@ def turned(robot: Robot, q: FloatArray, reference: FloatArray, chain: Chain) -> 
 
 
 def choose(robot: Robot, found: IKSolutions, frame: str, choice: Choice) -> IKSolution | None:
-    """The solution within the limits that a choice prefers, or None where there is none.
+    """Return the solution within the limits that a choice prefers, None where there is none.
 
     ``most_manipulable`` compares ``sqrt(det(J Jᵀ))``, ``farthest_from_limits`` the smallest
     distance to a limit relative to the joint's range.

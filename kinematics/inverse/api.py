@@ -1,4 +1,4 @@
-"""``solve_ik`` and ``solve_ik_batch``: the entrance to inverse kinematics."""
+"""Inverse kinematics of one target and of many: ``solve_ik`` and ``solve_ik_batch``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def solve_ik(
     seed: FloatArray | None = None,
     options: IKOptions = _DEFAULT,
 ) -> IKResult:
-    """Finds a q within the limits that brings a frame to a target.
+    """Find a q within the limits that brings a frame to a target.
 
     Only the joints between the base and the frame move; the others stay at the seed.
 
@@ -59,7 +59,7 @@ def solve_ik_batch(
     threads: int = 1,
     seconds: float = np.inf,
 ) -> IKBatch:
-    """Solves many targets, over threads that do not hold the GIL.
+    """Solve many targets, over threads that do not hold the GIL.
 
     Args:
         robot: The robot.

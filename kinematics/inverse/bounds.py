@@ -1,4 +1,4 @@
-"""Joint bounds as a solver sees them: wrapping, midpoints, ranges."""
+"""Joint limits for solvers: wrapping, midpoints, ranges."""
 
 from __future__ import annotations
 
@@ -7,15 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.inverse.damped_step import inside_all
+from kinematics.inverse.damped_step import TURN, inside_all
 from robots.robot import FloatArray, Robot
-
-TURN = 2 * np.pi
 
 
 @dataclass(frozen=True)
 class JointBounds:
-    """Bounds of q.
+    """Limits of q, rad and m.
 
     Attributes:
         lower: Lower limits, -inf where none; shape (dof,).
@@ -30,24 +28,24 @@ class JointBounds:
 
     @classmethod
     def of(cls, robot: Robot) -> JointBounds:
-        """The bounds of a robot."""
+        """Return the limits of a robot."""
         span = robot.upper - robot.lower
         return cls(robot.lower, robot.upper, robot.is_revolute & (span >= TURN - 1e-9))
 
     def middle(self) -> FloatArray:
-        """Mid-range; 0 where there is no limit."""
+        """Return mid-range, 0 where there is no limit; shape (dof,), rad and m."""
         finite = np.isfinite(self.lower) & np.isfinite(self.upper)
         low, high = np.where(finite, self.lower, 0.0), np.where(finite, self.upper, 0.0)
         return np.clip((low + high) / 2, self.lower, self.upper)
 
     def inside(self, q: FloatArray) -> FloatArray:
-        """Brings q within the limits: by whole turns where that works, else to the nearest."""
+        """Bring q within the limits: by whole turns where that works, else to the nearest."""
         inside = np.empty(len(q))
         inside_all(np.array(q, dtype=np.float64), self.lower, self.upper, self.wraps, inside)
         return inside
 
     def nearest(self, q: FloatArray, reference: FloatArray) -> FloatArray:
-        """Turns wrapping joints by whole turns towards a reference, within the limits."""
+        """Turn wrapping joints by whole turns towards a reference, within the limits."""
         whole_turns = np.round((reference - q) / TURN) * TURN
         candidate = q + np.where(self.wraps, whole_turns, 0.0)
         candidate = np.where(candidate > self.upper, candidate - TURN, candidate)
@@ -56,7 +54,11 @@ class JointBounds:
         return np.where(self.wraps & within, candidate, q)
 
     def ranges(self, reach: float) -> tuple[FloatArray, FloatArray]:
-        """Where starts are taken from: the limits; a turn, or ±reach, where there is none."""
+        """Return the ends of the ranges from which starts are taken, each of shape (dof,).
+
+        These are the limits; where there is none, a turn about the other one or 0, or ±reach (m)
+        for a length.
+        """
         half = np.where(self.wraps, np.pi, reach)
         open_below, open_above = np.isinf(self.lower), np.isinf(self.upper)
         low = np.where(open_below, np.where(open_above, -half, self.upper - 2 * half), self.lower)

@@ -1,4 +1,4 @@
-"""Solvers by chain and task: the compiled kernel, prepared once, called with a target at a time."""
+"""Solvers of a chain and a task: constants of the compiled kernel, prepared once."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _STATUS_OF_CODE = np.array([tuple(IKStatus).index(_OF_CODE[code]) for code in ra
 
 @dataclass(frozen=True, eq=False)
 class Solver:
-    """The solver of one chain and task; immutable, for any number of threads.
+    """The solver of one chain and task; immutable, usable by any number of threads.
 
     Attributes:
         robot: The robot.
@@ -64,7 +64,7 @@ class Solver:
 
     @cached_property
     def bounds(self) -> JointBounds:
-        """Bounds of all joints."""
+        """Limits of all joints of the robot."""
         return JointBounds.of(self.robot)
 
     @cached_property
@@ -80,7 +80,7 @@ class Solver:
 
     @cached_property
     def _whole(self) -> bool:
-        """True where the chain's joints are all of q, in its order."""
+        """Whether the chain's joints are all of q, in its order."""
         return bool(np.array_equal(self.chain.columns, np.arange(self.robot.dof)))
 
     @cached_property
@@ -112,7 +112,7 @@ class Solver:
         return made
 
     def solve(self, target: FloatArray, seed: FloatArray | None, options: IKOptions) -> IKResult:
-        """One target, shape (4, 4); see :func:`kinematics.inverse.solve_ik`."""
+        """Solve one target, shape (4, 4); see :func:`kinematics.inverse.solve_ik`."""
         started = perf_counter()
         target = np.ascontiguousarray(target, np.float64)
         if not target.flags.writeable:
@@ -153,7 +153,15 @@ class Solver:
         threads: int,
         deadline: float,
     ) -> IKBatch:
-        """Many targets, shape (n, 4, 4), over threads; see ``solve_ik_batch``."""
+        """Solve many targets, shape (n, 4, 4), over threads; see ``solve_ik_batch``.
+
+        Args:
+            targets: Poses of the frame in the base frame's axes.
+            seed: First start of each, shape (dof,), rad and m; None: mid-range.
+            options: Of each target.
+            threads: How many to work on at once.
+            deadline: When to stop, on the clock of ``perf_counter``, s.
+        """
         targets = writable(targets)
         n, columns = len(targets), self.chain.columns
         K = len(columns)
@@ -209,7 +217,7 @@ class Solver:
 
 
 def solver_of(robot: Robot, frame: str, task: Task) -> Solver:
-    """The solver of a frame and task, from memory if it was asked for before.
+    """Return the solver of a frame and task, from memory if it was asked for before.
 
     Raises:
         UnknownFrame: The robot has no such frame.

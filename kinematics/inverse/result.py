@@ -1,4 +1,4 @@
-"""What inverse kinematics takes and gives."""
+"""Options and results of inverse kinematics."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from robots.robot import FloatArray
 
 
 class IKStatus(StrEnum):
-    """How a solve ended; only the measured task error and the limits decide.
+    """How a solve ended, by the measured task error and the limits alone.
 
     ``converged``: q reaches the target within the tolerance and the joint limits.
     ``unreachable``: proven: the target is farther away than the arm is long.
@@ -87,7 +87,7 @@ class IKOptions:
         return np.array([tolerance.position**2, tolerance.orientation**2, steps, restarts])
 
     def within(self, seconds: float) -> IKOptions:
-        """The same with a time budget of at most ``seconds``."""
+        """Return the same with a time budget of at most ``seconds``."""
         return self if seconds >= self.time_budget else replace(self, time_budget=seconds)
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Where a solver starts anew."""
+"""Starts of a solver after the first."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from robots.robot import FloatArray
 
 
 def starts(random_seed: int, low: FloatArray, high: FloatArray) -> FloatArray:
-    """The additive recurrence of Roberts (2018) in K dimensions, scaled to joint ranges.
+    """Return the additive recurrence of Roberts (2018) in K dimensions, scaled to joint ranges.
 
     Point s is ``low + frac(offset + s * ratio) * (high - low)``, with ratios powers of the
     positive root of ``x**(K+1) = x + 1``: low discrepancy, and reproducible by its number alone.

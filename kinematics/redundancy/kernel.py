@@ -15,9 +15,7 @@ from kinematics.compiled import inner, jit
 from kinematics.inverse import task_error
 from kinematics.inverse.task_error import TaskChain, columns, residual, twist_error
 from kinematics.kernels import Array
-
-RANK_TOLERANCE = 1e-10
-"""As in :mod:`kinematics.singularity`: relative to max(1, largest)."""
+from kinematics.singularity import RANK_TOLERANCE
 
 
 class ArmConstants(NamedTuple):

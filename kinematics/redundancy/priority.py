@@ -6,10 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from kinematics.singularity import RANK_TOLERANCE
 from robots.robot import FloatArray
-
-RANK = 1e-10
-"""Factor: singular values below RANK * max(1, largest) of the Jacobian count as zero."""
 
 
 def prioritized_step(
@@ -35,7 +33,7 @@ def prioritized_step(
         if Z.shape[1] == 0:
             break
         U, sigma, Vt = np.linalg.svd(J @ Z)
-        floor = RANK * max(1.0, float(np.linalg.norm(J, 2)))
+        floor = RANK_TOLERANCE * max(1.0, float(np.linalg.norm(J, 2)))
         rank = int(np.sum(sigma > floor))
         left = e - J @ q
         q = q + Z @ (Vt[:rank].T @ ((U[:, :rank].T @ left) / sigma[:rank]))

@@ -14,7 +14,7 @@ from kinematics.configuration import configuration
 from kinematics.errors import InvalidOption, RankDeficient, WrongConfiguration
 from kinematics.jacobian import task_jacobian
 from kinematics.redundancy.priority import prioritized_step
-from kinematics.singularity import RANK_TOLERANCE
+from kinematics.singularity import rank_of
 from kinematics.task import TASKS, Task
 from robots.robot import FloatArray, Robot
 
@@ -101,8 +101,7 @@ def differential_step(
     J = task_jacobian(robot, q, first.task, first.frame)
     dx = _checked(first, "delta_x")
     U, sigma, Vt = np.linalg.svd(J)
-    largest = max(1.0, float(sigma[0]))
-    m, rank = len(J), int(np.sum(sigma > RANK_TOLERANCE * largest))
+    m, rank = len(J), int(rank_of(sigma))
     if rank < m and damping == 0.0:
         raise _refusal(robot, first, rank, m)
     V1, used = Vt[:rank].T, sigma[:rank]

@@ -50,7 +50,7 @@ class Solutions:
     orientation_errors: FloatArray
 
     def postures(self, form: ClosedForm) -> list[tuple[str, ...]]:
-        """The names of the postures of each solution."""
+        """Return the names of the postures of each solution."""
         return [
             tuple(names[code] for names, code in zip(form.postures, row, strict=True))
             for row in self.codes.tolist()
@@ -59,7 +59,7 @@ class Solutions:
 
 @lru_cache(maxsize=512)
 def closed_form_of(chain: Chain) -> ClosedForm | None:
-    """The closed form of a chain, from memory if it was asked for before; None: there is none."""
+    """Return the closed form of a chain, from memory if asked for before; None: there is none."""
     return classify(chain)
 
 
@@ -72,7 +72,7 @@ def solutions(
     given: FloatArray | None = None,
     swivel: float = 0.0,
 ) -> Solutions:
-    """All solutions of one target, regardless of joint limits.
+    """Find all solutions of one target, regardless of joint limits.
 
     Args:
         form: What :func:`closed_form_of` says of the chain.
@@ -116,7 +116,7 @@ def solutions(
 
 
 def swivel_of(form: ClosedForm, q: FloatArray) -> float:
-    """The swivel angle psi of a configuration of an ``srs`` arm, rad, in (-pi, pi].
+    """Return the swivel angle psi of a configuration of an ``srs`` arm, rad, in (-pi, pi].
 
     Args:
         form: Of kind ``srs``.

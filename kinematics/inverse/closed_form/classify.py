@@ -1,4 +1,4 @@
-"""Which closed form a chain has, from the geometry of its axes alone.
+"""Classify chains by the geometry of their axes: which closed form they have.
 
 Postures, each a choice of two, decided at q by where the parts of the arm are. z_k is the
 direction of axis k; axis 1's direction towards the base's +z is "upwards".
@@ -61,7 +61,7 @@ class ClosedForm:
 
 
 def classify(chain: Chain) -> ClosedForm | None:
-    """The closed form of a chain, or None where none is known.
+    """Return the closed form of a chain, or None where none is known.
 
     Args:
         chain: Base to frame; joints of any zero position and direction.
@@ -80,7 +80,7 @@ def classify(chain: Chain) -> ClosedForm | None:
 
 
 def _flat(lines: AxisLines, turning: int) -> ClosedForm | None:
-    """Planar 2R and 3R, SCARA: all axes parallel."""
+    """Classify planar 2R and 3R, SCARA: all axes parallel."""
     slides = len(lines.is_revolute) - turning
     if (turning, slides) not in ((2, 0), (3, 0), (3, 1)):
         return None
@@ -128,7 +128,7 @@ def _flat(lines: AxisLines, turning: int) -> ClosedForm | None:
 
 
 def _spherical_wrist(lines: AxisLines) -> ClosedForm | None:
-    """Six joints, the last three through one point."""
+    """Classify six joints, the axes of the last three through one point."""
     if not (lines.is_revolute[[0, 1, 3, 4, 5]].all()):
         return None
     wrist = lines.centre(3)
@@ -184,7 +184,7 @@ def _spherical_wrist(lines: AxisLines) -> ClosedForm | None:
 def _first_three(
     lines: AxisLines, wrist: FloatArray
 ) -> tuple[int, FloatArray, FloatArray, FloatArray, str] | None:
-    """How the first three joints place the wrist centre; None where they cannot in general."""
+    """Classify how the first three joints place the wrist centre; None where none is known."""
     small = LENGTH * lines.size
     if not lines.is_revolute[2]:
         p = lines.meeting_point(0, 1)
@@ -218,7 +218,7 @@ def _first_three(
 
 
 def _parallel_axes(lines: AxisLines) -> ClosedForm | None:
-    """Six turning joints, axes 2, 3 and 4 parallel."""
+    """Classify six revolute joints, axes 2, 3 and 4 parallel."""
     if not lines.is_revolute.all():
         return None
     if not (lines.parallel(1, 2) and lines.parallel(1, 3)):
@@ -264,7 +264,7 @@ def _parallel_axes(lines: AxisLines) -> ClosedForm | None:
 
 
 def _srs(lines: AxisLines) -> ClosedForm | None:
-    """Seven turning joints: spherical shoulder, elbow, spherical wrist."""
+    """Classify seven revolute joints: spherical shoulder, elbow, spherical wrist."""
     shoulder, wrist = lines.centre(0), lines.centre(4)
     small = LENGTH * lines.size
     if shoulder is None or wrist is None:

@@ -1,4 +1,4 @@
-"""The axis lines of a chain at q = 0, and how they lie to each other.
+"""Axis lines of a chain at q = 0 and their relations.
 
 Everything in base axes. Files round their angles and lengths, so relations hold within
 ``ANGLE`` and ``LENGTH`` (relative to the arm); what that leaves, the polish of the solutions on
@@ -21,7 +21,7 @@ LENGTH = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class AxisLines:
-    """The axes of a chain at q = 0.
+    """Axes of a chain at q = 0.
 
     Attributes:
         directions: Unit vectors along the axes, shape (K, 3).
@@ -38,11 +38,11 @@ class AxisLines:
     size: float
 
     def parallel(self, i: int, j: int) -> bool:
-        """Whether two axes have the same or opposite directions."""
+        """Return whether two axes have the same or opposite directions."""
         return bool(np.linalg.norm(np.cross(self.directions[i], self.directions[j])) <= ANGLE)
 
     def feet(self, i: int, j: int) -> tuple[FloatArray, FloatArray]:
-        """Ends of the common normal of two axes; of parallel ones at the point of axis i."""
+        """Return the ends of the common normal of two axes, m; from the point of i if parallel."""
         u, v = self.directions[i], self.directions[j]
         between = self.points[j] - self.points[i]
         if self.parallel(i, j):
@@ -54,44 +54,44 @@ class AxisLines:
         return self.points[i] + along_u * u, self.points[j] + along_v * v
 
     def apart(self, i: int, j: int) -> float:
-        """Distance of two axes, m."""
+        """Return the distance of two axes, m."""
         a, b = self.feet(i, j)
         return float(np.linalg.norm(b - a))
 
     def meeting_point(self, i: int, j: int) -> FloatArray | None:
-        """Where two axes intersect, if they do in one point."""
+        """Return the one point in which two axes intersect, m; None: they do not."""
         if self.parallel(i, j) or self.apart(i, j) > LENGTH * self.size:
             return None
         a, b = self.feet(i, j)
         return np.asarray((a + b) / 2)
 
     def centre(self, i: int) -> FloatArray | None:
-        """The one point in which axes i, i + 1 and i + 2 meet, if they do."""
+        """Return the one point in which axes i, i + 1, i + 2 meet, m; None: they do not."""
         a, b = self.meeting_point(i, i + 1), self.meeting_point(i + 1, i + 2)
         if a is None or b is None or np.linalg.norm(b - a) > LENGTH * self.size:
             return None
         return np.asarray((a + b) / 2)
 
     def foot(self, i: int, point: FloatArray) -> FloatArray:
-        """The point of axis i nearest to a point."""
+        """Return the point of axis i nearest to a point, m."""
         u = self.directions[i]
         return np.asarray(self.points[i] + ((point - self.points[i]) @ u) * u)
 
     def lever(self, i: int, point: FloatArray) -> float:
-        """Distance of a point from axis i, m."""
+        """Return the distance of a point from axis i, m."""
         return float(np.linalg.norm(point - self.foot(i, point)))
 
     def in_tip(self, direction: FloatArray) -> FloatArray:
-        """A direction in the axes of the frame."""
+        """Return a direction in the axes of the frame."""
         return np.asarray(self.pose[:3, :3].T @ direction)
 
     def point_in_tip(self, point: FloatArray) -> FloatArray:
-        """A point in the frame."""
+        """Return the coordinates of a point in the frame, m."""
         return self.in_tip(point - self.pose[:3, 3])
 
 
 def axis_lines(chain: Chain) -> AxisLines:
-    """The axes of a chain at q = 0."""
+    """Return the axes of a chain at q = 0."""
     directions, points = [], []
     R, p = np.eye(3), np.zeros(3)
     for row in chain.placements:

@@ -151,7 +151,7 @@ def solve(
 
 @inner
 def _first_joint(numbers: Array, x: Vector, image_c: Vector, first: Array, work: Array) -> int:
-    """Joint 1 where axes 5 and 6 do not meet: joint 5 eliminated, a quartic."""
+    """Solve joint 1 where axes 5 and 6 do not meet: joint 5 eliminated, a quartic."""
     h1, p1 = vector(numbers, H1), vector(numbers, P1)
     h, h5 = vector(numbers, TRIPLE), vector(numbers, TRIPLE + 3)
     h6, p5 = vector(numbers, TRIPLE + 6), vector(numbers, P5)
@@ -223,7 +223,7 @@ def _straight(
     goal: Vector,
     point: Vector,
 ) -> tuple[float, float]:
-    """Axis 6 parallel to axes 2, 3, 4: joint 6 as given or, out of reach there, the nearest.
+    """Solve where axis 6 is parallel to axes 2, 3, 4: joint 6 as given, or the nearest in reach.
 
     Returns:
         The sum of joints 2, 3, 4 (counted about axis 2), and joint 6, rad.

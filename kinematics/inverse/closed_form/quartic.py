@@ -21,7 +21,7 @@ VANISHING = 1e-13
 
 @inner
 def times(u: FloatArray, v: FloatArray, factor: float, total: FloatArray) -> None:
-    """Adds ``factor · u · v`` to a trigonometric polynomial of degree two.
+    """Add ``factor · u · v`` to a trigonometric polynomial of degree two.
 
     Args:
         u: 1, cos q, sin q of the first factor, shape (3,).
@@ -39,7 +39,7 @@ def times(u: FloatArray, v: FloatArray, factor: float, total: FloatArray) -> Non
 
 @jit
 def roots(k: FloatArray, found: FloatArray) -> int:
-    """Real solutions of a trigonometric equation of degree two.
+    """Solve a trigonometric equation of degree two.
 
     Args:
         k: k0 … k4, shape (5,).
@@ -92,7 +92,7 @@ def roots(k: FloatArray, found: FloatArray) -> int:
 
 @inner
 def _sharpened(k: FloatArray, q: float) -> float:
-    """Two Newton steps, where they are short."""
+    """Take two Newton steps, where they are short."""
     for _ in range(2):
         c, s = math.cos(q), math.sin(q)
         c2, s2 = c * c - s * s, 2.0 * s * c

@@ -13,6 +13,7 @@ Directions and points are those at q = 0 in base axes; a product of exponentials
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
@@ -50,6 +51,8 @@ from kinematics.inverse.closed_form.vectors import (
     vector,
 )
 from kinematics.kernels import Array
+
+Triple: TypeAlias = tuple[Vector, Vector, Vector]
 
 ELBOW, SHOULDER, COLUMN, GENERAL, TELESCOPE = 0, 1, 2, 3, 4
 
@@ -122,13 +125,19 @@ def solve(
 
 
 @inner
+def _geometry(numbers: Array) -> tuple[Triple, Triple, Vector]:
+    """Return directions and points of the first three axes, and the wrist centre, at q = 0."""
+    h = vector(numbers, H1), vector(numbers, H2), vector(numbers, H3)
+    p = vector(numbers, P1), vector(numbers, P2), vector(numbers, P3)
+    return h, p, vector(numbers, WRIST)
+
+
+@inner
 def _posture(
     numbers: Array, third_turns: bool, q3: float, c2: float, s2: float, c3: float, s3: float
 ) -> tuple[int, int]:
-    """Shoulder (0 front, 1 back) and elbow (0 up, 1 down)."""
-    h2, h3 = vector(numbers, H2), vector(numbers, H3)
-    p1, p2, p3 = vector(numbers, P1), vector(numbers, P2), vector(numbers, P3)
-    w = vector(numbers, WRIST)
+    """Return the codes of shoulder (0 front, 1 back) and elbow (0 up, 1 down)."""
+    (_, h2, h3), (p1, p2, p3), w = _geometry(numbers)
     reached = turn_about(h3, p3, c3, s3, w) if third_turns else add(w, scale(q3, h3))
     if numbers[VARIANT] == COLUMN:
         front = dot(h2, cross(sub(p1, p2), sub(reached, p2))) >= 0.0
@@ -150,7 +159,7 @@ def _put(arms: Array, n: int, q1: float, q2: float, q3: float, bits: int) -> int
 
 @inner
 def _positions(numbers: Array, w: Vector, given: Array, arms: Array, work: Array) -> int:
-    """Values of the first three joints that bring the wrist centre to w; rows of arms."""
+    """Fill rows of arms with q1, q2, q3 that bring the wrist centre to w, and their free bits."""
     variant = numbers[VARIANT]
     if variant == ELBOW:
         return _elbow(numbers, w, given, arms)
@@ -163,11 +172,9 @@ def _positions(numbers: Array, w: Vector, given: Array, arms: Array, work: Array
 
 @inner
 def _elbow(numbers: Array, w: Vector, given: Array, arms: Array) -> int:
-    """Axes 2 and 3 parallel: joint 1 from the component along axis 2, then a plane 2R arm."""
+    """Solve axes 2 and 3 parallel: joint 1 from the component along axis 2, then a plane 2R."""
     size = numbers[SIZE]
-    h1, h2, h3 = vector(numbers, H1), vector(numbers, H2), vector(numbers, H3)
-    p1, p2, p3 = vector(numbers, P1), vector(numbers, P2), vector(numbers, P3)
-    w0 = vector(numbers, WRIST)
+    (h1, h2, h3), (p1, p2, p3), w0 = _geometry(numbers)
     x = sub(w, p1)
     n1, a, b = component(h2, (-h1[0], -h1[1], -h1[2]), x, dot(h2, sub(w0, p1)), size)
     bits = 0
@@ -191,11 +198,9 @@ def _elbow(numbers: Array, w: Vector, given: Array, arms: Array) -> int:
 
 @inner
 def _shoulder(numbers: Array, w: Vector, given: Array, arms: Array) -> int:
-    """Axes 1 and 2 meet: joint 3 from the distance to that point, then two turns about it."""
+    """Solve axes 1 and 2 that meet: joint 3 from the distance to that point, then two turns."""
     size = numbers[SIZE]
-    h1, h2, h3 = vector(numbers, H1), vector(numbers, H2), vector(numbers, H3)
-    p, p3 = vector(numbers, P1), vector(numbers, P3)
-    w0 = vector(numbers, WRIST)
+    (h1, h2, h3), (p, _, p3), w0 = _geometry(numbers)
     goal = sub(w, p)
     slides = numbers[VARIANT] == TELESCOPE
     if slides:
@@ -239,11 +244,9 @@ def _shoulder(numbers: Array, w: Vector, given: Array, arms: Array) -> int:
 
 @inner
 def _column(numbers: Array, w: Vector, given: Array, arms: Array) -> int:
-    """Axes 1 and 2 parallel: joint 3 from the component along them, then a plane 2R arm."""
+    """Solve axes 1 and 2 parallel: joint 3 from the component along them, then a plane 2R."""
     size = numbers[SIZE]
-    h1, h2, h3 = vector(numbers, H1), vector(numbers, H2), vector(numbers, H3)
-    p1, p2, p3 = vector(numbers, P1), vector(numbers, P2), vector(numbers, P3)
-    w0 = vector(numbers, WRIST)
+    (h1, h2, h3), (p1, p2, p3), w0 = _geometry(numbers)
     goal = sub(w, p1)
     n3, c, d = component(h1, h3, sub(w0, p3), dot(h1, sub(w, p3)), size)
     n = 0
@@ -267,16 +270,14 @@ def _column(numbers: Array, w: Vector, given: Array, arms: Array) -> int:
 
 @inner
 def _general(numbers: Array, w: Vector, given: Array, arms: Array, work: Array) -> int:
-    """Axes 1 and 2 skew: eliminating joint 2 leaves a quartic for joint 3.
+    """Solve axes 1 and 2 skew: eliminating joint 2 leaves a quartic for joint 3.
 
     With y the wrist centre from axis 2, b the common normal of axes 1 and 2 and r what joint 2
     makes of y across axis 2: ``2 b · r = |w|² - |b|² - |y|²`` and ``h1 · r`` from the component
     along axis 1. b and h1 across h2 are perpendicular, and r is as long as y across axis 2.
     """
     size = numbers[SIZE]
-    h1, h2, h3 = vector(numbers, H1), vector(numbers, H2), vector(numbers, H3)
-    p1, p2, p3 = vector(numbers, P1), vector(numbers, P2), vector(numbers, P3)
-    w0 = vector(numbers, WRIST)
+    (h1, h2, h3), (p1, p2, p3), w0 = _geometry(numbers)
     goal, b, lever = sub(w, p1), sub(p2, p1), sub(p3, p2)
     y0 = sub(w0, p3)
     fixed = add(lever, scale(dot(h3, y0), h3))

@@ -124,7 +124,7 @@ def solve(
 
 @jit
 def swivel_of(numbers: Array, q: Array) -> float:
-    """The swivel angle psi of a configuration, rad, in (-pi, pi].
+    """Return the swivel angle psi of a configuration, rad, in (-pi, pi].
 
     Args:
         numbers: See the places above.
@@ -141,7 +141,7 @@ def swivel_of(numbers: Array, q: Array) -> float:
 
 @inner
 def _reference(h1: Vector, n: Vector) -> Vector:
-    """Unit vector across n in the reference half-plane."""
+    """Return the unit vector across n in the reference half-plane."""
     r = sub(h1, scale(dot(h1, n), n))
     if norm(r) <= UPRIGHT:
         x = (1.0, 0.0, 0.0) if abs(n[0]) < 0.9 else (0.0, 1.0, 0.0)
@@ -151,7 +151,7 @@ def _reference(h1: Vector, n: Vector) -> Vector:
 
 @inner
 def _arm_plane(numbers: Array, c4: float, s4: float) -> tuple[Vector, Vector]:
-    """At q1 = q2 = q3 = 0: the unit vectors from S to W, and across it towards the elbow."""
+    """Return the unit vectors from S to W and across it towards E, at q1 = q2 = q3 = 0."""
     s, e, w0 = vector(numbers, SHOULDER), vector(numbers, ELBOW), vector(numbers, WRIST)
     h4 = vector(numbers, H4)
     line = sub(turn_about(h4, e, c4, s4, w0), s)
@@ -164,7 +164,7 @@ def _arm_plane(numbers: Array, c4: float, s4: float) -> tuple[Vector, Vector]:
 
 @inner
 def _across(v: Vector, n: Vector) -> Vector:
-    """A vector almost across the unit vector n as a unit vector across it, to rounding."""
+    """Return a vector almost across the unit vector n as a unit vector across it, to rounding."""
     v = scale(1.0 / norm(v), v)
     v = sub(v, scale(dot(v, n), n))
     return scale(1.0 / norm(v), v)
@@ -172,5 +172,5 @@ def _across(v: Vector, n: Vector) -> Vector:
 
 @inner
 def _mapped(a: Vector, b: Vector, c: Vector, x: Vector, y: Vector, z: Vector, v: Vector) -> Vector:
-    """What the rotation that turns the triad a, b, c to x, y, z makes of v."""
+    """Apply the rotation that turns the triad a, b, c to x, y, z to v."""
     return add(add(scale(dot(a, v), x), scale(dot(b, v), y)), scale(dot(c, v), z))

@@ -28,7 +28,7 @@ NOTHING = 1e-12
 
 @jit
 def align(h: Vector, u: Vector, v: Vector, size: float) -> tuple[bool, float]:
-    """Subproblem 1: the q with ``R(h, q) u`` towards v, seen along h.
+    """Solve subproblem 1: the q with ``R(h, q) u`` towards v, seen along h.
 
     Args:
         h: Unit axis.
@@ -48,7 +48,7 @@ def align(h: Vector, u: Vector, v: Vector, size: float) -> tuple[bool, float]:
 
 @jit
 def harmonic(a: float, b: float, d: float, size: float) -> tuple[int, float, float]:
-    """Subproblem 4, scalar form: ``a cos q + b sin q = d``.
+    """Solve subproblem 4 in scalar form: ``a cos q + b sin q = d``.
 
     Args:
         a: Factor of the cosine.
@@ -76,7 +76,7 @@ def harmonic(a: float, b: float, d: float, size: float) -> tuple[int, float, flo
 
 @jit
 def component(g: Vector, h: Vector, y: Vector, d: float, size: float) -> tuple[int, float, float]:
-    """Subproblem 4: ``g · R(h, q) y = d``.
+    """Solve subproblem 4: ``g · R(h, q) y = d``.
 
     Args:
         g: Direction of the measured component.
@@ -96,7 +96,7 @@ def component(g: Vector, h: Vector, y: Vector, d: float, size: float) -> tuple[i
 def distance(
     h: Vector, y: Vector, c: Vector, length: float, size: float
 ) -> tuple[int, float, float]:
-    """Subproblem 3: ``|R(h, q) y - c| = length``, all from one point of the axis.
+    """Solve subproblem 3: ``|R(h, q) y - c| = length``, all from one point of the axis.
 
     Args:
         h: Unit axis.
@@ -114,7 +114,7 @@ def distance(
 
 @jit
 def dihedral(a: float, b: float, g: float) -> tuple[bool, float]:
-    """The spherical triangle with sides a, b, g: the angle between a and b, opposite of g.
+    """Solve the spherical triangle with sides a, b, g for the angle between a and b.
 
     Solves ``cos g = cos a cos b + sin a sin b cos x`` by half angles, without the loss of half
     the digits that the arc cosine has near 0 and pi (Todhunter, *Spherical Trigonometry*, § 45).

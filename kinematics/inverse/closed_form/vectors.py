@@ -12,19 +12,19 @@ Vector = tuple[float, float, float]
 
 @inner
 def vector(values: FloatArray, start: int) -> Vector:
-    """Three successive entries of an array."""
+    """Return three successive entries of an array."""
     return (values[start], values[start + 1], values[start + 2])
 
 
 @inner
 def dot(a: Vector, b: Vector) -> float:
-    """Scalar product."""
+    """Return the scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inner
 def cross(a: Vector, b: Vector) -> Vector:
-    """Vector product."""
+    """Return the vector product."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -34,31 +34,31 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 @inner
 def add(a: Vector, b: Vector) -> Vector:
-    """Sum."""
+    """Return the sum."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
 @inner
 def sub(a: Vector, b: Vector) -> Vector:
-    """Difference."""
+    """Return the difference."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
 @inner
 def scale(k: float, a: Vector) -> Vector:
-    """Multiple."""
+    """Return a multiple."""
     return (k * a[0], k * a[1], k * a[2])
 
 
 @inner
 def norm(a: Vector) -> float:
-    """Euclidean length."""
+    """Return the Euclidean length."""
     return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
 @inner
 def turn(h: Vector, c: float, s: float, v: Vector) -> Vector:
-    """A vector turned about a unit vector by the angle of cosine c and sine s (Rodrigues)."""
+    """Turn a vector about a unit vector by the angle of cosine c and sine s (Rodrigues)."""
     k = (1.0 - c) * dot(h, v)
     x = cross(h, v)
     return (
@@ -70,13 +70,13 @@ def turn(h: Vector, c: float, s: float, v: Vector) -> Vector:
 
 @inner
 def turn_about(h: Vector, p: Vector, c: float, s: float, v: Vector) -> Vector:
-    """A point turned about the line through p along the unit vector h."""
+    """Turn a point about the line through p along the unit vector h."""
     return add(p, turn(h, c, s, sub(v, p)))
 
 
 @inner
 def turned(values: FloatArray, v: Vector) -> Vector:
-    """The rotation in the first nine entries of an array (row by row) times a vector."""
+    """Apply the rotation in the first nine entries of an array (row by row) to a vector."""
     return (
         values[0] * v[0] + values[1] * v[1] + values[2] * v[2],
         values[3] * v[0] + values[4] * v[1] + values[5] * v[2],
@@ -86,13 +86,13 @@ def turned(values: FloatArray, v: Vector) -> Vector:
 
 @inner
 def angle_between(a: Vector, b: Vector) -> float:
-    """Angle of two vectors, 0 to pi, exact to rounding near 0 and pi too."""
+    """Return the angle of two vectors, 0 to pi, exact to rounding near 0 and pi too."""
     return math.atan2(norm(cross(a, b)), dot(a, b))
 
 
 @inner
 def wrapped(angle: float) -> float:
-    """The same angle in (-pi, pi]."""
+    """Return the same angle in (-pi, pi]."""
     if -math.pi < angle <= math.pi:
         return angle
     angle -= 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))

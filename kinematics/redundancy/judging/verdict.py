@@ -8,11 +8,11 @@ from enum import StrEnum
 import numpy as np
 
 from kinematics.inverse import IKStatus
-from kinematics.redundancy.kernel import RANK_TOLERANCE
 from kinematics.redundancy.measure import Measures
 from kinematics.redundancy.problem import TOUCH, PathProblem
 from kinematics.redundancy.reach import reach
 from kinematics.redundancy.stop import Stop, StopReason
+from kinematics.singularity import rank_of
 from robots.robot import FloatArray
 
 JUMP = 1.0
@@ -182,8 +182,8 @@ def _reason(
 
 def _rank(problem: PathProblem, q: FloatArray) -> int:
     _, J, _ = problem.arm.task_at(q, problem.path.targets[0])
-    sigma = np.linalg.svd(J, compute_uv=False)
-    return int(np.sum(sigma > RANK_TOLERANCE * max(1.0, float(sigma[0]))))
+    sigma = np.asarray(np.linalg.svd(J, compute_uv=False), np.float64)
+    return int(rank_of(sigma))
 
 
 def _never(problem: PathProblem) -> bool:

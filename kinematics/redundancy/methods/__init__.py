@@ -56,7 +56,7 @@ METHODS = {
 
 
 def method_from(name: str, argument: str = "method", index: Location = ()) -> Method:
-    """A method by name.
+    """Return a method by name.
 
     Raises:
         InvalidOption: There is no such method.

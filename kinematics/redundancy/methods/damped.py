@@ -27,7 +27,7 @@ EXACT = 1e-10
 def follow(
     problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
-    """See :class:`kinematics.redundancy.methods.Method`."""
+    """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     chain, m = problem.arm.constants.chain, problem.arm.m
     course, W = Course(problem.path.targets, departure(problem, options), Q), workspace(Q.shape[1])
 

@@ -48,7 +48,7 @@ LARGEST = 0.05
 def follow(
     problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
-    """See :class:`kinematics.redundancy.methods.Method`."""
+    """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     arm, scene, chain = problem.arm.constants, problem.scene, problem.arm.chain
     course = Course(problem.path.targets, departure(problem, options), Q)
     chosen = options.gains or GAINS

@@ -35,7 +35,7 @@ HUGE = 1e6
 def follow(
     problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
-    """See :class:`kinematics.redundancy.methods.Method`."""
+    """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     arm = problem.arm.constants
     course, W = Course(problem.path.targets, departure(problem, options), Q), workspace(Q.shape[1])
 

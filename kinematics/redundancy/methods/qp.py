@@ -40,7 +40,7 @@ Solve: TypeAlias = Callable[[Linearised, FloatArray, FloatArray, float], FloatAr
 def follow(
     problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
-    """See :class:`kinematics.redundancy.methods.Method`."""
+    """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     model = Linearised(problem, options)
     previous = departure(problem, options)
     for i in range(1, len(Q)):
@@ -53,7 +53,7 @@ def follow(
 
 
 def follow_from(problem: PathProblem, options: PathOptions, Q: FloatArray, first: int) -> None:
-    """Fills the samples from ``first`` on, after those that are given."""
+    """Fill the samples from ``first`` on, after those that are given."""
     model = Linearised(problem, options)
     for i in range(first, len(Q)):
         Q[i] = advance(model, Q[i - 1], problem.path.targets[i], step)
@@ -62,7 +62,7 @@ def follow_from(problem: PathProblem, options: PathOptions, Q: FloatArray, first
 def advance(
     model: Linearised, previous: FloatArray, target: FloatArray, solve: Solve
 ) -> FloatArray:
-    """The next sample: solved, with the margin if there is room for it, else the best effort.
+    """Return the next sample: solved, with the margin if there is room, else the best effort.
 
     Where the arm is swept too near on its way, the clearance is kept there as well, and the sample
     is solved again.
@@ -96,7 +96,7 @@ def advance(
 def _sample(
     model: Linearised, previous: FloatArray, target: FloatArray, solve: Solve, need: float
 ) -> tuple[FloatArray, bool]:
-    """The next sample, and whether it is on the path.
+    """Return the next sample, and whether it is on the path.
 
     Where it is not solved it is the best effort; from there the path, where it is near after all.
     """
@@ -114,7 +114,7 @@ def _sample(
 def step(
     model: Linearised, previous: FloatArray, target: FloatArray, need: float
 ) -> FloatArray | None:
-    """The nearest configuration on the path, by linearising again and again; None: not found."""
+    """Return the nearest configuration on the path, by repeated linearisation; None: not found."""
     return _from(model, previous, target, need, previous)
 
 

@@ -43,7 +43,7 @@ ITERATIONS = 60
 def follow(
     problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
-    """See :class:`kinematics.redundancy.methods.Method`."""
+    """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     program = _Program(problem, options)
     model = Linearised(problem, options)
     previous = departure(problem, options)

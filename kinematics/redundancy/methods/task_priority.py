@@ -12,12 +12,12 @@ import numpy as np
 
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
-from kinematics.redundancy.kernel import RANK_TOLERANCE
 from kinematics.redundancy.methods.damped import EXACT
 from kinematics.redundancy.methods.pseudo_inverse import HUGE
 from kinematics.redundancy.priority import prioritized_step
 from kinematics.redundancy.problem import PathOptions, PathProblem, departure
 from kinematics.redundancy.stop import Stop, StopReason
+from kinematics.singularity import rank_of
 from robots.robot import FloatArray
 
 LARGEST = 0.05
@@ -27,7 +27,7 @@ LARGEST = 0.05
 def follow(
     problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
-    """See :class:`kinematics.redundancy.methods.Method`."""
+    """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     if not options.secondary:
         raise InvalidOption(
             "task_priority needs a second task; give secondary: [{frame, task, target}]",
@@ -42,8 +42,8 @@ def follow(
             e, J, _ = arm.task_at(q, problem.path.targets[i])
             if iteration > 0 and np.abs(e).max() <= EXACT:
                 break
-            sigma = np.linalg.svd(J, compute_uv=False)
-            rank = int(np.sum(sigma > RANK_TOLERANCE * max(1.0, float(sigma[0]))))
+            sigma = np.asarray(np.linalg.svd(J, compute_uv=False), np.float64)
+            rank = int(rank_of(sigma))
             if rank < arm.m:
                 return Stop(StopReason.RANK, i, rank)
             first, free = prioritized_step([(J, e)], arm.K)
@@ -65,7 +65,7 @@ def _others(
     first: FloatArray,
     free: FloatArray,
 ) -> FloatArray:
-    """What the secondary tasks add, in the null space of the first."""
+    """Return what the secondary tasks add, in the null space of the first, shape (K,)."""
     whole = problem.arm.expanded(q[None], problem.start)[0]
     tasks = []
     for one, place in zip(options.secondary, places, strict=True):
@@ -79,7 +79,7 @@ def _others(
 
 
 def _places(arm: Arm, options: PathOptions) -> list[FloatArray]:
-    """Where the joints of each secondary chain are in the first one, as 0-1 matrices."""
+    """Return where the joints of each secondary chain are in the first, as 0-1 matrices."""
     columns = arm.chain.columns
     return [
         np.array(one.arm.chain.columns[:, None] == columns[None], dtype=np.float64)

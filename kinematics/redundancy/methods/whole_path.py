@@ -19,12 +19,12 @@ from kinematics.inverse import IKStatus
 from kinematics.redundancy.clearance.link_points import OFFSET, RADIUS, WHOLE
 from kinematics.redundancy.clearance.obstacles import BOX, CAPSULE, CIRCLE, HALF_SPACE, SPHERE
 from kinematics.redundancy.clearance.sweep import RESOLUTION
-from kinematics.redundancy.kernel import RANK_TOLERANCE
 from kinematics.redundancy.measure import clearances_at, measure, nearest_part, swept_between
 from kinematics.redundancy.methods import damped, null_space, qp
 from kinematics.redundancy.problem import TOUCH, PathOptions, PathProblem, departure
 from kinematics.redundancy.reach import reach
 from kinematics.redundancy.stop import Stop, StopReason
+from kinematics.singularity import RANK_TOLERANCE
 from robots.robot import FloatArray
 
 MOST = 60_000
@@ -45,7 +45,7 @@ differ by so much, rad or m."""
 def follow(
     problem: PathProblem, options: PathOptions, Q: FloatArray
 ) -> Generator[int, None, Stop | None]:
-    """See :class:`kinematics.redundancy.methods.Method`."""
+    """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     try:
         import casadi
     except ImportError:
@@ -84,7 +84,7 @@ def follow(
 def _look_ahead(
     casadi: Any, problem: PathProblem, options: PathOptions, Q: FloatArray, kept: int
 ) -> tuple[int, FloatArray]:
-    """The best path of the program and how far it holds; ``kept`` and Q where none is better."""
+    """Return how far the best path of the program holds, and it; else ``kept`` and Q."""
     best, found = kept, Q
     program = _Program(casadi, problem, options, len(Q), ())
     search: Deadline | None = None
@@ -107,7 +107,7 @@ def _look_ahead(
 
 
 def kept_until(problem: PathProblem, Q: FloatArray) -> int:
-    """The first sample at which something does not hold; their number N where all does.
+    """Return the first sample at which something does not hold; their number N where all does.
 
     Error, clearance (swept from the sample before), limits and speeds, as the verdict sees them.
     """
@@ -124,7 +124,7 @@ def kept_until(problem: PathProblem, Q: FloatArray) -> int:
 def _guesses(
     problem: PathProblem, options: PathOptions, Q: FloatArray, kept: int
 ) -> Iterator[FloatArray]:
-    """First guesses: what qp found; where that does not do, ways on other sides of the obstacles.
+    """Yield first guesses: what qp found; if that fails, ways on other sides of the obstacles.
 
     Those are the path as it would be without obstacles, as the null space keeps off them, and
     straight in joint space to configurations at the end that keep clear. Where the start is
@@ -148,7 +148,7 @@ def _guesses(
 
 
 def _exhausted(work: Generator[int, None, Stop | None]) -> Stop | None:
-    """Lets a method work to its end; says why it stopped before that of the path."""
+    """Let a method work to its end; return why it stopped before that of the path."""
     while True:
         try:
             next(work)
@@ -158,7 +158,7 @@ def _exhausted(work: Generator[int, None, Stop | None]) -> Stop | None:
 
 
 def _ends(problem: PathProblem) -> list[FloatArray]:
-    """Configurations that reach the end and keep clear there, far from each other."""
+    """Return configurations that reach the end and keep clear there, far from each other."""
     arm, rng = problem.arm, np.random.default_rng(0)
     low, high = arm.chain.lower, arm.chain.upper
     found: list[FloatArray] = []
@@ -187,7 +187,7 @@ def _solved(
     guess: FloatArray,
     limit: _Limit,
 ) -> FloatArray:
-    """The program's path from a guess; solved again where it comes too near between samples."""
+    """Return the program's path from a guess; solved again where it comes too near in between."""
     solved = program.solve(guess, limit)
     between: list[tuple[int, float]] = []
     for _ in range(TRIES):
@@ -264,7 +264,7 @@ class _Program:
         self.lower, self.upper = np.concatenate(lower), np.concatenate(upper)
 
     def solve(self, Q: FloatArray, limit: _Limit) -> FloatArray:
-        """The path from a first guess of shape (N, K), its row 0 kept."""
+        """Return the path from a first guess of shape (N, K), its row 0 kept."""
         self.wanted.begin(limit)
         guess = np.clip(Q[1:].reshape(-1), self.low, self.high)
         found = self.solver(x0=guess, lbx=self.low, ubx=self.high, lbg=self.lower, ubg=self.upper)
@@ -289,7 +289,7 @@ class _Limit:
 
 
 def _wanted(casadi: Any, variables: int, constraints: int) -> Any:
-    """What IPOPT asks between two iterations: whether to go on."""
+    """Return the callback that IPOPT asks between two iterations whether to go on."""
     sizes = {"x": variables, "f": 1, "g": constraints, "lam_x": variables, "lam_g": constraints}
 
     class Wanted(casadi.Callback):  # type: ignore[misc]
@@ -318,7 +318,7 @@ def _wanted(casadi: Any, variables: int, constraints: int) -> Any:
 
 
 def _forward(casadi: Any, problem: PathProblem, q: Any) -> tuple[list[Any], Any]:
-    """Poses of the joints and of the frame, 4x4, and the latter again, as expressions."""
+    """Return the poses of the joints and of the frame, 4x4, and the latter again, symbolically."""
     chain = problem.arm.chain
     bottom = np.array([[0.0, 0.0, 0.0, 1.0]])
     constants = [np.concatenate((C.reshape(3, 4), bottom)) for C in chain.placements]
@@ -401,7 +401,7 @@ def _distance(casadi: Any, A: Any, B: Any, row: FloatArray) -> Any:
 
 
 def _nearest(casadi: Any, A: Any, d: Any, away: Any) -> Any:
-    """Where on the link its distance, which is convex along it, is least: by halving.
+    """Find where on the link its distance, which is convex along it, is least: by halving.
 
     Its derivative is 0, which is right: the distance does not change with it to first order.
     """
