@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
+from dataclasses import astuple
 from typing import NamedTuple
 
 import numpy as np
@@ -57,7 +58,7 @@ def follow(
         chain.upper,
         problem.first if options.posture_q is None else options.posture_q,
         Repulsion(float(problem.d_safe), float(options.reach_of_obstacles(problem))),
-        np.array([chosen.limits, chosen.manipulability, chosen.obstacles, chosen.posture]),
+        np.array(astuple(chosen), np.float64),
     )
     W = workspace(Q.shape[1], len(problem.links))
 

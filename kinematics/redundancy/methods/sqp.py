@@ -80,7 +80,7 @@ class _Program:
     def __init__(self, problem: PathProblem, options: PathOptions) -> None:
         K, m = problem.arm.K, problem.arm.m
         self.problem = problem
-        self.weight = options.obstacle_weight if len(problem.obstacles) else 0.0
+        self.weight = float(options.obstacle_weight) if len(problem.obstacles) else 0.0
         influence = options.reach_of_obstacles(problem)
         self.repulsion = Repulsion(float(problem.d_safe), float(influence))
         room = min(MOST_PAIRS, len(problem.links) * len(problem.obstacles))

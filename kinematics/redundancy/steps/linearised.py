@@ -267,8 +267,8 @@ class Linearised:
     def swept(self, a: FloatArray, b: FloatArray) -> float:
         """Return a lower bound of the clearance between two configurations, up to d_safe, m."""
         problem = self.problem
-        chain, scene = problem.arm.constants.chain, problem.scene
-        return float(swept_clearance(chain, a, b, scene, problem.d_safe, self._W, VISITS))
+        chain, enough = problem.arm.constants.chain, float(problem.d_safe)
+        return float(swept_clearance(chain, a, b, problem.scene, enough, self._W, VISITS))
 
     def clearance(self, q: FloatArray) -> float:
         """Return the least clearance at q less the resolution of a swept one, m."""
