@@ -19,6 +19,7 @@ from kinematics.inverse.all_solutions import all_solutions
 from kinematics.inverse.bounds import JointBounds
 from kinematics.jacobian import jacobian
 from kinematics.kernel_cache import is_full, mark_full
+from kinematics.named_singularities import factorization
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.distances import pair_distance
 from kinematics.redundancy.clearance.obstacles import Sphere, encoded
@@ -43,16 +44,18 @@ def warm_up() -> None:
 
 
 def _solve() -> None:
-    """Forward kinematics, Jacobians and inverse kinematics, one and many."""
+    """Run forward and inverse kinematics, Jacobians and named singularities, one and many."""
     robot = shipped_robot("puma560")
     batch = np.full((2, robot.dof), 0.5)
     jacobian(robot, batch)
     poses = fk(robot, batch)[robot.tip_frame]
     solve_ik(robot, poses[0])
     solve_ik_batch(robot, poses[:1], options=IKOptions(max_restarts=1))
+    factorization(robot, batch, POSE)
 
 
 def _solve_in_closed_form_and_follow_a_path() -> None:
+    """Find all solutions by each closed form, then follow a path."""
     for name in CLOSED_FORMS:
         robot = shipped_robot(name)
         all_solutions(robot, fk(robot, np.full(robot.dof, 0.3))[robot.tip_frame])
