@@ -15,7 +15,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # is quicker: .venv/bin/python -m pytest tests/robots
 PYTEST := $(BIN)/python -m pytest -n 2 --dist worksteal
 
-.PHONY: help install page kernels run test check lint lock bench bench-peers torture image-test clean
+.PHONY: help install page kernels run test check api-types lint lock bench bench-peers torture image-test clean
 
 help:
 	@echo "make run         set up .venv and serve on http://localhost:8000"
@@ -24,6 +24,7 @@ help:
 	@echo "make install     set up .venv with all that developers need"
 	@echo "make page        build the page anew if web/ has changed"
 	@echo "make lint        ruff, strict types, import contract"
+	@echo "make api-types   write the page's types anew from the OpenAPI document"
 	@echo "make bench       paired benchmarks"
 	@echo "make bench-peers inverse kinematics beside other libraries, in .venv-peers"
 	@echo "make torture     the long campaigns: documents, requests, schemas, the store, load (hours)"
@@ -64,6 +65,10 @@ test: page kernels
 
 check: page kernels
 	$(PYTEST) $(if $(REST),-m "not first")
+
+# The types of answers and requests that the page is checked with.
+api-types: kernels
+	$(BIN)/python -m tests.app.openapi.typescript web/src/api/schema.ts
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

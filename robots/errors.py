@@ -6,12 +6,12 @@ import difflib
 from collections.abc import Iterable
 from typing import Final, Literal, TypeAlias
 
+from dh_to_urdf.errors import Location
+
 MAX_SHOWN = 12
 DAMAGED: Final = "damaged"
 """Stands for the revision of a robot whose file cannot be served."""
 
-Location: TypeAlias = tuple[str | int, ...]
-"""Keys and indices from the root of a document, or of an argument, to a value in it."""
 Quota: TypeAlias = Literal["robots", "bytes"]
 
 

@@ -14,8 +14,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from dh_to_urdf import DHTable, JointType, table_to_urdf
+from dh_to_urdf.errors import Location
 from dh_to_urdf.writer import BASE_LINK, TOOL_LINK, UNBOUNDED
-from robots.errors import InvalidURDF, Location, RobotTooLarge, UnknownFrame
+from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
 from robots.model import build_model
 from robots.urdf import MAX_DOF, URDFDescription, read_urdf
 

@@ -16,10 +16,9 @@ import msgspec
 
 from app.http.units import Units
 from app.settings import Settings
+from dh_to_urdf.errors import Location
 from robots.robot import Robot
 
-Location: TypeAlias = tuple[str | int, ...]
-"""Where a value stands in a request, outermost first."""
 KEY = "field"
 """Key of the declaration among the extras of ``msgspec.Meta``."""
 LEFT_OUT: Any = None

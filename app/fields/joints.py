@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 
 from app.fields import texts
-from app.fields.field import Field, Location, Parameter, Reading, Text, declared
+from app.fields.field import Field, Parameter, Reading, Text, declared
 from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.strict_json import (
@@ -19,7 +19,7 @@ from app.http.strict_json import (
     decode_numbers,
     decode_rows,
 )
-from dh_to_urdf.errors import quoted
+from dh_to_urdf.errors import Location, quoted
 from kinematics.configuration import configuration, configuration_by_name
 from robots.robot import FloatArray
 

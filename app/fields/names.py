@@ -11,9 +11,10 @@ from typing import Annotated, Any, TypeAlias
 import msgspec
 
 from app.fields import texts
-from app.fields.field import Field, Location, Parameter, Reading, declared
+from app.fields.field import Field, Parameter, Reading, declared
 from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
+from dh_to_urdf.errors import Location
 from kinematics.jacobian import ReferenceFrame
 from kinematics.orientation import parse_sequence
 from kinematics.task import TASKS, Task, task_from

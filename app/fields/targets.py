@@ -12,12 +12,13 @@ import numpy as np
 
 from app.fields import texts
 from app.fields.bounds import batch_of, coordinates, within
-from app.fields.field import Field, Location, Parameter, Reading, declared
+from app.fields.field import Field, Parameter, Reading, declared
 from app.fields.names import SEQUENCE_SCHEMA
 from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.strict_json import validation_problem
 from app.http.units import Units
+from dh_to_urdf.errors import Location
 from kinematics.inverse.target import Targets, target_poses
 from kinematics.task import Task
 from robots.robot import FloatArray

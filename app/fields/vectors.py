@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fields import texts
-from app.fields.field import Field, Location, Parameter, Reading, declared
+from app.fields.field import Field, Parameter, Reading, declared
 from app.http.pointers import json_pointer
 from app.http.strict_json import RowLengthError, decode_numbers, decode_rows
+from dh_to_urdf.errors import Location
 from kinematics.spatial_vectors import WRENCH_ROWS, spatial_vector
 from kinematics.task import Task
 from robots.robot import FloatArray

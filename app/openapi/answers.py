@@ -37,7 +37,7 @@ def answer_schemas(answers: Iterable[type]) -> dict[str, Any]:
     _, found = msgspec.json.schema_components([_plain(one) for one in answers], ref_template=REF)
     many = _with_samples(found)
     schemas = {name: _shaped(schema, many, batch=False) for name, schema in found.items()}
-    for name in many:
+    for name in filter(many.__contains__, found):  # in the order of the types
         schema = _shaped(deepcopy(found[name]), many, batch=True)
         schemas[name + BATCH] = {**schema, "title": name + BATCH}
     return schemas

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, Any, TypedDict
+from typing import Annotated, Any, TypeAlias, TypedDict
 
 import msgspec
 
@@ -24,9 +24,9 @@ from app.operations.shapes import (
     AnswerUnits,
     EachInteger,
     EachNumber,
-    EachText,
     EachVector,
     Vector,
+    each,
 )
 from dh_to_urdf.errors import quoted
 from kinematics.configuration import joint_names
@@ -124,6 +124,11 @@ class ToleranceView(TypedDict):
     orientation: float
 
 
+EachStatus: TypeAlias = Annotated[
+    str | Sequence[str], each({"type": "string", "enum": [one.value for one in IKStatus]})
+]
+
+
 class IKAnswer(TypedDict):
     """The answer; for many targets status, q, errors and counts have a leading axis n.
 
@@ -132,7 +137,7 @@ class IKAnswer(TypedDict):
     """
 
     units: AnswerUnits
-    status: EachText
+    status: EachStatus
     q: EachVector
     position_error: EachNumber
     orientation_error: EachNumber

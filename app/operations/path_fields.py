@@ -11,7 +11,7 @@ import numpy as np
 
 from app.fields import texts
 from app.fields.bounds import coordinates, items, within
-from app.fields.field import LEFT_OUT, Field, Location, Parameter, declared
+from app.fields.field import LEFT_OUT, Field, Parameter, declared
 from app.fields.joints import SingleConfiguration, optional_configuration
 from app.fields.names import TASK_META, Frame, TaskSpace, one_of
 from app.fields.numbers import within_query
@@ -21,7 +21,7 @@ from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.operation import Context
 from app.operations.path_links import GEOMETRIES, read_geometry, read_radius
 from app.operations.retime import RetimeField
-from dh_to_urdf.errors import quoted
+from dh_to_urdf.errors import Location, quoted
 from kinematics.errors import InvalidOption
 from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm

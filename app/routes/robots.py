@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, TypeAlias
 
 import msgspec
 import numpy as np
@@ -68,11 +68,15 @@ _PASTED_EXAMPLE = (
 )
 
 
+Kind: TypeAlias = Literal["dh", "urdf"]
+"""What a robot was made from."""
+
+
 class JointView(msgspec.Struct, kw_only=True):
     """One entry of q; null where there is no limit or it is unknown."""
 
     name: str
-    type: str
+    type: Literal["revolute", "prismatic", "continuous"]
     lower: float | None
     upper: float | None
     velocity: float | None
@@ -83,13 +87,13 @@ class RobotView(msgspec.Struct, kw_only=True):
     """A robot."""
 
     id: str
-    kind: str
+    kind: Kind
     title: str
     source: str | None
     shipped: bool
     revision: str
     dof: int
-    convention: str | None
+    convention: Literal["standard", "modified", "khalil"] | None
     units: dict[str, str]
     joints: list[JointView]
     base_frame: str
@@ -102,7 +106,7 @@ class RobotLine(msgspec.Struct, kw_only=True):
     """A robot in a list."""
 
     id: str
-    kind: str
+    kind: Kind
     title: str
     dof: int
     shipped: bool

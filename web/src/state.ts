@@ -9,6 +9,7 @@ import type {
   JacobianAnswer,
   MatricesAnswer,
   Obstacle,
+  PathFields,
   Pose,
   ReferenceFrame,
   SingularityAnswer,
@@ -38,7 +39,7 @@ export interface PathForm {
   /** '' for that of the page, and for the position where that is the whole pose. */
   readonly task: string;
   readonly methods: readonly string[];
-  readonly timeLaw: string;
+  readonly timeLaw: NonNullable<PathFields['time_law']>;
   readonly tf: number;
   readonly samples: number;
   readonly linkRadius: number;

@@ -9,7 +9,8 @@ export function positionOf(target: Target | null): readonly number[] | null {
 /** The pose of a target; its roll, pitch and yaw are fixed-axis: R = Rz(yaw) Ry(pitch) Rx(roll). */
 export function matrixOf(target: Target, angle: AngleUnit): Matrix | null {
   if (target.matrix) return target.matrix;
-  const { position, rpy = [0, 0, 0] } = target;
+  const { position } = target;
+  const rpy = target.rpy ?? [0, 0, 0];
   if (!position) return null;
   const factor = angle === 'deg' ? Math.PI / 180 : 1;
   const [r = 0, p = 0, y = 0] = rpy.map((one) => one * factor);

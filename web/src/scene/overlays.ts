@@ -169,7 +169,7 @@ export function drawObstacles(group: Group, obstacles: readonly Obstacle[], exte
       const length = vector(obstacle.normal).length() || 1;
       const mesh = new Mesh(new PlaneGeometry(2 * extent, 2 * extent), material);
       mesh.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), normal));
-      mesh.position.copy(normal).multiplyScalar(obstacle.offset / length);
+      mesh.position.copy(normal).multiplyScalar((obstacle.offset ?? 0) / length);
       group.add(mesh);
     }
   }

@@ -56,7 +56,7 @@ export function pathForm({ store, history }: Page): PathFormView {
     t.timeLaw,
     LAWS.map((one) => [one, t.timeLaws[one]]),
     'cubic',
-    (value) => put({ timeLaw: value }),
+    (value) => put({ timeLaw: value as PathForm['timeLaw'] }),
   );
   const pointLabel = h('span');
   const point = ['x', 'y', 'z'].map((axis, k) =>
