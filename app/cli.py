@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from app.access.keys import InvalidKeys, Scope, new_key
 from app.access.rates import InvalidRate
+from app.environment import faults_of, is_service_address
 from app.http.query import number
 from app.http.text import render_text
 from app.http.units import Units
@@ -45,6 +46,10 @@ def serve(
     """Serves the API. Every option is a setting too: DENAVIT_HOST, DENAVIT_PORT, …."""
     given = {"host": host, "port": port, "workers": workers, "data_dir": data_dir}
     given["log_level"] = log_level
+    for name in [name for name, value in os.environ.items() if is_service_address(name, value)]:
+        del os.environ[name]
+    if faults := faults_of(os.environ):
+        raise click.ClickException("\n".join(faults))
     for name, value in given.items():
         if value is not None:
             os.environ[f"DENAVIT_{name.upper()}"] = str(value)

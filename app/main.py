@@ -90,7 +90,7 @@ def create_app(
     handlers.install(app)
     app.add_middleware(RequestLine)
     admission.install(app)
-    protect(app, chosen)
+    app.state.keys = protect(app, chosen)
     app.add_middleware(
         Observed, counted, access_log=chosen.access_log, log_clients=chosen.log_clients
     )

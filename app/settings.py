@@ -79,6 +79,12 @@ class Settings(BaseSettings):
     rate_limit: str = Field(
         default="", description="Requests of one key or address, such as 10/second;600/minute."
     )
+    allowed_hosts: str = Field(
+        default="",
+        description="Names by which the service may be called, such as robots.example.org"
+        " *.lab.example.org; * for all. Default: localhost, 127.0.0.1 and [::1] where it listens"
+        " there only, else all.",
+    )
     trusted_proxies: str = Field(
         default="",
         description="Addresses of reverse proxies whose X-Forwarded-For is believed.",

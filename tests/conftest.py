@@ -76,7 +76,12 @@ def running_server(
     command = [*program, "serve", "--port", str(port), "--log-level", "warning"]
     process = subprocess.Popen(
         [*command, "--data-dir", str(data_dir), *arguments],
-        env={"DENAVIT_PRELOAD": "false", **os.environ, "PYTHONWARNINGS": "default"},
+        env={
+            "DENAVIT_PRELOAD": "false",
+            "DENAVIT_ALLOWED_HOSTS": "*",
+            **os.environ,
+            "PYTHONWARNINGS": "default",
+        },
         start_new_session=True,
         stderr=stderr,
     )

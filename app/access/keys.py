@@ -8,14 +8,19 @@ from __future__ import annotations
 
 import hashlib
 import hmac
+import logging
 import re
 import secrets
+import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
+LOG = logging.getLogger("denavit.access")
 PREFIX = "dnv_"
+LOOK_SECONDS = 1.0
+"""How often it is looked whether the file of the keys has changed."""
 _LINE = re.compile(r"([A-Za-z0-9._-]{1,64}):(read|write):([0-9a-f]{64})")
 
 
@@ -64,7 +69,7 @@ def new_key(name: str, scope: Scope) -> tuple[str, Key]:
 
 
 class KeyRing:
-    """The keys that are accepted.
+    """The keys that are accepted at a moment.
 
     Args:
         keys: Each with a name of its own.
@@ -73,8 +78,8 @@ class KeyRing:
     def __init__(self, keys: Iterable[Key]) -> None:
         self._keys = tuple(keys)
 
-    def __bool__(self) -> bool:
-        return bool(self._keys)
+    def __len__(self) -> int:
+        return len(self._keys)
 
     def find(self, secret: bytes) -> Key | None:
         """The key that a request shows, if it is known; the time taken does not tell which."""
@@ -86,12 +91,66 @@ class KeyRing:
         return found
 
 
-def read_keys(text: str, file: Path | None = None) -> KeyRing:
-    """The keys of hash lines.
+class KeySource:
+    """The keys of a deployment, read again when their file has changed.
+
+    So a key can be revoked while the service runs. A file that cannot be read leaves the keys as
+    they are, and a log line says so.
+
+    Args:
+        text: As of :func:`read_keys`.
+        file: As of :func:`read_keys`.
+
+    Attributes:
+        required: Whether a key is needed; what the file holds later changes nothing about that.
+
+    Raises:
+        InvalidKeys: The keys cannot be read.
+    """
+
+    def __init__(self, text: str, file: Path | None = None) -> None:
+        self._text = text
+        self._file = file
+        self._state = self._state_of_file()
+        self._ring = read_keys(text, file)
+        self._looked = time.monotonic()
+        self.required = bool(self._ring)
+
+    def find(self, secret: bytes) -> Key | None:
+        """Return the key that a request shows, if it is known now."""
+        if self._file is not None and time.monotonic() - self._looked > LOOK_SECONDS:
+            self._looked = time.monotonic()
+            state = self._state_of_file()
+            if state != self._state:
+                self._state = state
+                self.read_again()
+        return self._ring.find(secret)
+
+    def read_again(self) -> None:
+        """Read the keys, whether or not the file looks changed."""
+        try:
+            self._ring = read_keys(self._text, self._file, may_be_empty=True)
+        except InvalidKeys as error:
+            LOG.error("keys stay as they were: %s", error)
+        else:
+            LOG.info("keys read again: %d are accepted", len(self._ring))
+
+    def _state_of_file(self) -> tuple[int, int, int] | None:
+        """Return what changes with the content of the file; None where it is not there."""
+        try:
+            found = self._file.stat() if self._file is not None else None
+        except OSError:
+            return None
+        return found and (found.st_ino, found.st_size, found.st_mtime_ns)
+
+
+def read_keys(text: str, file: Path | None = None, *, may_be_empty: bool = False) -> KeyRing:
+    """Return the keys of hash lines.
 
     Args:
         text: Lines, or entries between commas or blanks.
         file: A file of more lines; what follows ``#`` is a comment.
+        may_be_empty: Whether a file without a key is accepted.
 
     Raises:
         InvalidKeys: A line is none, a name is used twice, or the file cannot be read.
@@ -107,7 +166,7 @@ def read_keys(text: str, file: Path | None = None) -> KeyRing:
             item = line.partition("#")[0].strip()
             if item:
                 entries.append((f"line {number} of DENAVIT_API_KEYS_FILE", item))
-        if not entries:
+        if not entries and not may_be_empty:
             raise InvalidKeys("DENAVIT_API_KEYS_FILE holds no key; make one with denavit key")
     keys: dict[str, Key] = {}
     for place, item in entries:

@@ -10,7 +10,9 @@ from starlette.middleware.cors import CORSMiddleware
 
 from app.access.control import AccessControl
 from app.access.headers import SafeHeaders
-from app.access.keys import KeyRing, read_keys
+from app.access.hosts import AllowedHosts, allowed_hosts
+from app.access.keys import KeySource
+from app.access.origins import CrossOrigin
 from app.access.rates import RateLimits
 from app.admission.buffers import BodyBudget
 from app.middleware.request_id import RequestId
@@ -40,40 +42,47 @@ SENDABLE = (
 METHODS = ("GET", "HEAD", "POST", "PUT", "DELETE")
 
 
-def key_ring(settings: Settings) -> KeyRing:
-    """The keys that a deployment accepts.
+def key_source(settings: Settings) -> KeySource:
+    """Return the keys that a deployment accepts.
 
     Raises:
         InvalidKeys: They cannot be read.
     """
-    return read_keys(settings.api_keys.get_secret_value(), settings.api_keys_file)
+    return KeySource(settings.api_keys.get_secret_value(), settings.api_keys_file)
 
 
 def check_access(settings: Settings) -> None:
-    """Reads keys and rate limit as :func:`protect` will, so that a start fails early.
+    """Read keys, host names and rate limit as :func:`protect` will, so that a start fails early.
 
     Raises:
+        InvalidHosts: A host name cannot be read.
         InvalidKeys: Keys cannot be read.
         InvalidRate: The rate limit cannot be read.
     """
-    key_ring(settings)
+    key_source(settings)
+    allowed_hosts(settings)
     if settings.rate_limit.strip():
         RateLimits(settings.rate_limit)
 
 
-def protect(app: FastAPI, settings: Settings) -> None:
-    """Adds middleware; the last added is the outermost.
+def protect(app: FastAPI, settings: Settings) -> KeySource:
+    """Add middleware; the last added is the outermost.
+
+    Returns:
+        The keys that it accepts.
 
     Raises:
+        InvalidHosts: A host name cannot be read.
         InvalidKeys: Keys cannot be read.
         InvalidRate: The rate limit cannot be read.
     """
-    keys = key_ring(settings)
+    keys = key_source(settings)
     rates = RateLimits(settings.rate_limit) if settings.rate_limit.strip() else None
     app.add_middleware(BodyBudget)
-    if keys or rates is not None:
+    if keys.required or rates is not None:
         app.add_middleware(AccessControl, keys=keys, rates=rates)
     origins = [one for one in re.split(r"[,\s]+", settings.cors_origins) if one]
+    app.add_middleware(CrossOrigin, origins=origins)
     if origins:
         app.add_middleware(
             CORSMiddleware,
@@ -82,8 +91,10 @@ def protect(app: FastAPI, settings: Settings) -> None:
             allow_headers=SENDABLE,
             expose_headers=READABLE,
         )
+    app.add_middleware(AllowedHosts, names=allowed_hosts(settings))
     app.add_middleware(RequestId)
-    app.add_middleware(SafeHeaders, private=bool(keys))
+    app.add_middleware(SafeHeaders, private=keys.required)
+    return keys
 
 
 def describe(document: dict[str, Any], settings: Settings) -> None:
@@ -92,7 +103,7 @@ def describe(document: dict[str, Any], settings: Settings) -> None:
     for item in paths.values():
         for operation in item.values():
             operation.setdefault("responses", {}).setdefault("503", PROBLEMS["4XX"])
-    if not key_ring(settings):
+    if not key_source(settings).required:
         return
     schemes = document.setdefault("components", {}).setdefault("securitySchemes", {})
     schemes["bearer"] = {"type": "http", "scheme": "bearer"}

@@ -75,7 +75,11 @@ STOPPING = ProblemType("stopping", 503, "The service is stopping")
 
 BUSY = ProblemType("busy", 503, "The service has no room for this now")
 UNAUTHORISED = ProblemType("unauthorised", 401, "This needs a key")
+TWO_KEYS = ProblemType("two-keys", 400, "The request shows two different keys")
 FORBIDDEN = ProblemType("forbidden", 403, "The key does not allow this")
+CROSS_ORIGIN = ProblemType("cross-origin", 403, "A page of another origin may not change robots")
+MALFORMED_HOST = ProblemType("malformed-host", 400, "The request does not say whom it calls")
+MISDIRECTED = ProblemType("misdirected", 421, "The service does not go by this name")
 TOO_MANY = ProblemType("too-many-requests", 429, "Too many requests")
 NOT_FOUND = ProblemType("not-found", 404, "There is nothing here")
 METHOD_NOT_ALLOWED = ProblemType("method-not-allowed", 405, "The method is not possible here")
@@ -92,7 +96,11 @@ GENERIC_TYPES = (
     INTERNAL,
     STOPPING,
     UNAUTHORISED,
+    TWO_KEYS,
     FORBIDDEN,
+    CROSS_ORIGIN,
+    MALFORMED_HOST,
+    MISDIRECTED,
     TOO_MANY,
     BUSY,
 )

@@ -16,8 +16,10 @@ from typing import Any
 
 import uvicorn
 
+from app.access.keys import KeySource
 from app.main import create_app
 from app.readiness import Readiness
+from app.serving.worker import HANGUP
 from app.settings import Settings
 
 LOG = logging.getLogger("denavit.serving")
@@ -42,23 +44,31 @@ def server_options(settings: Settings) -> dict[str, Any]:
 
 
 class Server(uvicorn.Server):
-    """A server that stops in steps.
+    """A server that stops in steps, and reads its keys again on SIGHUP.
 
     The first signal: it says that it is unready, for ``drain`` seconds still accepts, then refuses
     connections and lets requests in flight end. The second: it goes at once. The process ends with
     status 0 in both cases, not by the signal.
     """
 
-    def __init__(self, config: uvicorn.Config, readiness: Readiness, drain: float) -> None:
+    def __init__(
+        self, config: uvicorn.Config, readiness: Readiness, drain: float, keys: KeySource
+    ) -> None:
         super().__init__(config)
         self._readiness = readiness
         self._drain = drain
+        self._keys = keys
+        self._signal: signal.Signals | None = None
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
         """Takes the signals for the time of serving; none is raised again afterwards."""
         stopping = (signal.SIGTERM, signal.SIGINT, signal.SIGQUIT)
-        before = {number: signal.signal(number, self.handle_exit) for number in stopping}
+        before: dict[signal.Signals, Any] = {
+            number: signal.signal(number, self.handle_exit) for number in stopping
+        }
+        if HANGUP is not None:
+            before[HANGUP] = signal.signal(HANGUP, lambda *_: self._keys.read_again())
         try:
             yield
         finally:
@@ -76,6 +86,7 @@ class Server(uvicorn.Server):
         if not self.started:
             logging.shutdown()
             os._exit(0)
+        self._signal = signal.Signals(sig)
         if self.should_exit or sig == signal.SIGQUIT:
             self.force_exit = True
         self.should_exit = True
@@ -83,6 +94,8 @@ class Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Stops serving."""
+        if self._signal is not None:
+            LOG.info("%s: stopping; a second signal stops at once", self._signal.name)
         left = self._drain
         while left > 0 and not self.force_exit:
             await asyncio.sleep(0.1)
@@ -91,6 +104,7 @@ class Server(uvicorn.Server):
         if self.force_exit:  # uvicorn leaves this out
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(self.lifespan.shutdown(), 1.0)
+        LOG.info("stopped")
 
 
 def run_server(settings: Settings, sockets: list[socket.socket], server_class: type[Server]) -> int:
@@ -101,7 +115,7 @@ def run_server(settings: Settings, sockets: list[socket.socket], server_class: t
     """
     app = create_app(settings)
     config = uvicorn.Config(app, **server_options(settings))
-    server = server_class(config, app.state.readiness, settings.drain_seconds)
+    server = server_class(config, app.state.readiness, settings.drain_seconds, app.state.keys)
     with contextlib.suppress(SystemExit):  # raised where the application does not start
         server.run(sockets)
     return 0 if server.started else FAILED_TO_START

@@ -7,9 +7,11 @@ import sys
 
 import click
 
+from app.access.hosts import named_by_address
 from app.readiness import written_to
 from app.serving.address import CannotListen, bound_sockets, port_of
 from app.serving.connections import raise_file_limit
+from app.serving.worker import HANGUP
 from app.settings import Settings
 from app.telemetry.logs import LOG, log_form, log_to_stderr
 from app.telemetry.tracing import TracingUnavailable, require_exporters
@@ -30,8 +32,11 @@ def serve(settings: Settings) -> int:
         Exit status: 0 after a signal, 1 where the service cannot start; a log line says why.
     """
     log_to_stderr(settings)
+    settings = named_by_address(settings)
     # Until the server takes over, a signal ends the process at once, and with 0.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    if HANGUP is not None:
+        signal.signal(HANGUP, signal.SIG_IGN)
     raise_file_limit()
     try:
         require_exporters()

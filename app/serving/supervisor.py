@@ -16,14 +16,16 @@ from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from types import FrameType
 
-from app.serving.worker import BEAT_SECONDS, SERVING, WorkerTask, work
+from app.serving.worker import BEAT_SECONDS, HANGUP, SERVING, WorkerTask, work
 from app.settings import Settings
 from app.telemetry.metrics import forget_worker
-from app.telemetry.processes import cpu_seconds, pid_file
+from app.telemetry.processes import cpu_seconds, is_stopped, pid_file
 
 LOG = logging.getLogger("denavit.serving")
-STARTS = 3
-"""After so many starts in a row that fail, with no worker serving, the service gives up."""
+HOPELESS_SECONDS = 60.0
+"""After so long in which no worker serves and starts fail, the service gives up."""
+STOPPED_SECONDS = 7.0
+"""A worker that a signal has stopped for so long is replaced: requests wait for it."""
 BUSY_SECONDS = 8.0
 """A worker that has worked for so long and said nothing is stuck, and is replaced. What counts is
 its processor time: on a machine that has none to give, silence means nothing."""
@@ -43,13 +45,20 @@ class _Worker:
     heard: float
     cpu: float = 0.0
     serving: bool = False
+    stopped: float | None = None
 
     @property
     def stuck(self) -> bool:
         """Whether it is alive only in name."""
-        silent = time.monotonic() - self.heard
+        now = time.monotonic()
+        silent = now - self.heard
         if silent < 2 * BEAT_SECONDS:
+            self.stopped = None
             return False
+        if is_stopped(self.process.pid):
+            self.stopped = self.stopped or now
+            return now - self.stopped > STOPPED_SECONDS - 2 * BEAT_SECONDS
+        self.stopped = None
         if silent > (SILENT_SECONDS if self.serving else STARTING_SECONDS):
             return True
         return self.serving and cpu_seconds(self.process.pid) - self.cpu > BUSY_SECONDS
@@ -59,7 +68,7 @@ class Supervisor:
     """The parent of the workers.
 
     A worker that dies is replaced at once; one that dies before it serves, after a pause that
-    doubles. Where nothing serves and starts keep failing, the service ends with status 1.
+    doubles. Where nothing serves for a minute and starts fail, the service ends with status 1.
     """
 
     def __init__(self, settings: Settings, sockets: list[socket.socket]) -> None:
@@ -68,7 +77,8 @@ class Supervisor:
         self._workers: dict[int, _Worker] = {}
         self._due: dict[int, float] = {}
         self._failed_starts = 0
-        self._signals = 0
+        self._served = time.monotonic()
+        self._signals: list[signal.Signals] = []
         self._context = multiprocessing.get_context("spawn")
 
     def run(self) -> int:
@@ -79,6 +89,8 @@ class Supervisor:
         """
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._signalled)
+        if HANGUP is not None:
+            signal.signal(HANGUP, lambda number, _: self._send(signal.Signals(number)))
         with tempfile.TemporaryDirectory(prefix="denavit-metrics-") as name:
             directory = Path(name)
             self._due = dict.fromkeys(range(self._settings.workers), 0.0)
@@ -87,10 +99,11 @@ class Supervisor:
                     self._start_due(directory)
                     self._listen(0.5)
                     self._bury(directory)
-                    if self._failed_starts >= STARTS and not self._serving():
+                    if self._is_hopeless():
                         LOG.critical(
-                            "%d starts in a row have failed and no worker serves: giving up;"
+                            "no worker has served for %.0f s, %d starts have failed: giving up;"
                             " the lines above say why",
+                            HOPELESS_SECONDS,
                             self._failed_starts,
                         )
                         return 1
@@ -99,10 +112,14 @@ class Supervisor:
         return 0
 
     def _signalled(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002
-        self._signals += 1
+        self._signals.append(signal.Signals(number))
 
-    def _serving(self) -> bool:
-        return any(worker.serving for worker in self._workers.values())
+    def _is_hopeless(self) -> bool:
+        """Return whether workers cannot be brought up; one that still starts may be."""
+        now = time.monotonic()
+        if any(worker.serving for worker in self._workers.values()):
+            self._served, self._failed_starts = now, 0
+        return not self._workers and now - self._served > HOPELESS_SECONDS
 
     def _start_due(self, directory: Path) -> None:
         now = time.monotonic()
@@ -141,7 +158,6 @@ class Supervisor:
         worker.heard, worker.cpu = time.monotonic(), cpu_seconds(worker.process.pid)
         if said == SERVING and not worker.serving:
             worker.serving = True
-            self._failed_starts = 0
 
     def _bury(self, directory: Path) -> None:
         """Puts down the stuck, and lets each of the dead be replaced."""
@@ -149,7 +165,8 @@ class Supervisor:
             process = worker.process
             if process.is_alive() and worker.stuck:
                 silent = time.monotonic() - worker.heard
-                LOG.error("worker %d is stuck, silent for %.0f s: killed", worker.slot, silent)
+                state = "stopped by a signal" if worker.stopped else "stuck"
+                LOG.error("worker %d is %s, silent for %.0f s: killed", worker.slot, state, silent)
                 process.kill()
                 process.join()
             if process.is_alive():
@@ -161,7 +178,7 @@ class Supervisor:
             LOG.error("worker %d died: %s", worker.slot, _cause(process.exitcode))
             pause = 0.0
             if not worker.serving:
-                pause = min(0.5 * 2**self._failed_starts, LONGEST_PAUSE)
+                pause = min(0.5 * 2 ** min(self._failed_starts, 10), LONGEST_PAUSE)
                 self._failed_starts += 1
             self._due[worker.slot] = time.monotonic() + pause
 
@@ -172,8 +189,9 @@ class Supervisor:
             one.close()
         if not self._workers:
             return
-        LOG.info("stopping; a second signal stops at once")
-        signals = self._signals
+        names = f"{self._signals[0].name}: " if self._signals else ""
+        LOG.info("%sstopping; a second signal stops at once", names)
+        signals = len(self._signals)
         self._send(signal.SIGTERM)
         patience = self._settings.drain_seconds + self._settings.shutdown_seconds + MARGIN_SECONDS
         if not self._ended_within(patience, signals):
@@ -185,6 +203,7 @@ class Supervisor:
                 worker.process.kill()
             worker.process.join()
             worker.connection.close()
+        LOG.info("stopped")
 
     def _send(self, number: signal.Signals) -> None:
         for worker in self._workers.values():
@@ -195,7 +214,9 @@ class Supervisor:
         """Whether all workers end in time, and before there are more signals than given."""
         deadline = time.monotonic() + seconds
         while any(worker.process.is_alive() for worker in self._workers.values()):
-            if time.monotonic() > deadline or (signals is not None and self._signals > signals):
+            if time.monotonic() > deadline or (
+                signals is not None and len(self._signals) > signals
+            ):
                 return False
             time.sleep(0.05)
         return True

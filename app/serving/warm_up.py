@@ -10,7 +10,7 @@ import msgspec
 from anyio.to_thread import run_sync
 from fastapi import FastAPI
 
-from app.access.control import CALLER, ITSELF
+from app.access.refusal import CALLER, ITSELF
 from app.dependencies import Services
 from app.http.negotiation import JSON
 from app.operations import Operation

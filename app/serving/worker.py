@@ -18,6 +18,8 @@ from app.telemetry.metrics import share_values
 
 BEAT_SECONDS = 1.0
 STARTING, SERVING = b"starting", b"serving"
+HANGUP: signal.Signals | None = getattr(signal, "SIGHUP", None)
+"""Asks a service to read its keys again; Windows has no such signal."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,8 @@ def work(task: WorkerTask, connection: Connection) -> None:
     """Serves until the supervisor, or its end, says otherwise."""
     # A Ctrl-C reaches every process of the terminal: what it means is the supervisor's decision.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if HANGUP is not None:
+        signal.signal(HANGUP, signal.SIG_IGN)
     log_to_stderr(task.settings)
     share_values(task.directory, task.slot)
     state = _State()

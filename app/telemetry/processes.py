@@ -54,11 +54,27 @@ def cpu_seconds(pid: int | None) -> float:
     return 0.0 if found is None else found.cpu_seconds
 
 
-def _usage_of(pid: int) -> Usage | None:
+def is_stopped(pid: int | None) -> bool:
+    """Return whether a process was stopped by a signal, such as SIGSTOP, and does not run."""
+    fields = None if pid is None else _stat_of(pid)
+    return fields is not None and fields[0] == "T"
+
+
+def _stat_of(pid: int) -> list[str] | None:
+    """Return the fields of /proc/PID/stat from the third on, which is the state."""
     try:
-        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split() or None
+    except OSError:
+        return None
+
+
+def _usage_of(pid: int) -> Usage | None:
+    fields = _stat_of(pid)
+    try:
         boot = Path("/proc/stat").read_text().partition("btime ")[2].split(maxsplit=1)[0]
     except (OSError, IndexError):
+        return None
+    if fields is None:
         return None
     # Fields 14, 15, 22 and 24 of proc(5), counted from the state, which is field 3.
     user, system, start, pages = (int(fields[number - 3]) for number in (14, 15, 22, 24))

@@ -1,15 +1,18 @@
 """Keys, on real servers."""
 
+import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import httpx
 import pytest
 
-from app.access.keys import InvalidKeys, Scope, new_key, read_keys
+from app.access.keys import InvalidKeys, KeySource, Scope, new_key, read_keys
 from tests.app.access.requests import FK, TABLE, bearer
-from tests.conftest import PATIENCE
+from tests.conftest import PATIENCE, until
 
 SCRIPTS = Path(sys.executable).parent
 
@@ -109,3 +112,61 @@ def test_hash_lines_are_strict():
             read_keys(text)
     with pytest.raises(InvalidKeys):
         new_key("a:b", Scope.READ)
+
+
+def test_a_key_is_revoked_while_the_service_runs(serve, tmp_path):
+    ada, ada_key = new_key("ada", Scope.READ)
+    bob, bob_key = new_key("bob", Scope.READ)
+    file = tmp_path / "keys"
+    file.write_text(f"{ada_key.line}\n{bob_key.line}\n")
+
+    def status(server, secret):
+        answer = httpx.get(f"{server.address}{FK}", headers=bearer(secret), timeout=PATIENCE)
+        return answer.status_code
+
+    with serve("--workers", "2", api_keys_file=file) as server:
+        assert [status(server, one) for one in (ada, bob)] == [200, 200]
+        file.write_text(f"{bob_key.line}\n")
+        until(lambda: {status(server, ada) for _ in range(8)} == {401})
+        assert status(server, bob) == 200
+        file.write_text("what is no key\n")  # keeps what was known
+        time.sleep(3)
+        assert {status(server, bob) for _ in range(8)} == {200}
+        file.write_text("")  # nobody is let in, instead of everybody
+        until(lambda: {status(server, bob) for _ in range(8)} == {401})
+
+
+def test_keys_are_read_again_on_a_hangup(tmp_path):
+    _, key = new_key("ada", Scope.READ)
+    file = tmp_path / "keys"
+    file.write_text(f"{key.line}\n")
+    source = KeySource("", file)
+    secret, other = new_key("bob", Scope.READ)
+    file.write_text(f"{other.line}\n")
+    source.read_again()
+    assert source.find(secret.encode()) == other
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_a_hangup_leaves_the_service_running(serve, tmp_path, workers):
+    secret, key = new_key("ada", Scope.READ)
+    file = tmp_path / "keys"
+    file.write_text(f"{key.line}\n")
+    with serve("--workers", workers, api_keys_file=file) as server:
+        os.kill(server.pid, signal.SIGHUP)
+        time.sleep(1)
+        answer = httpx.get(f"{server.address}{FK}", headers=bearer(secret), timeout=PATIENCE)
+        assert answer.status_code == 200
+        assert server.process.poll() is None
+
+
+def test_two_different_keys_in_one_request_are_refused(serve):
+    secret, key = new_key("ada", Scope.READ)
+    with serve(api_keys=key.line) as server:
+        for headers, status in (
+            ({"Authorization": f"Bearer {secret}", "X-API-Key": "dnv_other"}, 400),
+            ({"Authorization": "Bearer dnv_other", "X-API-Key": secret}, 400),
+            ({"Authorization": f"Bearer {secret}", "X-API-Key": secret}, 200),
+        ):
+            answer = httpx.get(f"{server.address}{FK}", headers=headers, timeout=PATIENCE)
+            assert answer.status_code == status
