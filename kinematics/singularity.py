@@ -7,11 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.bounds import Bounds
 from kinematics.jacobian import task_jacobian
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
 RANK_TOLERANCE = 1e-10
+TOLERANCE = Bounds(0.0, 1.0, upper_included=False)
+"""Relative tolerance of a rank."""
 SMALLEST = 1e-100
 """Singular values below count as zero at any tolerance, so that inverses stay finite."""
 
@@ -66,6 +69,7 @@ def singularity_report(
         The report.
 
     Raises:
+        InvalidOption: The tolerance is not in 0 … 1, or 1.
         UnknownFrame: The robot has no such frame.
         WrongConfiguration: q has a wrong shape or is not finite.
     """
@@ -76,6 +80,7 @@ def report_on(
     J: FloatArray, robot: Robot, task: Task, tolerance: float = RANK_TOLERANCE
 ) -> SingularityReport:
     """Return the report on a task Jacobian, shape (rows, dof); see :func:`singularity_report`."""
+    check_tolerance(tolerance)
     U, sigma, Vt = np.linalg.svd(J)
     rank = int(rank_of(sigma, tolerance))
     singular = rank < len(sigma)
@@ -91,6 +96,18 @@ def report_on(
         tolerance=tolerance,
         warnings=unit_warnings(robot, task),
     )
+
+
+def check_tolerance(tolerance: float) -> None:
+    """Refuse a tolerance of a rank that is out of range.
+
+    Raises:
+        InvalidOption: It is not in 0 … 1, or 1.
+    """
+    if tolerance not in TOLERANCE:
+        raise TOLERANCE.refusal(
+            f"tolerance is {tolerance:g}; give 0 up to below 1", tolerance, "tolerance"
+        )
 
 
 def rank_of(sigma: FloatArray, tolerance: float = RANK_TOLERANCE) -> NDArray[np.intp]:

@@ -11,15 +11,13 @@ from kinematics.bounds import Bounds
 from kinematics.configuration import configuration
 from kinematics.deadline import checked, svd
 from kinematics.jacobian import ReferenceFrame, jacobian, task_jacobian
-from kinematics.singularity import RANK_TOLERANCE, rank_of, signed
+from kinematics.singularity import RANK_TOLERANCE, check_tolerance, rank_of, signed
 from kinematics.spatial_vectors import check_same_length, spatial_vector
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
 DAMPING = Bounds(1e-12, 1e6)
 """Bounds of λ, in the units of the Jacobian; 0, the pseudo-inverse, is accepted as well."""
-TOLERANCE = Bounds(0.0, 1.0, upper_included=False)
-"""Bounds of the relative tolerance of the rank."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +148,4 @@ def check_options(damping: float, tolerance: float) -> None:
         raise DAMPING.refusal(
             f"damping is {damping:g}; give 0, or 1e-12 up to 1e6, such as 0.01", damping, "damping"
         )
-    if tolerance not in TOLERANCE:
-        raise TOLERANCE.refusal(
-            f"tolerance is {tolerance:g}; give 0 up to below 1", tolerance, "tolerance"
-        )
+    check_tolerance(tolerance)

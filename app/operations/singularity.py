@@ -34,7 +34,6 @@ from kinematics.configuration import joint_names
 from kinematics.deadline import checked
 from kinematics.dexterity import characteristic_length, dexterity
 from kinematics.ellipsoids import Ellipsoid, ellipsoids
-from kinematics.errors import InvalidOption
 from kinematics.explanation import lost_direction_in_words, null_motion_in_words
 from kinematics.jacobian import jacobian, task_jacobian
 from kinematics.named_singularities import Factorization, factorization
@@ -158,10 +157,6 @@ _MAX_WORDS = 8
 
 def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
     task = request.task
-    if not 0 <= request.tolerance < 1:
-        raise InvalidOption(
-            f"tolerance is {request.tolerance:g}; give 0 up to below 1", argument="tolerance"
-        )
     frame = request.frame
     q = request.q
     check_size(q, 6 * robot.dof + robot.dof**2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 
@@ -33,6 +34,8 @@ def serve(settings: Settings) -> int:
     """
     log_to_stderr(settings)
     settings = named_by_address(settings)
+    # Workers and what else is started import nothing from the current directory.
+    os.environ["PYTHONSAFEPATH"] = "1"
     # Until the server takes over, a signal ends the process at once, and with 0.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     if HANGUP is not None:

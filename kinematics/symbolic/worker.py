@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 GIGABYTE = 1 << 30
 MEMORY = 2 * GIGABYTE
-TASKS = 100
-"""Number of tasks after which the process is replaced, as libraries accumulate memory."""
 
 
 def main() -> None:
@@ -37,7 +35,7 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     from kinematics.symbolic.writing import Writing  # noqa: F401  before the first task
 
-    for _ in range(TASKS):
+    while True:
         length = sys.stdin.buffer.read(HEADER)
         if len(length) < HEADER or not _done(sys.stdin.buffer.read(int.from_bytes(length))):
             return

@@ -11,12 +11,13 @@ import pickle
 import select
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections import OrderedDict
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from dh_to_urdf.table import DHTable
 from kinematics.deadline import checkpoint, current
@@ -33,6 +34,16 @@ WAITING = 4
 """Largest number of waiting computations; more are refused at once."""
 CACHE_CHARACTERS = 32_000_000
 """Largest size of the cached answers, characters."""
+TASKS = 100
+"""Number of tasks after which a worker is replaced, as libraries accumulate memory."""
+ATTEMPTS = 2
+"""Number of workers that a task is given to, if they die."""
+MAX_ERRORS = 2000
+"""Most bytes of a worker's standard error that are logged."""
+START = (
+    "import sys; sys.path.append(sys.argv[1]); from kinematics.symbolic.worker import main; main()"
+)
+"""The program of a worker; its argument is where the packages are if they are not installed."""
 _LOG = logging.getLogger(__name__)
 _READ = 1 << 20
 
@@ -69,15 +80,14 @@ class SymbolicWorkers:
         self._places = threading.BoundedSemaphore(workers + WAITING)
         self._answers: OrderedDict[bytes, tuple[str, float]] = OrderedDict()
         self._lock = threading.Lock()
-        self._idle: list[subprocess.Popen[bytes]] = []
+        self._idle: list[_Worker] = []
 
     def close(self) -> None:
         """End the idle processes."""
         with self._lock:
             idle, self._idle = self._idle, []
-        for process in idle:
-            with process:
-                process.kill()
+        for worker in idle:
+            worker.end()
 
     def run(self, table: DHTable, request: SymbolicRequest) -> dict[str, Any]:
         """Return the answer to a request; see :meth:`kinematics.symbolic.writing.Writing.answer`.
@@ -121,37 +131,45 @@ class SymbolicWorkers:
         return line
 
     def _work(self, table: DHTable, request: SymbolicRequest) -> str:
-        """Return the last answer of a worker: complete, or up to when it was stopped."""
-        process = self._process()
+        """Return the last answer of a worker: complete, or up to when it was stopped.
+
+        A task whose worker died before it had an answer is given to one other worker.
+        """
+        task = pickle.dumps((table, request))
+        deadline = time.monotonic() + min(request.time_budget + GRACE_SECONDS, current().left)
+        for _ in range(ATTEMPTS):
+            lines = self._tried(task, deadline)
+            if lines:
+                return lines[-1]
+            checkpoint()
+            if time.monotonic() > deadline:
+                break
+        raise WorkersBusy("the symbolic worker was stopped before it had an answer; ask again", 1.0)
+
+    def _tried(self, task: bytes, deadline: float) -> list[str]:
+        """Return the answers of a worker, which is kept for the next task if it is done."""
+        worker = self._worker()
         finished = False
         try:
-            task = pickle.dumps((table, request))
-            lines, finished = _lines(process, task, request.time_budget)
+            lines, finished = worker.lines(task, deadline)
         finally:
-            if finished:
+            if finished and worker.tasks < TASKS:
                 with self._lock:
-                    self._idle.append(process)
+                    self._idle.append(worker)
             else:
-                with process:
-                    process.kill()
-        if not lines:
-            checkpoint()
-            raise WorkersBusy(
-                "the symbolic worker was stopped before it had an answer; ask again", 1.0
-            )
-        return lines[-1]
+                worker.end()
+        return lines
 
-    def _process(self) -> subprocess.Popen[bytes]:
-        """Return an idle process, or a new one."""
+    def _worker(self) -> _Worker:
+        """Return an idle worker, or a new one."""
         while True:
             with self._lock:
                 if not self._idle:
-                    return _started()
-                process = self._idle.pop()
-            if process.poll() is None:
-                return process
-            with process:
-                pass
+                    return _Worker()
+                worker = self._idle.pop()
+            if worker.is_alive():
+                return worker
+            worker.end()
 
     def _known(self, key: bytes, budget: float) -> str | None:
         with self._lock:
@@ -186,25 +204,62 @@ def _geometry(row: Any) -> tuple[Any, ...]:
     return tuple(getattr(row, column) for column in columns)
 
 
-def _started() -> subprocess.Popen[bytes]:
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join((str(ROOT), os.environ.get("PYTHONPATH", ""))).rstrip(":"),
-        "OPENBLAS_NUM_THREADS": "1",
-    }
-    command = [sys.executable, "-m", "kinematics.symbolic.worker"]
-    pipe = subprocess.PIPE
+class _Worker:
+    """A worker process.
+
+    It imports nothing from the directory in which the service was started: it runs in safe-path
+    mode, without PYTHONPATH, from the root directory.
+
+    Attributes:
+        tasks: Number of tasks that it has been given.
+    """
+
+    def __init__(self) -> None:
+        self.tasks = 0
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115  closed by end()
+        self._process = _started(self._errors)
+
+    def is_alive(self) -> bool:
+        """Return whether the process runs."""
+        return self._process.poll() is None
+
+    def end(self) -> None:
+        """End the process, and log what it has written to standard error."""
+        with self._process:
+            status = self._process.poll()
+            self._process.kill()
+        with self._errors:
+            self._errors.seek(max(self._errors.seek(0, os.SEEK_END) - MAX_ERRORS, 0))
+            errors = self._errors.read().decode("utf-8", "replace").strip()
+        if status is not None or errors:
+            _LOG.error("symbolic worker ended with status %s: %s", status, errors or "no message")
+
+    def lines(self, task: bytes, deadline: float) -> tuple[list[str], bool]:
+        """Give it a task; return its complete lines before a deadline, and whether it is done."""
+        self.tasks += 1
+        return _lines(self._process, task, deadline)
+
+
+def _started(errors: IO[bytes] | int = subprocess.DEVNULL) -> subprocess.Popen[bytes]:
+    """Start a worker process, which writes errors to a file."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     return subprocess.Popen(
-        command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, env=environment
+        [sys.executable, "-P", "-c", START, str(ROOT)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=errors,
+        cwd="/",
+        env={**environment, "OPENBLAS_NUM_THREADS": "1"},
     )
 
 
-def _lines(process: subprocess.Popen[bytes], task: bytes, budget: float) -> tuple[list[str], bool]:
+def _lines(
+    process: subprocess.Popen[bytes], task: bytes, deadline: float
+) -> tuple[list[str], bool]:
     """Return the complete lines before the deadline, and whether the task is finished."""
     assert process.stdin is not None
     assert process.stdout is not None
     wanted = current()
-    deadline = time.monotonic() + min(budget + GRACE_SECONDS, wanted.left)
     found = b""
     try:
         process.stdin.write(len(task).to_bytes(HEADER) + task)

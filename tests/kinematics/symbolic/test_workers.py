@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections import OrderedDict
 from contextlib import closing
 
 import numpy as np
@@ -77,18 +78,19 @@ def test_a_worker_that_is_killed_is_replaced(pool, monkeypatch):
     started = []
     original = workers._started
 
-    def recorded():
-        process = original()
+    def recorded(errors):
+        process = original(errors)
         started.append(process)
         return process
 
     monkeypatch.setattr(workers, "_started", recorded)
 
     def kill():
-        while not started:
-            time.sleep(0.01)
-        time.sleep(0.3)
-        os.kill(started[0].pid, signal.SIGKILL)
+        for attempt in range(workers.ATTEMPTS):
+            while len(started) == attempt:
+                time.sleep(0.01)
+            time.sleep(0.3)
+            os.kill(started[attempt].pid, signal.SIGKILL)
 
     killer = threading.Thread(target=kill)
     killer.start()
@@ -100,15 +102,14 @@ def test_a_worker_that_is_killed_is_replaced(pool, monkeypatch):
     assert answer["simplified"] == {"T": True}
 
 
-def test_a_late_worker_is_killed(monkeypatch):
-    monkeypatch.setattr(workers, "GRACE_SECONDS", 0.2)
+def test_a_late_worker_is_killed():
     sleeping = subprocess.Popen(
         [sys.executable, "-c", "import time; print('{}', flush=True); time.sleep(600)"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
     )
     with sleeping:
-        assert workers._lines(sleeping, b"task", 1.0) == (["{}"], False)
+        assert workers._lines(sleeping, b"task", time.monotonic() + 1.0) == (["{}"], False)
         sleeping.kill()
     assert sleeping.returncode == -signal.SIGKILL
 
@@ -157,13 +158,50 @@ def test_a_worker_ends_with_its_input():
 def test_one_process_does_task_after_task(pool, monkeypatch):
     started = []
     original = workers._started
-    monkeypatch.setattr(workers, "_started", lambda: started.append(1) or original())
+    monkeypatch.setattr(workers, "_started", lambda errors: started.append(1) or original(errors))
     for name in ("planar_2r", "scara", "planar_2r", "stanford"):
         table = shipped_robot(name).table
         found = pool.run(table, SymbolicRequest(quantities=(Quantity.POSITION,)))
         assert found["simplified"] == {"position": True}
         assert len(found["columns"]) == table.dof
     assert len(started) == 1
+
+
+def test_a_task_whose_worker_dies_is_given_to_another_one(pool, monkeypatch):
+    started = []
+    original = workers._started
+
+    def dying_first(errors):
+        process = original(errors)
+        started.append(process)
+        if len(started) == 1:
+            process.kill()
+        return process
+
+    monkeypatch.setattr(workers, "_started", dying_first)
+    answer = pool.run(shipped_robot("planar_2r").table, SymbolicRequest())
+    assert answer["simplified"] == {"T": True}
+    assert len(started) == 2
+
+
+def test_a_worker_is_replaced_between_tasks(pool, monkeypatch):
+    """No task is ever given to one that is about to end."""
+    monkeypatch.setattr(workers, "TASKS", 2)
+    started = []
+    original = workers._started
+    monkeypatch.setattr(workers, "_started", lambda errors: started.append(1) or original(errors))
+    table = shipped_robot("planar_2r").table
+    for seconds in range(1, 6):
+        monkeypatch.setattr(pool, "_answers", OrderedDict())
+        assert pool.run(table, SymbolicRequest(time_budget=float(100 + seconds)))
+    assert len(started) == 3
+
+
+def test_what_a_worker_says_before_it_dies_is_logged(caplog, monkeypatch):
+    monkeypatch.setattr(workers, "START", "raise SystemExit('no such thing')")
+    with closing(SymbolicWorkers()) as pool, pytest.raises(WorkersBusy):
+        pool.run(shipped_robot("planar_2r").table, SymbolicRequest())
+    assert "no such thing" in caplog.text
 
 
 def test_limited_ends_a_call():
