@@ -30,6 +30,7 @@ from app.operations.shapes import (
 )
 from dh_to_urdf.errors import quoted
 from kinematics.configuration import joint_names
+from kinematics.deadline import current
 from kinematics.errors import InvalidOption
 from kinematics.inverse import (
     IKBatch,
@@ -45,6 +46,8 @@ from kinematics.inverse.all_solutions import Choice, all_solutions, choose
 from kinematics.task import POSE
 from robots.robot import FloatArray, Robot
 
+SHARE_TO_SOLVE = 0.9
+"""Share of the time of a request in which targets are solved; in the rest the answer is written."""
 STREAMED = 512
 """Targets whose results are sent together where they are streamed."""
 MAX_LISTED = 500
@@ -238,8 +241,7 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
         return _single(robot, request, context, _chosen(robot, request, poses[0], options, choice))
     if not many:
         return _single(robot, request, context, _solve(robot, request, poses[0], options))
-    seconds = context.settings.max_request_seconds
-    batch = _solve_batch(robot, request, poses, options, context, seconds)
+    batch = _solve_batch(robot, request, poses, options, context, _seconds_to_solve(context))
     q = context.units.joints_out(robot, batch.q)
     statuses = [status.value for status in batch.statuses]
     missed = [k for k, one in enumerate(batch.statuses) if one is not IKStatus.CONVERGED]
@@ -287,6 +289,14 @@ def _solve_batch(
     )
 
 
+def _seconds_to_solve(context: Context) -> float:
+    """Return the time in which targets are solved, s; those that are left are marked ``timeout``.
+
+    The rest of the request's time is for the answer: what was solved is not lost.
+    """
+    return SHARE_TO_SOLVE * min(context.settings.max_request_seconds, current().left)
+
+
 def _stream(robot: Robot, request: IKRequest, context: Context) -> Iterator[list[dict[str, Any]]]:
     """Give the results of many targets, some hundreds at a time, as they are solved."""
     poses, many = _poses(request)
@@ -295,10 +305,12 @@ def _stream(robot: Robot, request: IKRequest, context: Context) -> Iterator[list
             INVALID_REQUEST, "ndjson is for targets, not for one target", "/target"
         )
     options, _ = _options_of(request, context)
-    deadline = time.perf_counter() + context.settings.max_request_seconds
-    for first in range(0, len(poses), STREAMED):
+    deadline = time.perf_counter() + _seconds_to_solve(context)
+    first = 0
+    while first < len(poses):
         left = max(0.0, deadline - time.perf_counter())
-        part = poses[first : first + STREAMED]
+        # Out of time, the rest is marked at once.
+        part = poses[first : first + STREAMED] if left > 0 else poses[first:]
         batch = _solve_batch(robot, request, part, options, context, left)
         q = context.units.joints_out(robot, batch.q)
         yield [
@@ -313,6 +325,7 @@ def _stream(robot: Robot, request: IKRequest, context: Context) -> Iterator[list
             }
             for k, status in enumerate(batch.statuses)
         ]
+        first += len(part)
 
 
 def _choice(name: str) -> Choice:

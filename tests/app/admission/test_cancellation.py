@@ -160,3 +160,24 @@ def test_a_stream_whose_time_is_up_says_so_in_its_last_line(
     assert last["problem"]["type"] == "/problems/out-of-time"
     assert last["problem"]["request_id"] == answer.headers["x-request-id"]
     assert b"exception" not in log.read_bytes()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("streamed", [False, True])
+def test_what_was_solved_in_time_is_kept(serve, streamed):
+    """10,000 targets of which some tenths of a second are enough for the first ones only."""
+    start, operation, body = WORK["many targets"]
+    near = {"position": [0.4, 0.1, 0.4], "rpy": [3.0, 0.1, 0.2]}
+    asked = {**body, "targets": [near] * 8 + (body["targets"] * 10_000)[:9_992]}
+    headers = {"Accept": "application/x-ndjson" if streamed else "application/json"}
+    with serve(max_request_seconds=10) as server:
+        url = f"{server.address}{start}{operation}"
+        answer = httpx.post(url, json=asked, timeout=PATIENCE, headers=headers)
+    assert answer.status_code == 200
+    if streamed:
+        statuses = [json.loads(line)["status"] for line in answer.text.splitlines()]
+    else:
+        statuses = answer.json()["status"]
+    assert len(statuses) == 10_000
+    assert statuses[:8] == ["converged"] * 8
+    assert statuses[-1] == "timeout"
