@@ -45,7 +45,7 @@ NO_JSON: dict[str, bytes] = {
     "surrogate": b'{"q": [0, 0], "euler": "\xed\xa0\x80"}',
     "half of a pair": b'{"q": [0, 0], "euler": "\\ud83d"}',
     "bad escape": b'{"q": [0, 0], "euler": "\\x41"}',
-    "deep in a field": b'{"q": ' + b"[" * 200_000 + b"}",
+    "deep in a field": b'{"q": ' + b"[" * 1_100 + b"}",
     "XML": b"<q>0 0</q>",
     "YAML": b"q: [0, 0]",
     "a form": b"q=0,0",
@@ -323,8 +323,8 @@ def refused() -> Iterator[Case]:
         yield body(f"body: {name}", path, json.dumps(value), (422, 413), *words)
     for name, text in NO_NPY.items():
         yield body(f"no npy: {name}", FK, text, (400, 413, 422), kind=NPY)
-    for name, encoding in (("gzip", "gzip"), ("br", "br"), ("bomb", "gzip, gzip, gzip")):
-        packed = gzip.compress(bytes(5_000_000))
+    for name, encoding in (("gzip", "gzip"), ("br", "br"), ("several", "gzip, gzip, gzip")):
+        packed = gzip.compress(b'{"q": [0, 0]}')
         yield body(
             f"compressed: {name}",
             FK,

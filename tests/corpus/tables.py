@@ -160,7 +160,7 @@ TEXTS: dict[str, tuple[str, str, bytes | str, tuple[str, ...]]] = {
     ),
     "json comments": (JSON, "", '{"convention": "standard" /* a */}', ("JSON",)),
     "json single quotes": (JSON, "", "{'convention': 'standard'}", ("JSON",)),
-    "json deep": (JSON, "", "[" * 100_000, ("JSON",)),
+    "json deep": (JSON, "", "[" * 1_100, ("JSON",)),
     "json UTF-16": (JSON, "", json.dumps(TABLE).encode("utf-16"), ("UTF-8",)),
     "json bytes": (JSON, "", b'{"name": "\xff\xfe"}', ("UTF-8",)),
     "json NUL": (JSON, "", json.dumps(TABLE) + "\0", ("JSON",)),

@@ -275,17 +275,17 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "doctype in small letters": ("<robot ", "<!doctype robot><robot ", ("DOCTYPE",)),
     "external DTD": (
         "<robot ",
-        '<!DOCTYPE r SYSTEM "http://127.0.0.1:9/x.dtd"><robot ',
+        '<!DOCTYPE r SYSTEM "arm.dtd"><robot ',
         ("DOCTYPE",),
     ),
     "parameter entity": (
         "<robot ",
-        '<!DOCTYPE r [<!ENTITY % x SYSTEM "file:///etc/passwd"> %x;]><robot ',
+        '<!DOCTYPE r [<!ENTITY % x SYSTEM "arm.dtd"> %x;]><robot ',
         ("DOCTYPE",),
     ),
     "external entity": (
         "<robot ",
-        '<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]><robot ',
+        '<!DOCTYPE r [<!ENTITY x SYSTEM "arm.dtd">]><robot ',
         ("DOCTYPE",),
     ),
     "default attributes": (
@@ -293,17 +293,9 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
         '<!DOCTYPE r [<!ATTLIST axis xyz CDATA "1 0 0">]><robot ',
         ("DOCTYPE",),
     ),
-    "billion laughs": (
+    "entities of entities": (
         "<robot ",
-        "<!DOCTYPE r ["
-        + '<!ENTITY a0 "ha">'
-        + "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 10))
-        + "]><robot ",
-        ("DOCTYPE",),
-    ),
-    "quadratic blow-up": (
-        "<robot ",
-        f'<!DOCTYPE r [<!ENTITY a "{"a" * 50_000}">]><robot ',
+        '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]><robot ',
         ("DOCTYPE",),
     ),
     "deep": (

@@ -435,24 +435,24 @@ def _npy(sent: Sent, rng: Random) -> Sent:
             rng,
         )
     elif choice == 3:
-        bomb = rng.choice(
+        odd = rng.choice(
             (
-                b"(" * 60_000,
-                b"{" * 5000,
-                b"9**9**9**9",
-                b"'a'*10**9",
-                b"-" * 3_000 + b"1",
-                b"(" * 190 + b")" * 190,
+                b"(" * 60,
+                b"{" * 50,
+                b"9**9",
+                b"'a'*10",
+                b"-" * 30 + b"1",
+                b"(" * 60 + b")" * 60,
                 b"[" + b"0," * 30_000 + b"]",
                 b"__import__('os')",
                 b"\xff" * 100,
-                b" " * 10_000_000,
-                b"{'a':" * 3000,
+                b" " * 100_000,
+                b"{'a':" * 30,
                 b"lambda: 0",
                 b"f'{1}'",
             )
         )
-        data = _with_header(bomb, b"", rng)
+        data = _with_header(odd, b"", rng)
     elif choice == 4:
         data = data[: rng.randrange(len(data))]
     elif choice == 5:

@@ -36,7 +36,7 @@ SCRAPS = (
     *(b"\x00", b"\xff", b"\xfe\xff", b"\xef\xbb\xbf", b"<", b">", b"&", b"&x;", b"&#0;", b"&#65;"),
     *(b"<!DOCTYPE a>", b"<!--", b"-->", b"<![CDATA[", b"]]>", b"<?x?>", b"<link/>", b"</robot>"),
     *(b"<robot name='b'/>", b'"', b"'", b"/", b"\r", b"\xc3", b"\xed\xa0\x80", b"<x>" * 300),
-    b'<!DOCTYPE r [<!ENTITY e SYSTEM "file:///etc/hostname">]>',
+    b'<!DOCTYPE r [<!ENTITY e SYSTEM "name.txt">]>',
 )
 ENCODINGS = ("utf-16", "utf-16-le", "utf-32", "latin-1", "utf-7", "cp1252", "cp037", "utf-8-sig")
 

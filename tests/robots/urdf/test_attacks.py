@@ -68,7 +68,7 @@ def test_what_is_no_xml_is_refused_with_its_place(document, words):
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-16-le", "utf-16-be"])
 @pytest.mark.parametrize("before", ["", "<!-- a -->", "<?pi?>", "\n\n", "<!-- > --><?x y?> "])
 def test_a_doctype_is_seen_in_every_encoding(arm_urdf, encoding, before):
-    doctype = '<!DOCTYPE robot [<!ENTITY x SYSTEM "file:///etc/hostname">]>'
+    doctype = '<!DOCTYPE robot [<!ENTITY x SYSTEM "name.txt">]>'
     body = arm_urdf.replace('<?xml version="1.0"?>', f"{before}{doctype}")
     marks = {"utf-16-le": b"\xff\xfe", "utf-16-be": b"\xfe\xff"}
     assert "DOCTYPE" in refusal(marks.get(encoding, b"") + body.encode(encoding))

@@ -199,15 +199,13 @@ def test_a_text_that_is_no_robot_is_refused(text, words):
     assert words in refusal(text)
 
 
-BOMB = """<!DOCTYPE robot [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">
-<!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;"><!ENTITY d "&c;&c;&c;&c;&c;&c;&c;&c;&c;&c;">
-<!ENTITY e "&d;&d;&d;&d;&d;&d;&d;&d;&d;&d;"><!ENTITY f "&e;&e;&e;&e;&e;&e;&e;&e;&e;&e;">
-<!ENTITY g "&f;&f;&f;&f;&f;&f;&f;&f;&f;&f;">]><robot name="&g;"><link name="&g;"/></robot>"""
-EXTERNAL = '<!DOCTYPE robot [<!ENTITY x SYSTEM "file:///etc/hostname">]><robot name="a">&x;</robot>'
+ENTITIES = """<!DOCTYPE robot [<!ENTITY a "a"><!ENTITY b "&a;&a;">]>
+<robot name="&b;"><link name="&b;"/></robot>"""
+EXTERNAL = '<!DOCTYPE robot [<!ENTITY x SYSTEM "name.txt">]><robot name="a">&x;</robot>'
 PLAIN = '<!DOCTYPE robot><robot name="a"/>'
 
 
-@pytest.mark.parametrize("doctype", [BOMB, EXTERNAL, PLAIN], ids=["bomb", "external", "plain"])
+@pytest.mark.parametrize("doctype", [ENTITIES, EXTERNAL, PLAIN], ids=["entities", "external", "plain"])
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-16-le", "utf-32", "utf-7"])
 def test_doctypes_and_entities_are_refused_in_every_encoding(doctype, encoding):
     declaration = f'<?xml version="1.0" encoding="{encoding}"?>'
