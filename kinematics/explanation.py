@@ -10,55 +10,94 @@ from kinematics.task import Task
 from robots.robot import FloatArray, Robot
 
 MAX_NAMED = 8
+NEGLIGIBLE = 1e-6
+"""Part of the largest joint velocity that is not told."""
+NONE = 1e-9
+"""Velocity, per unit of joint velocity and of the Jacobian, that is rounding."""
 
 
-def null_motion_in_words(robot: Robot, motion: FloatArray, J: FloatArray) -> str:
+def null_motion_in_words(
+    robot: Robot, motion: FloatArray, J: FloatArray, task: FloatArray | None = None
+) -> str:
     """Describe a joint motion that does not move the task, in words.
+
+    Two joints that cancel in space turn by values of opposite signs where their axes point the
+    same way, and by values of the same sign where they point opposite ways: the words tell both.
 
     Args:
         robot: The robot.
         motion: Unit joint velocities, shape (dof,).
         J: Geometric Jacobian in base axes, shape (6, dof), for the placement of the joint axes.
+        task: Task Jacobian, shape (rows, dof); says how little the motion does to the task. None:
+            the motion is exact.
     """
-    moving = np.flatnonzero(np.abs(motion) > 1e-6 * np.abs(motion).max())
+    moving = np.flatnonzero(np.abs(motion) > NEGLIGIBLE * np.abs(motion).max())
     names = [robot.joints[k].name for k in moving]
+    nothing = "nothing to the task" if task is None else _nothing(motion, task)
+    turns = robot.is_revolute[moving]
     if len(moving) == 1:
-        verb = "turns" if robot.is_revolute[moving[0]] else "slides"
-        return f"joint {names[0]} {verb} alone and does nothing to the task"
-    verb = "turn" if robot.is_revolute[moving].all() else "move"
+        verb = "turns" if turns[0] else "slides"
+        return f"joint {names[0]} {verb} alone and does {nothing}"
+    verb = "turn" if turns.all() else "slide" if not turns.any() else "move"
     listed = f"joints {_listed(names)}"
-    if len(moving) == 2 and robot.is_revolute[moving].all():
+    if len(moving) > MAX_NAMED:
+        return f"{len(moving)} joints {verb} together and do {nothing}"
+    ratios = " : ".join(f"{x + 0.0:.4g}" for x in motion[moving] / motion[moving[0]])
+    if turns.any() and not turns.all():
+        ratios += " (rad and m)"
+    if len(moving) == 2 and turns.all():
         turning = J[3:, moving] * motion[moving]
         if np.linalg.norm(turning.sum(axis=1)) <= 1e-6 * np.linalg.norm(turning[:, 0]):
-            return f"{listed} turn against each other and do nothing to the task"
-    if len(moving) > MAX_NAMED:
-        return f"{len(moving)} joints {verb} together and do nothing to the task"
-    ratios = " : ".join(f"{x + 0.0:.4g}" for x in motion[moving] / motion[moving[0]])
-    return f"{listed} {verb} as {ratios} and do nothing to the task"
+            if motion[moving[0]] * motion[moving[1]] < 0.0:
+                return f"{listed} turn against each other and do {nothing}"
+            return (
+                f"{listed} turn the same way by value, about axes that point opposite ways, and do"
+                f" {nothing}"
+            )
+    return f"{listed} {verb} as {ratios} and do {nothing}"
 
 
-def lost_direction_in_words(task: Task, direction: FloatArray) -> str:
+def lost_direction_in_words(task: Task, direction: FloatArray, J: FloatArray | None = None) -> str:
     """Describe a direction in which the frame cannot move, in words.
 
     Args:
         task: The task space.
         direction: Unit vector of the task space, shape (rows,).
+        J: Task Jacobian, shape (rows, dof); says how little the frame moves that way. None: the
+            direction is exact.
     """
+    left = 0.0 if J is None else float(np.linalg.norm(direction @ J))
+    lost = J is None or left <= NONE * _scale(J)
+    cannot = "cannot" if lost else f"can hardly (by {left:.2g} a unit of q)"
     if not task.rotations:
-        return f"the frame cannot move along {_vector(task.positions, direction)}"
+        return f"the frame {cannot} move along {_vector(task.positions, direction)}"
     if not task.positions:
-        return f"the frame cannot turn about {_turning(task, direction)}"
+        return f"the frame {cannot} turn about {_turning(task, direction)}"
     split = len(task.positions)
     v, w = direction[:split], direction[split:]
     if np.abs(w).max() < 1e-9:
-        return f"the frame cannot move along {_vector(task.positions, v)}"
+        return f"the frame {cannot} move along {_vector(task.positions, v)}"
     if np.abs(v).max() < 1e-9:
-        return f"the frame cannot turn about {_turning(task, w)}"
+        return f"the frame {cannot} turn about {_turning(task, w)}"
+    wrench = f"v = {_vector(task.positions, v)}, w = {_turning(task, w)}"
+    if not lost:
+        return f"twists of the frame have a part along {wrench}, of at most {left:.2g} a unit of q"
     return (
-        "no twist of the frame has a part along"
-        f" v = {_vector(task.positions, v)}, w = {_turning(task, w)};"
+        f"no twist of the frame has a part along {wrench};"
         " that wrench is carried without joint torques"
     )
+
+
+def _nothing(motion: FloatArray, J: FloatArray) -> str:
+    """Say that a motion does nothing to the task, or how little."""
+    left = float(np.linalg.norm(J @ motion))
+    if left <= NONE * _scale(J):
+        return "nothing to the task"
+    return f"next to nothing to the task ({left:.2g} a unit)"
+
+
+def _scale(J: FloatArray) -> float:
+    return max(1.0, float(np.abs(J).max(initial=0.0)))
 
 
 def _turning(task: Task, values: FloatArray) -> str:

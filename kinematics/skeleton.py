@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dh_to_urdf import Convention, DHTable
+from dh_to_urdf.table import DHRow
 from kinematics.configuration import configuration
 from kinematics.forward import fk
 from kinematics.tree import tree_of
@@ -62,18 +63,37 @@ def skeleton_of(robot: Robot, q: FloatArray) -> Skeleton:
 
 def _bones_of_table(table: DHTable, frames: dict[str, FloatArray]) -> tuple[FloatArray, ...]:
     bones = [_straight(frames["base_link"], frames["frame_0"])]
-    for k, row in enumerate(table.rows):
-        before, after = frames[f"frame_{row.parent}"], frames[f"frame_{k + 1}"]
-        if row.gamma or row.b:
-            bones.append(_straight(before, after))
-            continue
-        # The first of the two translations of A_k: d along z (standard), a along x (others).
-        along = before[:3, 2 if table.convention is Convention.STANDARD else 0]
-        p = before[:3, 3]
-        corner = p + along * float(along @ (after[:3, 3] - p))
-        bones.append(np.array([p, corner, after[:3, 3]]))
+    for k, row in enumerate(table.rows, start=1):
+        before, after = frames[f"frame_{row.parent}"], frames[f"frame_{k}"]
+        bones.append(row_corners(row, table.convention, before, after))
     bones.append(_straight(frames[f"frame_{table.tip_row}"], frames["tool"]))
     return tuple(bones)
+
+
+def row_corners(
+    row: DHRow, convention: Convention, before: FloatArray, after: FloatArray
+) -> FloatArray:
+    """Return the corners of the way that a row goes from its parent's frame to its own.
+
+    Standard: along z by d, then along x by a. Modified: along x by a, then along z by d. Khalil:
+    along z by b, along x (turned by gamma) by d, along z by r.
+
+    Args:
+        row: The row.
+        convention: What it means.
+        before: Pose of its parent's frame at a q, 4x4.
+        after: Pose of its own frame at that q, 4x4.
+
+    Returns:
+        Shape (3, 3), m; for Khalil's rows with b, shape (4, 3).
+    """
+    p, end = before[:3, 3], after[:3, 3]
+    x, z = before[:3, 0], before[:3, 2]
+    if convention is Convention.STANDARD:
+        return np.array([p, p + z * float(z @ (end - p)), end])
+    x = np.cos(row.gamma) * x + np.sin(row.gamma) * before[:3, 1]
+    first = [p, p + row.b * z] if row.b else [p]
+    return np.array([*first, first[-1] + row.a * x, end])
 
 
 def _bones_of_links(robot: Robot, frames: dict[str, FloatArray]) -> tuple[FloatArray, ...]:

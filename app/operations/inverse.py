@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, Any, TypeAlias, TypedDict
+from typing import Annotated, Any, NotRequired, TypeAlias, TypedDict
 
 import msgspec
 
@@ -43,6 +43,7 @@ from kinematics.inverse import (
     solve_ik_batch,
 )
 from kinematics.inverse.all_solutions import Choice, all_solutions, choose
+from kinematics.inverse.unreached import why_unreached
 from kinematics.task import POSE
 from robots.robot import FloatArray, Robot
 
@@ -136,7 +137,9 @@ class IKAnswer(TypedDict):
     """The answer; for many targets status, q, errors and counts have a leading axis n.
 
     Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
-    best that was found. Errors are in m and rad, in the axes of the task.
+    best that was found. Errors are in m and rad, in the axes of the task. ``explanation``, for one
+    target that was not reached: what is proved of it, such as an orientation that the structure
+    cannot reach, or the joint that is beyond its limits.
     """
 
     units: AnswerUnits
@@ -147,6 +150,7 @@ class IKAnswer(TypedDict):
     iterations: EachInteger
     restarts: EachInteger
     elapsed_ms: EachNumber
+    explanation: NotRequired[list[str]]
     columns: list[str]
     frame: str
     task: str
@@ -228,6 +232,9 @@ def _attempt(robot: Robot, request: IKRequest, context: Context) -> Answer | Non
     result = _solve(robot, request, poses[0], quick)
     if result.status is IKStatus.TIMEOUT and quick is not options:
         return None
+    if result.status is not IKStatus.CONVERGED:
+        # Why takes milliseconds, in a thread.
+        return None
     return _single(robot, request, context, result)
 
 
@@ -238,9 +245,11 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
         choice = _choice(request.choose)
         if many:
             raise RequestProblem(INVALID_REQUEST, "choose takes one target at a time", "/choose")
-        return _single(robot, request, context, _chosen(robot, request, poses[0], options, choice))
+        result = _chosen(robot, request, poses[0], options, choice)
+        return _told(robot, request, context, poses[0], options, result)
     if not many:
-        return _single(robot, request, context, _solve(robot, request, poses[0], options))
+        result = _solve(robot, request, poses[0], options)
+        return _told(robot, request, context, poses[0], options, result)
     batch = _solve_batch(robot, request, poses, options, context, _seconds_to_solve(context))
     q = context.units.joints_out(robot, batch.q)
     statuses = [status.value for status in batch.statuses]
@@ -351,7 +360,37 @@ def _chosen(
     return IKResult(IKStatus.CONVERGED, best.q, found.seed, *errors, 0, 0, elapsed)
 
 
-def _single(robot: Robot, request: IKRequest, context: Context, result: IKResult) -> Answer:
+def _told(
+    robot: Robot,
+    request: IKRequest,
+    context: Context,
+    pose: FloatArray,
+    options: IKOptions,
+    result: IKResult,
+) -> Answer:
+    """Return the answer for one target, with the reasons where it is not reached."""
+    if result.status is IKStatus.CONVERGED:
+        return _single(robot, request, context, result)
+    why = why_unreached(
+        robot,
+        pose,
+        frame=request.frame,
+        task=request.task,
+        seed=request.seed,
+        options=options,
+    )
+    if why.proven:
+        result = result._replace(status=IKStatus.UNREACHABLE)
+    return _single(robot, request, context, result, why.sentences)
+
+
+def _single(
+    robot: Robot,
+    request: IKRequest,
+    context: Context,
+    result: IKResult,
+    why: tuple[str, ...] | None = None,
+) -> Answer:
     q = context.units.joints_out(robot, result.q)
     answer: IKAnswer = {
         "units": context.units.named,
@@ -364,6 +403,8 @@ def _single(robot: Robot, request: IKRequest, context: Context, result: IKResult
         "elapsed_ms": round(result.elapsed * 1e3, 6),
         **_echo(robot, request, context, result.seed),
     }
+    if why is not None:
+        answer["explanation"] = list(why)
     return Answer(answer, q)
 
 
@@ -379,6 +420,7 @@ class _Echo(TypedDict):
     max_iterations: int
     random_seed: int
     time_budget_ms: float
+    explanation: NotRequired[list[str]]
     warnings: list[str]
 
 

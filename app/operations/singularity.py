@@ -165,10 +165,12 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
     every = J if q.ndim == 2 else [J]
     batch = [report_on(one, robot, task, request.tolerance) for one in checked(every)]
     first = batch[0]
-    named = factorization(robot, q, task, frame)
+    named = factorization(robot, q, task, frame, request.tolerance)
     words = [
-        _in_words(robot, task, one, report)
-        for one, report in checked(zip(full if q.ndim == 2 else [full], batch, strict=True))
+        _in_words(robot, task, one, of_task, report)
+        for one, of_task, report in checked(
+            zip(full if q.ndim == 2 else [full], every, batch, strict=True)
+        )
     ]
     translation, rotation = ellipsoids(J, task, request.tolerance)
     answer: SingularityAnswer = {
@@ -180,7 +182,7 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
         **_report(batch, many=q.ndim == 2),
         "tolerance": first.tolerance,
         "explanation": words if q.ndim == 2 else words[0],
-        "factorization": _factorization_view(robot, frame, named, request.tolerance),
+        "factorization": _factorization_view(robot, frame, named),
         "ellipsoids": {
             "translation": _ellipsoid_view(translation),
             "rotation": _ellipsoid_view(rotation),
@@ -192,16 +194,16 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
     return Answer(answer, values if q.ndim == 2 else values[0])
 
 
-def _in_words(robot: Robot, task: Task, J: FloatArray, report: SingularityReport) -> list[str]:
+def _in_words(
+    robot: Robot, task: Task, full: FloatArray, J: FloatArray, report: SingularityReport
+) -> list[str]:
     return [
-        *(lost_direction_in_words(task, one) for one in report.lost_directions),
-        *(null_motion_in_words(robot, one, J) for one in report.null_motions[:_MAX_WORDS]),
+        *(lost_direction_in_words(task, one, J) for one in report.lost_directions),
+        *(null_motion_in_words(robot, one, full, J) for one in report.null_motions[:_MAX_WORDS]),
     ]
 
 
-def _factorization_view(
-    robot: Robot, frame: str, named: Factorization, tolerance: float
-) -> FactorizationView:
+def _factorization_view(robot: Robot, frame: str, named: Factorization) -> FactorizationView:
     if named.structure is None:
         return {
             "structure": None,
@@ -228,7 +230,7 @@ def _factorization_view(
                 "value": factor.value,
                 "normalised": factor.normalised,
                 "unit": factor.unit,
-                "vanishes": (np.abs(factor.normalised) <= tolerance).tolist(),
+                "vanishes": factor.vanishes.tolist(),
                 "joints": [robot.joints[columns[k]].name for k in factor.joints],
                 "vanishes_where": factor.vanishes_where,
             }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypedDict
+from typing import NotRequired, TypedDict
 
 import msgspec
 import numpy as np
@@ -16,6 +16,7 @@ from app.operations.operation import Answer, Context, Operation, Runs
 from app.operations.shapes import AnswerUnits, Vector
 from kinematics.inverse import IKOptions, Tolerance
 from kinematics.inverse.all_solutions import IKSolution, all_solutions
+from kinematics.inverse.unreached import beyond_limits, why_unreached
 from kinematics.task import POSE
 from robots.robot import Robot
 
@@ -37,6 +38,7 @@ class IKSolutionView(TypedDict):
     q: Vector
     posture: list[str]
     within_limits: bool
+    beyond_limits: list[str]
     position_error: float
     orientation_error: float
     free: list[str]
@@ -47,7 +49,9 @@ class IKSolutionsAnswer(TypedDict):
     """All solutions, the closest to the seed first, those within the limits before the others.
 
     ``complete`` says that mathematics knows no others (but for whole turns). ``free`` names joints
-    that a singular branch leaves free; they have the seed's value.
+    that a singular branch leaves free; they have the seed's value. ``beyond_limits`` names joints
+    that are beyond their limits. ``explanation``, where no solution is within the limits: why, as
+    far as it is proved.
     """
 
     units: AnswerUnits
@@ -59,6 +63,7 @@ class IKSolutionsAnswer(TypedDict):
     task: str
     seed: Vector
     solutions: list[IKSolutionView]
+    explanation: NotRequired[list[str]]
     warnings: list[str]
 
 
@@ -82,6 +87,17 @@ def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
         "solutions": [_view(robot, one, context) for one in found.solutions],
         "warnings": context.warnings,
     }
+    if not any(one.within_limits for one in found.solutions):
+        why = why_unreached(
+            robot,
+            request.target,
+            frame=frame,
+            task=task,
+            seed=request.seed,
+            options=options,
+            found=found,
+        )
+        answer["explanation"] = list(why.sentences)
     rows = [one.q for one in found.solutions]
     q = np.array(rows).reshape(-1, robot.dof)
     return Answer(answer, context.units.joints_out(robot, q))
@@ -93,6 +109,7 @@ def _view(robot: Robot, solution: IKSolution, context: Context) -> IKSolutionVie
         "q": context.units.joints_out(robot, solution.q),
         "posture": list(solution.posture),
         "within_limits": solution.within_limits,
+        "beyond_limits": list(beyond_limits(robot, solution.q)),
         "position_error": solution.position_error,
         "orientation_error": solution.orientation_error,
         "free": list(solution.free),

@@ -8,9 +8,11 @@ import numpy as np
 
 from app.pictures.canvas import COLORS, Canvas
 from app.pictures.chart import Curve, Level, chart
-from app.pictures.scene import SNAPSHOTS, Scene, draw_scene, is_flat, plane_of, skeleton
+from app.pictures.scene import SNAPSHOTS, Scene, draw_scene, is_flat, plane_of
 from app.pictures.space import bounds_of, draw_space
+from kinematics.named_singularities.posture import posture
 from kinematics.redundancy.clearance.link_points import RADIUS
+from kinematics.redundancy.clearance.links import skeleton
 from kinematics.redundancy.follow import PathResult
 from kinematics.redundancy.measure import ends_of_links
 from kinematics.redundancy.problem import PathProblem
@@ -88,15 +90,16 @@ def _word(result: PathResult) -> str:
 def _scene(result: PathResult) -> Scene:
     problem = result.problem
     chosen = np.unique(np.linspace(0, len(result.q) - 1, SNAPSHOTS).round().astype(int))
-    trace = skeleton(problem.arm.chain, _thinned(result.q))[:, -1]
-    shaped = problem.shaped is not None
+    arm, shaped = problem.arm, problem.shaped is not None
+    bones, q = skeleton(arm, problem.link_radius), arm.reduced(result.q[chosen])
+    ends = ends_of_links(arm, bones, q)
     return Scene(
-        skeleton(problem.arm.chain, result.q[chosen]),
+        np.concatenate((ends[:, :1, 0], ends[:, :, 1]), axis=1),
         _thinned(problem.path.targets)[:, [3, 7, 11]],
-        trace,
+        posture(arm.chain, _thinned(result.q)).p,
         problem.obstacles,
-        np.broadcast_to(np.asarray(problem.link_radius, dtype=np.float64), (problem.arm.K,)),
-        ends_of_links(problem, problem.arm.reduced(result.q[chosen])) if shaped else None,
+        bones.rows[:, RADIUS],
+        ends_of_links(arm, problem.links, q) if shaped else None,
         problem.links.rows[:, RADIUS] if shaped else None,
     )
 

@@ -10,8 +10,6 @@ import numpy as np
 from app.pictures.canvas import COLORS, INK, Canvas
 from app.pictures.chart import Box
 from app.pictures.plane import draw_axes, draw_border, equal_plane
-from kinematics.chain import Chain
-from kinematics.named_singularities.posture import posture
 from kinematics.redundancy.clearance.obstacles import BOX, CAPSULE, CIRCLE, HALF_SPACE, SPHERE
 from robots.robot import FloatArray
 
@@ -25,11 +23,11 @@ class Scene:
     """What is drawn.
 
     Attributes:
-        links: Joint origins and tip of each snapshot, shape (n, K + 1, 3), m.
+        links: Corners of the arm's polyline in each snapshot, shape (n, L + 1, 3), m.
         path: Where the tip should go, shape (N, 3).
         trace: Where it goes, shape (m, 3).
         obstacles: See :func:`kinematics.redundancy.clearance.obstacles.encoded`.
-        radii: Of the links between them, m, shape (K,).
+        radii: Of the links between them, m, shape (L,).
         shapes: Ends of the capsules of the arm's own shapes in each snapshot, shape (n, L, 2, 3),
             drawn instead; None for none.
         shape_radii: Their radii, shape (L,).
@@ -42,12 +40,6 @@ class Scene:
     radii: FloatArray
     shapes: FloatArray | None = None
     shape_radii: FloatArray | None = None
-
-
-def skeleton(chain: Chain, q: FloatArray) -> FloatArray:
-    """Joint origins and tip, shape (n, K + 1, 3), for q of shape (n, dof)."""
-    found = posture(chain, q)
-    return np.concatenate((found.O, found.p[:, None]), axis=1)
 
 
 def plane_of(scenes: Sequence[Scene]) -> str:

@@ -17,7 +17,8 @@ from kinematics.inverse.closed_form import closed_form_of, solutions, swivel_of
 from kinematics.inverse.damped_step import TURN
 from kinematics.inverse.result import IKOptions, IKStatus, Tolerance
 from kinematics.inverse.starts import starts
-from kinematics.jacobian import jacobian
+from kinematics.inverse.task_error import TaskChain, residual, workspace
+from kinematics.jacobian import jacobian, task_jacobian
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
@@ -27,6 +28,14 @@ TIGHT = 1e-9
 """Tolerance of the search, m and rad: solutions are to be told apart."""
 SAME = 1e-4
 """Largest joint difference, rad or m, of two answers that count as one."""
+TOUCH = 1e-6
+"""Largest excess of a limit that may be rounding, rad or m: measured before it counts as met."""
+IDENTICAL = 1e-7
+"""Largest joint difference of two solutions on a limit that count as one."""
+FREE = 1e-9
+"""Motion of the task by a joint that counts as none, m/rad or rad/rad."""
+DOUBLE = 1e-3
+"""Joint difference up to which answers beside a singular one count as it."""
 
 
 class Choice(StrEnum):
@@ -44,7 +53,8 @@ class IKSolution:
     Attributes:
         q: Shape (dof,); the turns of its angles nearest to the seed within the limits.
         posture: Names of the branches, such as front, up, noflip; empty where there are none.
-        within_limits: Whether every joint is within its limits.
+        within_limits: Whether every joint is within its limits; one that touches its limit is on
+            it.
         position_error: Measured, m.
         orientation_error: Measured, rad.
         free: Joints that a singular branch leaves free; they have the seed's value.
@@ -107,9 +117,10 @@ def all_solutions(
     name = robot.tip_frame if frame is None else frame
     chain, bounds = chain_of(robot, name), JointBounds.of(robot)
     start = bounds.inside(bounds.middle() if seed is None else seed)
-    found = _closed_form(robot, chain, target, task, start)
+    options = options or IKOptions()
+    found = _closed_form(robot, chain, target, task, start, options.tolerance)
     if found is None:
-        found = _search(robot, chain, target, name, task, start, options or IKOptions())
+        found = _search(robot, chain, target, name, task, start, options)
     ordered = sorted(
         found.solutions,
         key=lambda one: (not one.within_limits, float(np.linalg.norm(one.q - start))),
@@ -118,7 +129,12 @@ def all_solutions(
 
 
 def _closed_form(
-    robot: Robot, chain: Chain, target: FloatArray, task: Task, start: FloatArray
+    robot: Robot,
+    chain: Chain,
+    target: FloatArray,
+    task: Task,
+    start: FloatArray,
+    tolerance: Tolerance,
 ) -> IKSolutions | None:
     form = closed_form_of(chain)
     if form is None or task.name not in form.tasks:
@@ -130,7 +146,7 @@ def _closed_form(
         own = swivel_of(form, given)
         swivels = own + np.arange(SWIVELS) * (TURN / SWIVELS)
     names = [robot.joints[int(column)].name for column in chain.columns]
-    collected = []
+    collected: list[IKSolution] = []
     for swivel in swivels:
         angle = float((swivel + np.pi) % TURN - np.pi)
         branch = solutions(form, chain, target, task=task, given=given, swivel=angle)
@@ -139,17 +155,25 @@ def _closed_form(
             q = start.copy()
             q[chain.columns] = values
             q = turned(robot, q, start, chain)
-            collected.append(
-                IKSolution(
-                    q=q,
-                    posture=postures[k],
-                    within_limits=_within(robot, q),
-                    position_error=float(branch.position_errors[k]),
-                    orientation_error=float(branch.orientation_errors[k]),
-                    free=tuple(n for n, free in zip(names, branch.free[k], strict=True) if free),
-                    swivel=angle if redundant else None,
-                )
+            errors = float(branch.position_errors[k]), float(branch.orientation_errors[k])
+            on = _on_limits(robot, chain, target, task, q, tolerance)
+            if on is not None:
+                q, errors = on
+            one = IKSolution(
+                q=q,
+                posture=postures[k],
+                within_limits=_within(robot, q),
+                position_error=errors[0],
+                orientation_error=errors[1],
+                free=tuple(n for n, free in zip(names, branch.free[k], strict=True) if free),
+                swivel=angle if redundant else None,
             )
+            # Two solutions on one limit may be one: an arm that is stretched there.
+            if on is None or not any(
+                other.swivel == one.swivel and _apart(robot, q, other.q) < IDENTICAL
+                for other in collected
+            ):
+                collected.append(one)
     description = form.description
     if redundant:
         description += f"; a one-parameter family, shown at {SWIVELS} swivel angles"
@@ -175,6 +199,7 @@ def _search(
     )
     once = replace(options, max_restarts=0, tolerance=tight)
     collected: list[IKSolution] = []
+    families = False
     for number in checked(range(SEARCH_STARTS), 1):
         q = start.copy()
         if number:
@@ -183,12 +208,47 @@ def _search(
         if result.status is not IKStatus.CONVERGED:
             continue
         answer = turned(robot, result.q, start, chain)
-        if any(_same(robot, answer, other.q) for other in collected):
+        J = task_jacobian(robot, answer, task, frame)[:, chain.columns]
+        idle = np.linalg.norm(J, axis=0) <= FREE
+        answer[chain.columns[idle]] = start[chain.columns[idle]]
+        sigma = np.linalg.svd(J[:, ~idle], compute_uv=False)
+        families = families or int(np.count_nonzero(~idle)) > len(task.rows)
+        near = DOUBLE if sigma.min(initial=np.inf) <= DOUBLE * sigma.max(initial=0.0) else SAME
+        if any(_apart(robot, answer, other.q) < near for other in collected):
             continue
         errors = result.position_error, result.orientation_error
-        collected.append(IKSolution(answer, (), True, *errors))
+        free = tuple(robot.joints[int(k)].name for k in chain.columns[idle])
+        collected.append(IKSolution(answer, (), True, *errors, free))
     description = f"{SEARCH_STARTS} starts of the numeric solver; there may be others"
+    if families:
+        description += (
+            "; the arm has more joints than the task needs: each is one of infinitely many"
+        )
     return IKSolutions("search", False, description, start, tuple(collected))
+
+
+def _on_limits(
+    robot: Robot,
+    chain: Chain,
+    target: FloatArray,
+    task: Task,
+    q: FloatArray,
+    tolerance: Tolerance,
+) -> tuple[FloatArray, tuple[float, float]] | None:
+    """Return q with joints that touch their limits put on them, and its measured errors.
+
+    None where none does, another joint is beyond its limits, or q then misses the target.
+    """
+    inside = np.clip(q, robot.lower, robot.upper)
+    if np.array_equal(inside, q) or np.abs(inside - q).max() > TOUCH:
+        return None
+    constants = TaskChain(chain.placements, chain.is_revolute.astype(np.float64), task.mask)
+    pose = np.ascontiguousarray(target, dtype=np.float64).reshape(16)
+    own = np.ascontiguousarray(inside[chain.columns])
+    position, orientation = np.sqrt(residual(constants, pose, own, workspace(chain.length)))
+    if position > tolerance.position or orientation > tolerance.orientation:
+        return None
+    return inside, (float(position), float(orientation))
 
 
 def turned(robot: Robot, q: FloatArray, reference: FloatArray, chain: Chain) -> FloatArray:
@@ -244,7 +304,8 @@ def _within(robot: Robot, q: FloatArray) -> bool:
     return bool(((q >= robot.lower) & (q <= robot.upper)).all())
 
 
-def _same(robot: Robot, q: FloatArray, other: FloatArray) -> bool:
+def _apart(robot: Robot, q: FloatArray, other: FloatArray) -> float:
+    """Return the largest difference of two configurations, angles by the shorter way."""
     difference = q - other
     difference = np.where(robot.is_revolute, (difference + np.pi) % TURN - np.pi, difference)
-    return bool(np.abs(difference).max() < SAME)
+    return float(np.abs(difference).max())

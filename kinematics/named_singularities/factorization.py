@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,16 +10,21 @@ from numpy.typing import NDArray
 from kinematics.chain import Chain, chain_of
 from kinematics.configuration import configuration
 from kinematics.deadline import svd
-from kinematics.inverse.closed_form.geometry import LENGTH
 from kinematics.jacobian import task_jacobian
 from kinematics.named_singularities import parts
 from kinematics.named_singularities.posture import Factor, cross, dot, norm, posture
+from kinematics.named_singularities.reach import Reach
 from kinematics.named_singularities.relations import Relations, relations_of
+from kinematics.singularity import RANK_TOLERANCE, rank_of
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
 EXACT = 1e-12
 LARGEST_DIFFERENCE = 1e-6
+OTHERS = 12
+"""Other configurations at which the product is compared and the rank is looked at."""
+NEAR = 1e-6
+"""Normalised value up to which the smallest factor counts as zero where the rank is lost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +55,11 @@ class Factorization:
 
 
 def factorization(
-    robot: Robot, q: FloatArray, task: Task = POSE, frame: str | None = None
+    robot: Robot,
+    q: FloatArray,
+    task: Task = POSE,
+    frame: str | None = None,
+    tolerance: float = RANK_TOLERANCE,
 ) -> Factorization:
     """Return the named singularities of an arm whose structure is known.
 
@@ -58,13 +67,14 @@ def factorization(
     and seven of shoulder, elbow and wrist (S-R-S); in ``position`` three joints, in
     ``orientation`` three revolute ones; planar 2R (``xy``, ``position``) and 3R (``xy_phi``,
     ``pose``), SCARA (``xyz_phi``, ``pose``). The product is compared with the model before it is
-    returned.
+    returned, at q and at other configurations, so that it is not right by chance.
 
     Args:
         robot: The robot.
         q: Shape (dof,) or (n, dof), rad and m.
         task: The task space, in base axes.
         frame: Frame name; default the tip.
+        tolerance: Relative tolerance of the rank.
 
     Returns:
         The factors, or the reason why there are none.
@@ -76,22 +86,23 @@ def factorization(
     frame = frame or robot.tip_frame
     chain = chain_of(robot, frame)
     q = configuration(robot, q)
-    batch = np.atleast_2d(q)
     axes = relations_of(chain)
+    given = np.atleast_2d(q)
+    batch = given if axes is None else np.concatenate((given, _others(chain, given[0], axes.size)))
     found = _product(chain, axes, batch, task) if axes is not None else None
-    if axes is None or found is None:
+    if found is None:
         return _none(
             f"no factors of {'det J' if chain.length == len(task.rows) else 'the manipulability'}"
             f" are known for the {chain.length} joints of this chain in task {task.name}"
         )
     structure, constant, factors = found
-    bounds = [np.abs(constant), *(factor.largest for factor in factors)]
-    if min(bound.max() for bound in bounds) <= LENGTH * min(1.0, axes.size):
+    J = task_jacobian(robot, batch, task, frame)[:, :, chain.columns]
+    square, n = J.shape[1] == J.shape[2], len(given)
+    sigma = svd(J, compute_uv=False)
+    if np.all(rank_of(sigma[n:]) < sigma.shape[-1]):
         return _none(f"{structure}, but such that task {task.name} is singular at every q")
     product = constant * np.prod([factor.value for factor in factors], axis=0)
-    J = task_jacobian(robot, batch, task, frame)[:, :, chain.columns]
-    square = J.shape[1] == J.shape[2]
-    measured = np.linalg.det(J) if square else np.prod(svd(J, compute_uv=False), axis=-1)
+    measured = np.linalg.det(J) if square else np.prod(sigma, axis=-1)
     if not square:
         product = np.abs(product)
     difference = np.abs(product - measured)
@@ -100,11 +111,74 @@ def factorization(
     if np.any(difference > LARGEST_DIFFERENCE * np.abs(measured) + 1e4 * rounding):
         return _none(f"{structure}, but the product of its factors is not that of task {task.name}")
     exact = difference <= EXACT * np.abs(measured) + rounding
-    if q.ndim == 1:
-        factors = [_single(factor) for factor in factors]
-        constant, product, difference, exact = constant[0], product[0], difference[0], exact[0]
-    of = "determinant" if square else "manipulability"
-    return Factorization(structure, of, constant, tuple(factors), product, difference, exact, None)
+    singular = rank_of(sigma, tolerance) < sigma.shape[-1]
+    names = [robot.joints[column].name for column in chain.columns]
+    told = _told(factors, singular, tolerance, given[0, chain.columns], names)
+    rows = slice(n) if q.ndim == 2 else 0
+    return Factorization(
+        structure,
+        "determinant" if square else "manipulability",
+        constant[rows],
+        tuple(
+            replace(
+                factor,
+                value=factor.value[rows],
+                largest=factor.largest[rows],
+                vanishes=factor.vanishes[rows],
+                zeros=None,
+            )
+            for factor in told
+        ),
+        product[rows],
+        difference[rows],
+        exact[rows],
+        None,
+    )
+
+
+def _others(chain: Chain, q: FloatArray, size: float) -> FloatArray:
+    """Return configurations in general position, regardless of limits; shape (OTHERS, dof)."""
+    span = np.where(chain.is_revolute, np.pi, size)
+    drawn = np.random.default_rng(0).uniform(-span, span, (OTHERS, chain.length))
+    others = np.repeat(q[None], OTHERS, axis=0)
+    others[:, chain.columns] = drawn
+    return others
+
+
+def _told(
+    factors: list[Factor],
+    singular: NDArray[np.bool_],
+    tolerance: float,
+    q: FloatArray,
+    names: list[str],
+) -> list[Factor]:
+    """Add which factors vanish, so that one does where the rank is lost and nowhere else.
+
+    Args:
+        factors: The factors, arrays of shape (n,).
+        singular: Whether the rank is lost, shape (n,).
+        tolerance: Of the rank.
+        q: The first configuration of the chain.
+        names: Of the joints of the chain.
+    """
+    sizes = np.array([np.abs(factor.normalised) for factor in factors])
+    least = np.where(sizes.min(axis=0) <= NEAR, sizes.min(axis=0), 0.0)
+    vanishes = singular & (sizes <= np.maximum(tolerance, least))
+    return [
+        replace(factor, vanishes=row, vanishes_where=factor.vanishes_where + _at(factor, q, names))
+        for factor, row in zip(factors, vanishes, strict=True)
+    ]
+
+
+def _at(factor: Factor, q: FloatArray, names: list[str]) -> str:
+    """Return the joint values at which a factor vanishes, in words; empty where not known."""
+    zeros = factor.zeros
+    values = None if zeros is None else zeros.values(q[zeros.joint])
+    if zeros is None or values is None:
+        return ""
+    degrees = (float(np.round(np.rad2deg(value), 9)) + 0.0 for value in values)
+    low, high = (f"{x:.12g}°" for x in sorted(180.0 if x == -180.0 else x for x in degrees))
+    return f"; that is {names[zeros.joint]} = {low} or {high}, and whole turns from there"
 
 
 def _none(reason: str) -> Factorization:
@@ -114,43 +188,35 @@ def _none(reason: str) -> Factorization:
     )
 
 
-def _single(factor: Factor) -> Factor:
-    return Factor(
-        factor.name,
-        factor.value[0],
-        factor.largest[0],
-        factor.unit,
-        factor.joints,
-        factor.vanishes_where,
-    )
-
-
 def _product(
     chain: Chain, axes: Relations, q: FloatArray, task: Task
 ) -> tuple[str, FloatArray, list[Factor]] | None:
     count, key = chain.length, (task.name, chain.length)
+    reach = Reach.of(chain, q, axes.size)
     if count > 1 and axes.parallel[0].all():
         return _flat(chain, axes, q, task)
     if key == ("pose", 6):
-        return _spherical_wrist(chain, axes, q) or _parallel_axes(chain, axes, q)
+        return _spherical_wrist(chain, axes, reach, q) or _parallel_axes(chain, axes, q)
     if key == ("pose", 7):
         return _srs(chain, axes, q)
     if key == ("position", 3):
         at = posture(chain, q)
-        return "three joints that place a point", *parts.arm(at, axes, at.p)
+        end = "the frame's origin"
+        return "three joints that place a point", *parts.arm(at, axes, reach, at.p, end)
     if key == ("orientation", 3) and axes.is_revolute.all():
-        return "three turning joints", *parts.wrist(posture(chain, q), 0, 1, 2)
+        where = "axes 1, 2 and 3 are directed along one plane"
+        return "three turning joints", *parts.wrist(posture(chain, q), 0, 1, 2, where)
     return None
 
 
 def _spherical_wrist(
-    chain: Chain, axes: Relations, q: FloatArray
+    chain: Chain, axes: Relations, reach: Reach, q: FloatArray
 ) -> tuple[str, FloatArray, list[Factor]] | None:
     if not axes.is_revolute[3:].all() or axes.wrist is None:
         return None
     at = posture(chain, q)
-    first, arm = parts.arm(at, axes, at.point(axes.wrist))
-    last, wrist = parts.wrist(at, 3, 4, 5)
+    first, arm = parts.arm(at, axes, reach, at.point(axes.wrist), parts.WRIST_CENTRE)
+    last, wrist = parts.wrist(at, 3, 4, 5, parts.in_one_plane(3, 4, 5))
     return "spherical wrist: axes 4, 5 and 6 meet", first * last, [*arm, *wrist]
 
 
@@ -168,7 +234,8 @@ def _parallel_axes(
         np.abs(dot(at.O[:, 1] - at.O[:, 0], n))
         + at.lever(1, at.O[:, 2])
         + at.lever(2, at.O[:, 3])
-        + at.lever(3, point)
+        + at.lever(3, at.foot(4, point))
+        + at.lever(4, point)
     )
     first, elbow = parts.three_parallel(at, 1, 2, 3)
     last, others = parts.around_parallel(at, axes.is_revolute, point, meets, reach)
@@ -199,7 +266,7 @@ def _flat(
     if u is None or len(slides) > 1:
         return None
     if kind in ((2, 0, "xy"), (2, 0, "position"), (2, 1, "position")):
-        constant, factors = parts.bend(at, turning[0], turning[1], at.p)
+        constant, factors = parts.bend(at, turning[0], turning[1], at.p, "the frame's origin")
         constant = constant * np.sign(dot(u, at.z(turning[1])))
         text = "planar 2R: two parallel axes"
     elif kind in ((3, 0, "xy_phi"), (3, 0, "pose"), (3, 1, "xyz_phi"), (3, 1, "pose")):

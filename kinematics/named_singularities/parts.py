@@ -2,7 +2,8 @@
 
 With ``c_k = z_k × (P - o_k)`` the velocity of a point P per unit speed of a revolute joint, two
 identities split them: ``(u × a) × (u × b) = u (u · (a × b))`` for parallel axes, and
-``(u × a) × (v × a) = a (a · (u × v))`` for axes that meet.
+``(u × a) × (v × a) = a (a · (u × v))`` for axes that meet. Bounds of factors hold at every q: no
+factor is divided by a length that may become zero.
 """
 
 from __future__ import annotations
@@ -15,125 +16,161 @@ from numpy.typing import NDArray
 from kinematics.named_singularities.posture import (
     Factor,
     Posture,
+    Zeros,
     across,
     cross,
     dot,
     norm,
     triple,
 )
+from kinematics.named_singularities.reach import Reach
 from kinematics.named_singularities.relations import Relations
 from robots.robot import FloatArray
 
 Product: TypeAlias = tuple[FloatArray, list[Factor]]
+WRIST_CENTRE = "the wrist centre"
 
 
-def wrist(at: Posture, i: int, j: int, k: int, name: str = "wrist") -> Product:
+def wrist(at: Posture, i: int, j: int, k: int, where: str) -> Product:
     """Return ``z_i · (z_j × z_k)``: the sine of the middle joint's angle times a constant."""
     a, b, c = at.z(i), at.z(j), at.z(k)
     scale = norm(cross(a, b)) * norm(cross(b, c))
-    sine = triple(b, a, c) / np.maximum(scale, 1e-300)
-    where = f"axes {i + 1} and {k + 1} lie in one plane with axis {j + 1} (or coincide)"
-    return -scale, [Factor(name, sine, np.ones_like(sine), "1", (i, j, k), where)]
+    part = np.maximum(scale, 1e-300)
+    sine = triple(b, a, c) / part
+    zeros = Zeros(j, sine, (dot(a, c) - dot(a, b) * dot(b, c)) / part, np.ones_like(sine))
+    return -scale, [Factor("wrist", sine, np.ones_like(sine), "1", (i, j, k), where, zeros)]
 
 
-def bend(at: Posture, i: int, j: int, point: FloatArray) -> Product:
-    """Return ``z_i · ((P - o_i) × (P - o_j))`` of parallel axes i, j: 0 with P in their plane."""
-    z = at.z(i)
+def in_one_plane(i: int, j: int, k: int) -> str:
+    """Say that three axes through one point lie in one plane."""
+    return f"axes {i + 1}, {j + 1} and {k + 1} lie in one plane (or two of them coincide)"
+
+
+def bend(
+    at: Posture, i: int, j: int, point: FloatArray, end: str, largest: FloatArray | None = None
+) -> Product:
+    """Return ``z_i · ((P - o_i) × (P - o_j))`` of parallel axes i, j: 0 with P in their plane.
+
+    Args:
+        at: The posture.
+        i: The first axis.
+        j: The second.
+        point: P, shape (n, 3).
+        end: P in words.
+        largest: Bound of its distance from axis j at every q, m; None where joint j alone moves it.
+    """
+    z, zj = at.z(i), at.z(j)
     between = across(at.O[:, j] - at.O[:, i], z)
     length = norm(between)
     e = between / np.maximum(length, 1e-300)[:, None]
-    value = triple(z, e, at.from_axis(j, point))
-    return length, [Factor("elbow", value, at.lever(j, point), "m", (i, j), _stretched(i, j))]
+    r = at.from_axis(j, point)
+    value = triple(z, e, r)
+    where = (
+        f"the arm is stretched or folded: {end} is in the plane of axes {i + 1} and {j + 1}"
+        " (or on one of them)"
+    )
+    zeros = None if largest is not None else Zeros(j, value, dot(e, r), np.sign(dot(z, zj)))
+    bound = at.lever(j, point) if largest is None else largest
+    return length, [Factor("elbow", value, bound, "m", (i, j), where, zeros)]
 
 
-def _stretched(i: int, j: int) -> str:
-    return f"the arm is stretched or folded: its end is in the plane of axes {i + 1} and {j + 1}"
-
-
-def arm(at: Posture, axes: Relations, point: FloatArray) -> Product:
-    """Return ``det [c_1 c_2 c_3]`` of the first three joints at a point.
+def arm(at: Posture, axes: Relations, reach: Reach, point: FloatArray, end: str) -> Product:
+    """Return ``det [c_1 c_2 c_3]`` of the first three joints at a point that they carry.
 
     Args:
         at: The posture.
         axes: How they lie to each other.
+        reach: How far points can be from them.
         point: P, shape (n, 3).
+        end: P in words.
     """
     t1, t2, t3 = (bool(is_revolute) for is_revolute in axes.is_revolute[:3])
     z1, z2, z3 = at.z(0), at.z(1), at.z(2)
     if t2 and t3 and axes.parallel[1, 2]:
-        constant, factors = bend(at, 1, 2, point)
+        constant, factors = bend(at, 1, 2, point, end)
         constant = constant * np.sign(dot(z2, z3))
         if not t1:
             return constant * dot(z1, z2), factors
-        n = cross(z1, z2)
-        sine = norm(n)
-        n /= np.maximum(sine, 1e-300)[:, None]
+        n, sine = _normal(z1, z2)
         offset = np.abs(dot(at.O[:, 1] - at.O[:, 0], n))
-        reach = offset + norm(across(at.O[:, 2] - at.O[:, 1], z2)) + at.lever(2, point)
-        where = "the wrist centre is in the plane through axis 1 along axis 2 (above the shoulder)"
+        largest = offset + norm(across(at.O[:, 2] - at.O[:, 1], z2)) + at.lever(2, point)
+        where = f"{end} is in the plane through axis 1 along axis 2"
         value = dot(at.from_axis(0, point), n)
-        return -constant * sine, [Factor("shoulder", value, reach, "m", (0, 1), where), *factors]
+        return -constant * sine, [Factor("shoulder", value, largest, "m", (0, 1), where), *factors]
     if t1 and t2 and axes.parallel[0, 1]:
-        constant, factors = bend(at, 0, 1, point)
+        constant, factors = bend(at, 0, 1, point, end, reach.from_axis(at, 1, 2, point))
         constant = constant * np.sign(dot(z1, z2))
         if not t3:
             return constant * dot(z1, z3), factors
-        n = cross(z1, z3)
-        sine = norm(n)
-        n /= np.maximum(sine, 1e-300)[:, None]
+        n, sine = _normal(z1, z3)
         value = dot(at.from_axis(2, point), n)
-        where = "the wrist centre is in the plane through axis 3 along axis 1"
+        where = f"{end} is in the plane through axis 3 along axis 1"
         forearm = Factor("forearm", value, at.lever(2, point), "m", (2,), where)
         return constant * sine, [*factors, forearm]
     if t1 and t2 and axes.meeting is not None:
-        meeting = axes.meeting
-        a = point - meeting
-        n = cross(z1, z2)
-        sine = norm(n)
-        n /= np.maximum(sine, 1e-300)[:, None]
-        where = "the wrist centre is in the plane of axes 1 and 2"
-        if not t3:
-            length = norm(a)
-            return sine, [
-                Factor("shoulder", dot(a, n), length, "m", (0, 1), where),
-                Factor(
-                    "slide",
-                    dot(a, z3),
-                    length,
-                    "m",
-                    (2,),
-                    "the wrist centre is level with the shoulder, at right angles to axis 3",
-                ),
-            ]
-        between = across(at.O[:, 2] - meeting, z3)
-        length = norm(between)
-        e = between / np.maximum(length, 1e-300)[:, None]
-        reach = norm(at.foot(2, point) - meeting) + at.lever(2, point)
-        bent = triple(z3, e, at.from_axis(2, point))
-        stretched = (
-            "the arm is stretched or folded: the wrist centre is in the plane of axis 3 and the"
-            " point where axes 1 and 2 meet"
-        )
-        return -length * sine, [
-            Factor("shoulder", dot(a, n), reach, "m", (0, 1), where),
-            Factor("elbow", bent, at.lever(2, point), "m", (2,), stretched),
-        ]
+        return _about_a_point(at, axes.meeting, reach, point, end, slides=not t3)
     columns = [at.column(k, point, bool(axes.is_revolute[k])) for k in range(3)]
     value = triple(*columns)
-    largest = np.prod([norm(column) for column in columns], axis=0)
+    largest = np.ones_like(value)
+    for k in range(3):
+        if axes.is_revolute[k]:
+            largest = largest * reach.from_axis(at, k, 2, point)
     power = int(np.count_nonzero(axes.is_revolute[:3]))
     unit = "1" if power == 0 else "m" if power == 1 else f"m^{power}"
-    where = "the velocities that joints 1, 2 and 3 give the wrist centre lie in one plane"
+    where = f"the velocities that joints 1, 2 and 3 give {end} lie in one plane"
     return np.ones_like(value), [Factor("arm", value, largest, unit, (0, 1, 2), where)]
+
+
+def _about_a_point(
+    at: Posture, meeting: FloatArray, reach: Reach, point: FloatArray, end: str, *, slides: bool
+) -> Product:
+    """Return the determinant where axes 1 and 2 meet in a point, not being parallel."""
+    a, z3 = point - meeting, at.z(2)
+    n, sine = _normal(at.z(0), at.z(1))
+    where = f"{end} is in the plane of axes 1 and 2"
+    if slides:
+        # The slide carries the point along itself: at q = 0 it is as far from the meeting point
+        # as along and across the slide together, at every q.
+        largest = norm(across(a, z3)) + reach.along(2, dot(a, z3))
+        right_angle = (
+            f"the line from the point where axes 1 and 2 meet to {end} is at right angles to axis 3"
+            " (or the two points coincide)"
+        )
+        return sine, [
+            Factor("shoulder", dot(a, n), largest, "m", (0, 1), where),
+            Factor("slide", dot(a, z3), largest, "m", (2,), right_angle),
+        ]
+    between = across(at.O[:, 2] - meeting, z3)
+    length = norm(between)
+    e = between / np.maximum(length, 1e-300)[:, None]
+    r = at.from_axis(2, point)
+    largest = norm(at.foot(2, point) - meeting) + at.lever(2, point)
+    stretched = (
+        f"the arm is stretched or folded: {end} is in the plane of axis 3 and the point where axes"
+        " 1 and 2 meet"
+    )
+    bent = triple(z3, e, r)
+    zeros = Zeros(2, bent, dot(e, r), np.ones_like(bent))
+    return -length * sine, [
+        Factor("shoulder", dot(a, n), largest, "m", (0, 1), where),
+        Factor("elbow", bent, at.lever(2, point), "m", (2,), stretched, zeros),
+    ]
+
+
+def _normal(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the unit vectors across a and b, shape (n, 3), and the sines of their angles."""
+    n = cross(a, b)
+    sine = norm(n)
+    return n / np.maximum(sine, 1e-300)[:, None], sine
 
 
 def three_parallel(at: Posture, i: int, j: int, k: int) -> Product:
     """Return the determinant of three revolute joints with parallel axes, rows (v_x, v_y, ω_h)."""
     h = at.z(i)
-    constant, (found,) = bend(at, i, j, at.O[:, k])
+    constant, (found,) = bend(at, i, j, at.O[:, k], f"axis {k + 1}")
     signs = np.sign(dot(h, at.z(j))) * np.sign(dot(h, at.z(k)))
     where = f"the arm is stretched or folded: axes {i + 1}, {j + 1} and {k + 1} lie in one plane"
-    factor = Factor("elbow", found.value, found.largest, "m", (i, j, k), where)
+    factor = Factor("elbow", found.value, found.largest, "m", (i, j, k), where, found.zeros)
     return constant * signs, [factor]
 
 
@@ -149,7 +186,7 @@ def around_parallel(
         is_revolute: True for revolute joints, shape (6,).
         point: A point of axis 6; where axes 5 and 6 meet, that point.
         meets: Whether they do.
-        scale: Bound of the distance of that point from axis 1's plane, shape (n,).
+        scale: Bound of the distance of that point from axis 1's plane at every q, shape (n,).
     """
     h, z1, z5, z6 = at.z(1), at.z(0), at.z(4), at.z(5)
     along = dot(at.column(0, point, bool(is_revolute[0])), h)
@@ -157,18 +194,19 @@ def around_parallel(
         value = along * triple(h, z5, z6)
         if is_revolute[0]:
             value = value - dot(at.column(4, point, True), h) * triple(h, z1, z6)
-        where = "joints 1, 5 and 6 together leave a motion across the parallel axes open"
+        where = (
+            "no motion of joints 1, 5 and 6 yields every velocity along the parallel axes together"
+            " with every turn across them"
+        )
         name, unit = ("shoulder and wrist", "m") if is_revolute[0] else ("wrist", "1")
         largest = scale + at.lever(4, point) if is_revolute[0] else np.ones_like(value)
         return np.ones_like(value), [Factor(name, value, largest, unit, (0, 4, 5), where)]
-    constant, (sine,) = wrist(at, 1, 4, 5)
-    where = "axes 5 and 6 and the parallel axes 2, 3 and 4 are directed in one plane (sin q5 = 0)"
-    factors = [Factor("wrist", sine.value, sine.largest, "1", (3, 4, 5), where)]
+    where = "axes 5 and 6 and the parallel axes 2, 3 and 4 are directed along one plane"
+    constant, (sine,) = wrist(at, 1, 4, 5, where)
+    factors = [Factor("wrist", sine.value, sine.largest, "1", (3, 4, 5), where, sine.zeros)]
     if not is_revolute[0]:
         return constant * along, factors
-    n = cross(z1, h)
-    skew = norm(n)
-    n /= np.maximum(skew, 1e-300)[:, None]
+    n, skew = _normal(z1, h)
     where = "the point where axes 5 and 6 meet is in the plane through axis 1 along axis 2"
     value = dot(at.from_axis(0, point), n)
     return -constant * skew, [Factor("shoulder", value, scale, "m", (0, 1), where), *factors]
@@ -185,7 +223,10 @@ def srs(at: Posture, shoulder: FloatArray, centre: FloatArray) -> Product:
     between = across(at.O[:, 3] - shoulder, z4)
     length = norm(between)
     e = between / np.maximum(length, 1e-300)[:, None]
-    elbow = triple(z4, e, at.from_axis(3, centre))
+    r = at.from_axis(3, centre)
+    elbow = triple(z4, e, r)
+    zeros = Zeros(3, elbow, dot(e, r), np.ones_like(elbow))
+    farthest = norm(at.foot(3, centre) - shoulder) + at.lever(3, centre)
 
     def pairs(i: int, j: int, k: int) -> FloatArray:
         z = (at.z(i), at.z(j), at.z(k))
@@ -202,14 +243,16 @@ def srs(at: Posture, shoulder: FloatArray, centre: FloatArray) -> Product:
             (3,),
             "the arm is stretched or folded: the wrist centre is in the plane of axis 4 and"
             " the shoulder's centre",
+            zeros,
         ),
         Factor(
             "shoulder and wrist",
             value,
-            3.0 * norm(d),
+            3.0 * farthest,
             "m",
             (0, 1, 2, 4, 5, 6),
-            "the shoulder's axes lie in a plane (sin q2 = 0), or the wrist's (sin q6 = 0), or"
-            " both, such that the line from shoulder to wrist leaves no way round",
+            "axes 1, 2 and 3 and the line from shoulder to wrist lie in one plane; or axes 5, 6"
+            " and 7 and that line do; or axes 1, 2 and 3 lie in one plane and axes 5, 6 and 7 in"
+            " another; or shoulder and wrist coincide",
         ),
     ]

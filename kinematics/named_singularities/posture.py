@@ -2,13 +2,48 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinematics.chain import Chain
 from kinematics.kernels import forward
 from robots.robot import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Zeros:
+    """A factor that depends on one turning joint alone, as the sine of an angle.
+
+    Attributes:
+        joint: Index of the joint in the chain.
+        sine: Of the angle, times a length; shape (n,).
+        cosine: Likewise.
+        sense: 1 where the angle grows with the joint's value, -1 where it falls; shape (n,).
+    """
+
+    joint: int
+    sine: FloatArray
+    cosine: FloatArray
+    sense: FloatArray
+
+    def values(self, q: FloatArray) -> tuple[float, float] | None:
+        """Return the joint's two values in (-pi, pi] where the factor vanishes, rad.
+
+        Args:
+            q: The joint's value in the first configuration, rad, of shape ().
+
+        Returns:
+            The smaller first; None where the factor vanishes at every value.
+        """
+        sine, cosine = float(self.sine[0]), float(self.cosine[0])
+        if np.hypot(sine, cosine) == 0.0:
+            return None
+        first = float(q) - float(self.sense[0]) * np.arctan2(sine, cosine)
+        both = (np.pi - np.remainder(np.pi - first - shift, 2 * np.pi) for shift in (0.0, np.pi))
+        low, high = sorted(float(value) for value in both)
+        return low, high
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,10 +53,12 @@ class Factor:
     Attributes:
         name: shoulder, elbow, wrist, …
         value: Signed, shape (n,).
-        largest: Bound of its absolute value, or the value it is compared with; shape (n,).
+        largest: Bound of its absolute value, the same at every q; shape (n,).
         unit: ``m``, ``m^2``, … or 1.
         joints: Indices in the chain of the joints that it depends on.
         vanishes_where: Where it vanishes, in words.
+        zeros: The values of the one joint that it depends on, if it does.
+        vanishes: Whether it is zero, and the rank lost with it, shape (n,).
     """
 
     name: str
@@ -30,6 +67,8 @@ class Factor:
     unit: str
     joints: tuple[int, ...]
     vanishes_where: str
+    zeros: Zeros | None = None
+    vanishes: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
     @property
     def normalised(self) -> FloatArray:

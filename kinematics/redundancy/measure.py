@@ -14,6 +14,7 @@ from kinematics.kernels import Array
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.distances import clearances
 from kinematics.redundancy.clearance.link_points import link_ends
+from kinematics.redundancy.clearance.links import Links
 from kinematics.redundancy.clearance.sweep import most_visits, swept_clearances
 from kinematics.redundancy.kernel import workspace
 from kinematics.redundancy.problem import PathProblem, PathTolerance
@@ -93,11 +94,11 @@ def nearest_part(problem: PathProblem, a: FloatArray, b: FloatArray) -> float:
     return float(LOOKS[int(np.argmin(found))])
 
 
-def ends_of_links(problem: PathProblem, Q: FloatArray) -> FloatArray:
+def ends_of_links(arm: Arm, links: Links, Q: FloatArray) -> FloatArray:
     """Return the ends of the links' segments at Q, shape (n, K); shape (n, L, 2, 3), m."""
-    rows = problem.links.rows
+    rows = links.rows
     out = np.empty((len(Q), len(rows), 6))
-    chain, W = problem.arm.constants.chain, workspace(problem.arm.K, len(rows))
+    chain, W = arm.constants.chain, workspace(arm.K, len(rows))
     link_ends(chain, np.ascontiguousarray(Q), rows, W, out)
     return out.reshape(len(Q), len(rows), 2, 3)
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from kinematics.chain import Chain
 from kinematics.inverse.closed_form import parallel_axes, planar, spherical_wrist, srs
-from kinematics.inverse.closed_form.candidates import Candidates, FormConstants
+from kinematics.inverse.closed_form.candidates import SAME, Candidates, FormConstants
 from kinematics.inverse.closed_form.classify import ClosedForm, Kind, classify
 from kinematics.inverse.task_error import TaskChain
 from kinematics.task import POSE, Task
@@ -52,7 +52,9 @@ class Solutions:
     def postures(self, form: ClosedForm) -> list[tuple[str, ...]]:
         """Return the names of the postures of each solution."""
         return [
-            tuple(names[code] for names, code in zip(form.postures, row, strict=True))
+            tuple(
+                names[code] for names, code in zip(form.postures, row, strict=True) if names[code]
+            )
             for row in self.codes.tolist()
         ]
 
@@ -112,7 +114,18 @@ def solutions(
     )
     bits = (found.free[:n, None] >> np.arange(count)) & 1
     errors = found.errors[:n]
+    if form.ranked is not None:
+        found.codes[:n, 0] = _ranks(found.q[:n, form.ranked])
     return Solutions(found.q[:n], found.codes[:n], bits.astype(bool), errors[:, 0], errors[:, 1])
+
+
+def _ranks(values: FloatArray) -> NDArray[np.int64]:
+    """Return how many different values are below each; those within ``SAME`` are one."""
+    order = np.argsort(values)
+    steps = np.diff(values[order], prepend=values[order[:1]]) > SAME
+    ranks = np.empty(len(values), dtype=np.int64)
+    ranks[order] = np.cumsum(steps)
+    return ranks
 
 
 def swivel_of(form: ClosedForm, q: FloatArray) -> float:

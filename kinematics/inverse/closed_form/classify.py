@@ -1,22 +1,25 @@
 """Classify chains by the geometry of their axes: which closed form they have.
 
-Postures, each a choice of two, decided at q by where the parts of the arm are. z_k is the
-direction of axis k; axis 1's direction towards the base's +z is "upwards".
+Postures, each a choice, decided at q by where the parts of the arm are; two solutions of one target
+never have the same ones. z_k is the direction of axis k.
+
+*up*: of two parallel axes that bear the arm, the second (the elbow) is above the line from the
+first (the shoulder) to the end of the forearm, as seen along them with the base's +z up; see
+:mod:`elbow` for arms in a horizontal plane. The end of the forearm is the wrist centre, axis 4 of
+an arm with parallel axes 2, 3 and 4, axis 3 or the tip of an arm in a plane.
 
 Spherical wrist. *front*: the wrist centre is on the forward side of axis 1; forward is where axis
-2 is offset from axis 1, and where it is not, upwards × z_2. *up*: seen in front, axis 3 is above
-the line from axis 2 to the wrist centre (behind, the mirror image: the label changes at
-singularities only). *flip*: (z_4 × z_6) · z_5 > 0, which for D-H tables such as the PUMA's is
-sin q5 > 0. Where the first three axes are arranged otherwise: *front* by the same side of axis 1
-(axes 1 and 2 parallel: by the bend of joint 2), *up* by the bend of joint 3; a sliding joint 3
-is *out* or *in*.
+2 is offset from axis 1, and where it is not, upwards × z_2, with upwards the direction of axis 1
+towards the base's +z. *flip*: (z_4 × z_6) · z_5 > 0, which for D-H tables such as the PUMA's is
+sin q5 > 0. By the first three axes: 2 and 3 parallel: front, up. 1 and 2 meet: front, and
+*positive* where joint 3 bends the arm positively about z_3. 1 and 2 parallel: up, and *positive*
+where the wrist centre is on the z_1 × z_3 side of axis 3. In general position: *first* to *fourth*
+by the value of joint 3 in (-pi, pi]. Joint 3 slides: front, and *extended* or *retracted* from
+where the wrist centre is nearest to the shoulder.
 
 Parallel axes 2, 3, 4. *left*: the point where axes 5 and 6 meet is on the -(z_1 × z_2) side of
-axis 1. *up*: joint 3 bends the arm positively about z_2, in D-H tables of this family q3 > 0.
-*in*: (z_4' × z_6) · z_5 > 0 with z_4' = z_2, which is sin q5 > 0 where z_4 = z_2.
-
-Plane arms and SCARA. *up*: seen with the base's z towards the eye, the elbow is on the left of
-the line from axis 1 to the end of the second link; where all axes point up, q2 < 0.
+axis 1; where they do not meet, *first* to *fourth* by the value of joint 1. *in*:
+(z_4' × z_6) · z_5 > 0 with z_4' = z_2, which is sin q5 > 0 where z_4 = z_2.
 
 Shoulder, elbow, wrist. *positive*: (z_1 × z_3) · z_2 > 0; joint 4 bends the arm positively about
 z_4; (z_5 × z_7) · z_6 > 0.
@@ -38,6 +41,17 @@ from robots.robot import FloatArray
 
 Kind = Literal["spherical_wrist", "parallel_axes", "planar_2r", "planar_3r", "scara", "srs"]
 
+_FRONT, _ELBOW, _SIGN = ("front", "back"), ("up", "down"), ("positive", "negative")
+_RANKS = ("first", "second", "third", "fourth")
+_ARMS = {
+    spherical_wrist.ELBOW: (_FRONT, _ELBOW),
+    spherical_wrist.SHOULDER: (_FRONT, _SIGN),
+    spherical_wrist.COLUMN: (_ELBOW, _SIGN),
+    spherical_wrist.GENERAL: (_RANKS, ("",)),
+    spherical_wrist.TELESCOPE: (_FRONT, ("extended", "retracted")),
+}
+"""Choices of the first three joints."""
+
 
 @dataclass(frozen=True, eq=False)
 class ClosedForm:
@@ -48,16 +62,19 @@ class ClosedForm:
         constants: Numbers for the compiled solver of this class, shape (n,).
         description: For people: what was recognised.
         tasks: Names of the tasks it solves.
-        postures: The binary choices, each with the names of its values 0 and 1.
+        postures: The choices, each with the names of its values 0, 1, …
         most: Largest number of solutions (for one swivel angle).
+        ranked: The joint by whose values solutions get the first choice's names, smallest first;
+            None where the first choice is decided by geometry.
     """
 
     kind: Kind
     constants: FloatArray
     description: str
     tasks: tuple[str, ...]
-    postures: tuple[tuple[str, str], ...]
+    postures: tuple[tuple[str, ...], ...]
     most: int
+    ranked: int | None = None
 
 
 def classify(chain: Chain) -> ClosedForm | None:
@@ -115,7 +132,7 @@ def _flat(lines: AxisLines, turning: int) -> ClosedForm | None:
             lines.pose[:3, :3].T.reshape(9),
         )
     )
-    elbow = (("up", "down"),)
+    elbow = (_ELBOW,)
     if slides:
         tasks = ("pose", "xyz_phi") if upright else ("pose",)
         text = "SCARA: three turns and a slide about and along parallel axes"
@@ -124,7 +141,7 @@ def _flat(lines: AxisLines, turning: int) -> ClosedForm | None:
         text = "planar 3R: three parallel axes"
         return ClosedForm("planar_3r", constants, text, ("xy_phi",), elbow, planar.MOST)
     text = "planar 2R: two parallel axes"
-    return ClosedForm("planar_2r", constants, text, ("xy",), elbow, planar.MOST)
+    return ClosedForm("planar_2r", constants, text, ("xy", "position"), elbow, planar.MOST)
 
 
 def _spherical_wrist(lines: AxisLines) -> ClosedForm | None:
@@ -143,15 +160,7 @@ def _spherical_wrist(lines: AxisLines) -> ClosedForm | None:
     offset = p2 - p1
     shifted = variant != spherical_wrist.COLUMN and np.linalg.norm(offset) > LENGTH * size
     forward = offset if shifted else np.cross(up, h[1])
-    elbow_axis = h[1] if variant == spherical_wrist.ELBOW else h[2]
-    sign = (
-        np.sign(elbow_axis @ np.cross(forward, up))
-        if abs(elbow_axis @ np.cross(forward, up))
-        > ANGLE * max(1.0, float(np.linalg.norm(forward)))
-        else 1.0
-    )
-    if variant == spherical_wrist.TELESCOPE:
-        sign = -float(h[2] @ (wrist - p1))
+    middle = -float(h[2] @ (wrist - p1))
     wrist_axes = triple(h[3], h[4], h[5])
     constants = np.concatenate(
         (
@@ -165,19 +174,19 @@ def _spherical_wrist(lines: AxisLines) -> ClosedForm | None:
             p2,
             p3,
             forward,
-            [sign],
-            elbow_axis,
+            [middle],
             wrist_axes,
         )
     )
-    elbow = ("out", "in") if variant == spherical_wrist.TELESCOPE else ("up", "down")
+    flip = ("noflip", "flip")
     return ClosedForm(
         "spherical_wrist",
         constants,
         f"spherical wrist; {text}",
         ("pose",),
-        (("front", "back"), elbow, ("noflip", "flip")),
+        (*_ARMS[variant], flip),
         spherical_wrist.MOST,
+        2 if variant == spherical_wrist.GENERAL else None,
     )
 
 
@@ -258,8 +267,9 @@ def _parallel_axes(lines: AxisLines) -> ClosedForm | None:
         constants,
         text,
         ("pose",),
-        (("left", "right"), ("up", "down"), ("in", "out")),
+        (("left", "right") if meets else _RANKS, _ELBOW, ("in", "out")),
         8 if meets else parallel_axes.MOST,
+        None if meets else 0,
     )
 
 
@@ -287,6 +297,6 @@ def _srs(lines: AxisLines) -> ClosedForm | None:
             last,
         )
     )
-    sign = ("positive", "negative")
+    sign = _SIGN
     text = "spherical shoulder, elbow, spherical wrist"
     return ClosedForm("srs", constants, text, ("pose",), (sign, sign, sign), srs.MOST)

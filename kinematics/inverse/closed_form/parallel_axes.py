@@ -27,6 +27,7 @@ from kinematics.inverse.closed_form.candidates import (
     pose_parts,
     put,
 )
+from kinematics.inverse.closed_form.elbow import elbow_code
 from kinematics.inverse.closed_form.quartic import roots, times
 from kinematics.inverse.closed_form.spherical import bend, three_turns
 from kinematics.inverse.closed_form.subproblems import FREE, align, component, distance
@@ -74,7 +75,7 @@ class Branch(NamedTuple):
         q1: Joint 1, rad.
         q5: Joint 5, rad.
         q6: Joint 6, rad.
-        left: Code of the shoulder.
+        shoulder: Code of the shoulder; 0 where axes 5 and 6 do not meet.
         side: Code of the wrist.
         free: Bits of the joints that the branch leaves free.
     """
@@ -85,7 +86,7 @@ class Branch(NamedTuple):
     q1: float
     q5: float
     q6: float
-    left: int
+    shoulder: int
     side: int
     free: int
 
@@ -123,7 +124,7 @@ def solve(
     for i in range(n1):
         c1, s1 = math.cos(first[i]), math.sin(first[i])
         y = turn(h1, c1, -s1, x)
-        left = 0 if dot(vector(numbers, FORWARD), y) < 0.0 else 1
+        shoulder = 0 if not meets or dot(vector(numbers, FORWARD), y) < 0.0 else 1
         goal = add(p1, y)
         wrist_c, wrist_v = turn(h1, c1, -s1, image_c), turn(h1, c1, -s1, image_v)
         exists, bent = bend(numbers, TRIPLE, wrist_c)
@@ -139,12 +140,13 @@ def solve(
                 continue
             before = n
             if not loose:
-                branch = Branch(goal, point, total, first[i], q5, q6, left, 1 - side, bits)
+                branch = Branch(goal, point, total, first[i], q5, q6, shoulder, 1 - side, bits)
                 n = _plane(form, branch, target, given, measured, candidates, n, work)
             straight = abs(dot(h5, cross(h, turn(h5, c5, s5, vector(numbers, TRIPLE + 6)))))
             if loose or ((n == before or not measured) and straight < NEARLY_STRAIGHT):
                 total, q6 = _straight(numbers, wrist_v, q5, given[5], goal, point)
-                branch = Branch(goal, point, total, first[i], q5, q6, left, 1 - side, bits + 32)
+                bits5 = bits + 32
+                branch = Branch(goal, point, total, first[i], q5, q6, shoulder, 1 - side, bits5)
                 n = _plane(form, branch, target, given, measured, candidates, n, work)
     return n
 
@@ -194,7 +196,8 @@ def _plane(
     """Add the solutions of joints 2, 3, 4 for one choice of the others: up to two."""
     numbers, goal, point, total = form.numbers, branch.goal, branch.point, branch.total
     size, sign3, sign4 = numbers[SIZE], numbers[SIGN3], numbers[SIGN4]
-    h = vector(numbers, TRIPLE)
+    h, h1 = vector(numbers, TRIPLE), vector(numbers, H1)
+    c1, s1 = math.cos(branch.q1), math.sin(branch.q1)
     p2, p3, p4 = vector(numbers, P2), vector(numbers, P3), vector(numbers, P4)
     end = sub(add(goal, turn(h, math.cos(total), math.sin(total), sub(p4, point))), p2)
     across = norm(cross(h, end))
@@ -206,9 +209,10 @@ def _plane(
         if not determined:
             q2 = given[1]
         q3, q4 = sign3 * elbow, sign4 * (total - q2 - elbow)
-        fold = dot(h, cross(sub(p3, p2), sub(reached, sub(p3, p2))))
+        knee = turn(h, math.cos(q2), math.sin(q2), sub(p3, p2))
+        bent = elbow_code(turn(h1, c1, s1, h), turn(h1, c1, s1, end), turn(h1, c1, s1, knee))
         values = (branch.q1, q2, q3, q4, branch.q5, branch.q6)
-        codes = (branch.left, 0 if fold >= 0.0 else 1, branch.side)
+        codes = (branch.shoulder, bent, branch.side)
         put(candidates, n, values, codes, branch.free if determined else branch.free | 2)
         n = keep(form, target, measured, candidates, n, work)
     return n

@@ -19,6 +19,7 @@ from kinematics.inverse.closed_form.candidates import (
     keep,
     none_yet,
 )
+from kinematics.inverse.closed_form.elbow import elbow_code
 from kinematics.inverse.closed_form.subproblems import align, distance
 from kinematics.inverse.closed_form.vectors import (
     add,
@@ -97,8 +98,8 @@ def solve(
             q[n, third] = numbers[SIGNS + 2] * (heading - swing - bend)
         if slide >= 0:
             q[n, slide] = numbers[SIGNS + 3] * height
-        side = dot(u, cross(reached, sub(a2, a1)))
-        codes[n, 0] = 0 if side >= 0.0 else 1
+        elbow = turn(u, math.cos(swing), math.sin(swing), sub(a2, a1))
+        codes[n, 0] = elbow_code(u, goal, elbow)
         n = keep(form, target, measured, candidates, n, work)
     return n
 

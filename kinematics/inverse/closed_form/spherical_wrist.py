@@ -27,6 +27,7 @@ from kinematics.inverse.closed_form.candidates import (
     pose_parts,
     put,
 )
+from kinematics.inverse.closed_form.elbow import elbow_code
 from kinematics.inverse.closed_form.quartic import roots, times
 from kinematics.inverse.closed_form.spherical import bend, three_turns
 from kinematics.inverse.closed_form.subproblems import (
@@ -64,8 +65,9 @@ WRIST_IN_TIP, AXIS6_IN_TIP, SIDE6_IN_TIP = 5, 8, 11
 """Wrist centre, axis 6 and the vector perpendicular to it, in the axes of the frame."""
 H1, H2, H3 = 14, 17, 20
 P1, P2, P3 = 23, 26, 29
-FORWARD, ELBOW_SIGN, ELBOW_AXIS = 32, 35, 36
-TRIPLE = 39
+FORWARD, MIDDLE = 32, 35
+"""Direction of the front side; the slide's value at the point nearest to the shoulder."""
+TRIPLE = 36
 
 MOST = 8
 
@@ -109,7 +111,7 @@ def solve(
             c3, s3 = math.cos(arms[i, 2]), math.sin(arms[i, 2])
         wrist_c = turn(h3, c3, -s3, turn(h2, c2, -s2, turn(h1, c1, -s1, image_c)))
         wrist_v = turn(h3, c3, -s3, turn(h2, c2, -s2, turn(h1, c1, -s1, image_v)))
-        shoulder, elbow = _posture(numbers, third_turns, arms[i, 2], c2, s2, c3, s3)
+        shoulder, elbow = _posture(numbers, w, arms[i])
         exists, bent = bend(numbers, TRIPLE, wrist_c)
         if not exists:
             continue
@@ -133,22 +135,33 @@ def _geometry(numbers: Array) -> tuple[Triple, Triple, Vector]:
 
 
 @inner
-def _posture(
-    numbers: Array, third_turns: bool, q3: float, c2: float, s2: float, c3: float, s3: float
-) -> tuple[int, int]:
-    """Return the codes of shoulder (0 front, 1 back) and elbow (0 up, 1 down)."""
-    (_, h2, h3), (p1, p2, p3), w = _geometry(numbers)
-    reached = turn_about(h3, p3, c3, s3, w) if third_turns else add(w, scale(q3, h3))
-    if numbers[VARIANT] == COLUMN:
-        front = dot(h2, cross(sub(p1, p2), sub(reached, p2))) >= 0.0
+def _posture(numbers: Array, w: Vector, arm: Array) -> tuple[int, int]:
+    """Return the codes of shoulder and elbow of joint values q1, q2, q3; see :mod:`classify`."""
+    variant = numbers[VARIANT]
+    (h1, h2, h3), (p1, p2, p3), w0 = _geometry(numbers)
+    q1, q2, q3 = arm[0], arm[1], arm[2]
+    c1, s1 = math.cos(q1), math.sin(q1)
+    if variant == GENERAL:
+        return 0, 0
+    if variant == TELESCOPE:
+        reached = add(w0, scale(q3, h3))
     else:
-        ahead = sub(turn_about(h2, p2, c2, s2, reached), p1)
-        front = dot(vector(numbers, FORWARD), ahead) >= 0.0
-    if not third_turns:
-        return (0 if front else 1), (0 if q3 >= numbers[ELBOW_SIGN] else 1)
-    fold = dot(vector(numbers, ELBOW_AXIS), cross(sub(reached, p2), sub(p3, p2)))
-    side = numbers[ELBOW_SIGN] * fold * (1.0 if front else -1.0)
-    return (0 if front else 1), (0 if side >= 0.0 else 1)
+        reached = turn_about(h3, p3, math.cos(q3), math.sin(q3), w0)
+    if variant == COLUMN:
+        side = dot(sub(reached, p3), cross(h1, h3))
+        bent = elbow_code(h1, sub(w, p1), turn(h1, c1, s1, sub(p2, p1)))
+        return bent, 0 if side >= 0.0 else 1
+    c2, s2 = math.cos(q2), math.sin(q2)
+    ahead = dot(vector(numbers, FORWARD), sub(turn_about(h2, p2, c2, s2, reached), p1))
+    front = 0 if ahead >= 0.0 else 1
+    if variant == TELESCOPE:
+        return front, 0 if q3 >= numbers[MIDDLE] else 1
+    if variant == SHOULDER:
+        side = dot(h3, cross(sub(p3, p1), sub(reached, p3)))
+        return front, 0 if side >= 0.0 else 1
+    line = sub(w, add(p1, turn(h1, c1, s1, sub(p2, p1))))
+    knee = turn(h2, c2, s2, sub(p3, p2))
+    return front, elbow_code(turn(h1, c1, s1, h2), line, turn(h1, c1, s1, knee))
 
 
 @inner

@@ -9,7 +9,6 @@ once.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -19,7 +18,9 @@ import pinocchio as pin
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.bounding import BoundingCapsule, bounding_capsule
 from kinematics.redundancy.clearance.distances import pair_distance
+from kinematics.redundancy.clearance.link_points import RADIUS
 from kinematics.redundancy.clearance.links import Links, carried, skeleton
+from kinematics.redundancy.clearance.polyline import carrier_poses
 from robots.robot import FloatArray
 from robots.shapes import Shape, link_shapes
 
@@ -82,9 +83,9 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
     """
     shapes = link_shapes(arm.robot)
     poses, carriers = _placements(arm, start, shapes)
-    inverse = [np.linalg.inv(T) for T in _carriers(arm, start)]
+    inverse = [np.linalg.inv(T) for T in carrier_poses(arm, arm.reduced(start))[:-1]]
     bones = skeleton(arm, radii)
-    rows, names, parts = [], [], []
+    rows, names, segments, parts = [], [], [], []
     fixed, fixed_names = [], []
     known = set()
     for shape in shapes:
@@ -102,16 +103,21 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
         a, b = (M[:3, :3] @ p + M[:3, 3] for p in (a, b))
         rows.append(carried(carrier, a, b, capsule.radius))
         names.append(f"link {shape.link}")
+        segments.append(-1)
         parts.append(_part(arm, carrier, shape, capsule))
     meshes = {carriers[s.link] for s in shapes if s.kind == "mesh"}
     for k in range(arm.K):
         if k in meshes or k not in known:
-            rows.append(bones.rows[k])
-            names.append(f"segment {k + 1}")
-            radius = float(bones.rows[k, 2])
-            parts.append(Part(f"segment {k + 1}", arm.names[k], "segment", radius, None, 0.0))
+            name = f"segment {k + 1}"
+            for row, segment in zip(bones.rows, bones.segments, strict=True):
+                if segment != k:
+                    continue
+                rows.append(row)
+                names.append(name)
+                segments.append(k)
+                parts.append(Part(name, arm.names[k], "segment", float(row[RADIUS]), None, 0.0))
     return LinkGeometry(
-        Links(np.array(rows), tuple(names)),
+        Links(np.array(rows), tuple(names), tuple(segments)),
         tuple(parts),
         _warnings(arm, shapes, carriers, radii),
         np.array(fixed).reshape(-1, 7),
@@ -169,27 +175,6 @@ def _ancestors(model: pin.Model, joint: int) -> frozenset[int]:
         found.add(joint)
         joint = int(model.parents[joint])
     return frozenset(found)
-
-
-def _carriers(arm: Arm, start: FloatArray) -> list[FloatArray]:
-    """Return the pose of each joint of the chain in base axes, 4x4."""
-    chain, q, poses = arm.chain, arm.reduced(start), []
-    T = _square(chain.placements[0])
-    for k in range(arm.K):
-        M = np.eye(4)
-        if chain.is_revolute[k]:
-            c, s = math.cos(q[k]), math.sin(q[k])
-            M[:2, :2] = [[c, -s], [s, c]]
-        else:
-            M[2, 3] = q[k]
-        T = T @ M
-        poses.append(T)
-        T = T @ _square(chain.placements[k + 1])
-    return poses
-
-
-def _square(rows: FloatArray) -> FloatArray:
-    return np.vstack((rows.reshape(3, 4), [0.0, 0.0, 0.0, 1.0]))
 
 
 def _warnings(

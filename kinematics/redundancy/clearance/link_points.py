@@ -1,7 +1,7 @@
 """Compiled placement of the links of an arm at a configuration.
 
-Links are the rows of :class:`~.links.Links`, capsules whose ends are fixed to joints; row K of
-the carriers is the frame. Their ends are written to the last rows of the workspace, which
+Links are the rows of :class:`~.links.Links`, capsules whose ends are fixed to joints; carrier K is
+the frame, -1 the base. Their ends are written to the last rows of the workspace, which
 :func:`kinematics.redundancy.kernel.workspace` makes long enough.
 """
 
@@ -45,6 +45,10 @@ def link_points(chain: TaskChain, q: Array, links: Array, W: Array) -> None:
     for k in range(L):
         for end in range(2):
             row = int(links[k, end])
+            if row < 0:
+                for i in range(3):
+                    P[k, 3 * end + i] = links[k, OFFSET + 3 * end + i]
+                continue
             for i in range(3):
                 P[k, 3 * end + i] = W[row, 3 + i]
             if links[k, TURNED] != 0.0:

@@ -32,8 +32,9 @@ class Reason(StrEnum):
 
     ``singular_start``: the task's Jacobian loses rank at the start, and no step leaves it.
     ``singular``: it loses rank on the way. ``unreachable``: a target of the path is out of reach
-    within the limits. ``diverged``: the steps grew without bound. ``infeasible``: the targets are
-    within reach, but not together with limits, speeds and clearance. ``collision``: a link meets
+    within the limits, or was not reached by a search. ``diverged``: the steps grew without bound.
+    ``infeasible``: the first target that is missed and the last are within reach, but not together
+    with limits, speeds and clearance. ``collision``: a link meets
     an obstacle. ``clearance``: it comes nearer than d_safe. ``limits``: a joint leaves its
     limits. ``velocity``: a joint exceeds its speed limit. ``tracking``: the error is
     beyond the tolerance, such as the drift of an open loop. ``timeout``: the time was up.
@@ -144,7 +145,7 @@ def _reason(
     moved = float(np.abs(Q - Q[0]).max())
     if first_lost is not None:
         stuck = first_lost < len(Q) and np.abs(Q[first_lost] - Q[0]).max() < STUCK
-        if rank < m and stuck and _reachable(problem, first_lost):
+        if rank < m and stuck and _reached(problem, first_lost) is IKStatus.CONVERGED:
             return Reason.SINGULAR_START, (
                 f"rank(J) = {rank} < {m} at the start, and no step leads towards sample"
                 f" {first_lost}: the arm moved by {moved:.2g}; leave the start with perturb,"
@@ -153,16 +154,15 @@ def _reason(
         away = _unreachable(problem, first_lost)
         jumped = not constrained and measures.largest_step > JUMP
         if stop is not None or (jumped and measures.off_path(problem.tolerance)[-1]):
-            beyond = "" if away is None else f"; sample {away} is out of reach within the limits"
+            beyond = "" if away is None else f"; {away}"
             return Reason.DIVERGED, (
-                f"the steps grew without bound after sample {first_lost}: up to"
+                f"the steps grew after sample {first_lost}, up to"
                 f" {measures.largest_step:.3g} rad or m in one{beyond}"
             )
         if away is not None:
             return Reason.UNREACHABLE, (
-                f"sample {away} is out of reach within the limits; the path is lost"
-                f" {_where(problem, measures, first_lost)}; the end is missed by"
-                f" {_missed(measures)}"
+                f"{away}; the path is lost {_where(problem, measures, first_lost)}; the end is"
+                f" missed by {_missed(measures)}"
             )
     if constrained:
         return Reason.INFEASIBLE, _conflict(problem, Q, measures, violations, first_lost)
@@ -192,15 +192,22 @@ def _never(problem: PathProblem) -> bool:
     return _rank(problem, problem.first + 0.3 * np.sin(1.0 + 2.0 * k)) < problem.arm.m
 
 
-def _reachable(problem: PathProblem, sample: int) -> bool:
-    found = reach(problem, sample, problem.start, restarts=REACH_RESTARTS, seconds=REACH_SECONDS)
-    return found.status is IKStatus.CONVERGED
+def _reached(problem: PathProblem, sample: int) -> IKStatus:
+    """Return how a solve for the target of a sample ends, with some time and restarts."""
+    return reach(
+        problem, sample, problem.start, restarts=REACH_RESTARTS, seconds=REACH_SECONDS
+    ).status
 
 
-def _unreachable(problem: PathProblem, first_lost: int) -> int | None:
-    """Return the first lost or the last sample if no q within the limits reaches it."""
-    last = problem.path.samples - 1
-    return next((k for k in (first_lost, last) if not _reachable(problem, k)), None)
+def _unreachable(problem: PathProblem, first_lost: int) -> str | None:
+    """Say that no q within the limits reaches the first lost or the last sample, or was found."""
+    for sample in (first_lost, problem.path.samples - 1):
+        status = _reached(problem, sample)
+        if status is IKStatus.UNREACHABLE:
+            return f"sample {sample} is out of reach within the limits"
+        if status is not IKStatus.CONVERGED:
+            return f"no q within the limits was found that reaches sample {sample}"
+    return None
 
 
 def _where(problem: PathProblem, measures: Measures, first_lost: int) -> str:
@@ -232,8 +239,9 @@ def _conflict(
     parts = []
     if first_lost is not None:
         parts.append(
-            f"every target is within reach, but {_where(problem, measures, first_lost)}, not"
-            " together with limits, speeds and clearance; the end is missed by"
+            f"{_both(problem, first_lost)} within reach, but the path is lost"
+            f" {_where(problem, measures, first_lost)}: the targets were not met together with"
+            " limits, speeds and clearance; the end is missed by"
             f" {_missed(measures)}"
         )
     if "clearance" in violations:
@@ -252,6 +260,12 @@ def _clearance(problem: PathProblem, measures: Measures) -> str:
         f"the clearance falls to {measures.min_swept:.4g} m (d_safe is {problem.d_safe:g}),"
         f" {problem.links.names[link]} to obstacle {obstacle} about sample {at}"
     )
+
+
+def _both(problem: PathProblem, first_lost: int) -> str:
+    """Name the samples whose targets were found to be within reach."""
+    last = problem.path.samples - 1
+    return f"sample {last} is" if first_lost == last else f"samples {first_lost} and {last} are"
 
 
 def _limits(problem: PathProblem, Q: FloatArray) -> str:

@@ -359,11 +359,7 @@ def _distances(casadi: Any, problem: PathProblem, carriers: list[Any]) -> Any:
     """Clearance of every pair of link and obstacle, not below zero for boxes."""
     found = []
     for link in problem.links.rows:
-        A, B = (
-            carriers[int(link[end])][:3, 3]
-            + carriers[int(link[end])][:3, :3] @ link[OFFSET + 3 * end : OFFSET + 3 * end + 3]
-            for end in range(2)
-        )
+        A, B = (_placed(casadi, carriers, link, end) for end in range(2))
         for row in problem.obstacles:
             if row[0] == HALF_SPACE:
                 ends = (A, B) if link[WHOLE] else (B,)
@@ -371,6 +367,15 @@ def _distances(casadi: Any, problem: PathProblem, carriers: list[Any]) -> Any:
             else:
                 found.append(_distance(casadi, A, B, row) - link[RADIUS])
     return casadi.vertcat(*found) if found else casadi.SX(0, 1)
+
+
+def _placed(casadi: Any, carriers: list[Any], link: FloatArray, end: int) -> Any:
+    """Place start (0) or end (1) of a link in base axes."""
+    offset = link[OFFSET + 3 * end : OFFSET + 3 * end + 3]
+    if link[end] < 0:
+        return casadi.DM(offset)
+    T = carriers[int(link[end])]
+    return T[:3, 3] + T[:3, :3] @ offset
 
 
 def _distance(casadi: Any, A: Any, B: Any, row: FloatArray) -> Any:

@@ -1,0 +1,172 @@
+"""Why a target is not reached: what can be proved of it, in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinematics.chain import Chain, chain_of
+from kinematics.inverse.all_solutions import IKSolutions, all_solutions
+from kinematics.inverse.api import solve_ik
+from kinematics.inverse.closed_form import closed_form_of
+from kinematics.inverse.closed_form.geometry import axis_lines
+from kinematics.inverse.orientations import orientation_gap
+from kinematics.inverse.result import IKOptions, IKStatus
+from kinematics.task import Task, task_from
+from robots.robot import FloatArray, Robot
+
+POSITION_SECONDS = 0.2
+"""Time for the search of the position alone."""
+NAMED = 3
+"""Joints beyond their limits that a sentence names."""
+
+
+@dataclass(frozen=True)
+class Reasons:
+    """What is known about a target that was not reached.
+
+    Attributes:
+        sentences: Each proved, or measured.
+        proven: Whether they prove, whatever the limits, that no q comes within the tolerance.
+    """
+
+    sentences: tuple[str, ...]
+    proven: bool
+
+
+def why_unreached(
+    robot: Robot,
+    target: FloatArray,
+    *,
+    frame: str | None = None,
+    task: Task,
+    seed: FloatArray | None = None,
+    options: IKOptions,
+    found: IKSolutions | None = None,
+) -> Reasons:
+    """Return what can be said about a target that was not reached.
+
+    Args:
+        robot: The robot.
+        target: Pose of the frame in base axes, 4x4.
+        frame: Frame name; default the tip.
+        task: The task space.
+        seed: Reference for the solution nearest to it, shape (dof,), rad and m.
+        options: Tolerance, and time for the position alone.
+        found: All solutions, where they are known already.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+    """
+    name = robot.tip_frame if frame is None else frame
+    chain = chain_of(robot, name)
+    if chain.length == 0:
+        return Reasons((), False)
+    far = _too_far(chain, target, task, options.tolerance.position)
+    if far is not None:
+        return Reasons((far,), True)
+    tilted = _wrong_orientation(chain, target, task, options.tolerance.orientation)
+    if tilted is not None:
+        return Reasons((tilted, *_position_alone(robot, target, name, task, seed, options)), True)
+    form = closed_form_of(chain)
+    if form is None or task.name not in form.tasks or form.kind == "srs":
+        return Reasons(_position_alone(robot, target, name, task, seed, options), False)
+    if found is None:
+        found = all_solutions(robot, target, frame=frame, task=task, seed=seed, options=options)
+    if any(one.within_limits for one in found.solutions):
+        return Reasons((), False)
+    if found.solutions:
+        return Reasons((_beyond(robot, found),), False)
+    none = f"no joint values reach the target, whatever their limits ({found.description})"
+    return Reasons((none, *_position_alone(robot, target, name, task, seed, options)), False)
+
+
+def beyond_limits(robot: Robot, q: FloatArray) -> tuple[str, ...]:
+    """Return the names of the joints of q, shape (dof,), that are beyond their limits."""
+    outside = (q < robot.lower) | (q > robot.upper)
+    return tuple(robot.joints[k].name for k in np.flatnonzero(outside))
+
+
+def _too_far(chain: Chain, target: FloatArray, task: Task, tolerance: float) -> str | None:
+    rows = list(task.positions)
+    away = float(np.linalg.norm((target[:3, 3] - chain.placements[0, [3, 7, 11]])[rows]))
+    if not rows or away <= chain.reach * (1.0 + 1e-9) + tolerance:
+        return None
+    return (
+        f"the target is {away:.6g} m from joint 1, and the arm, stretched with all its slides out,"
+        f" is {chain.reach:.6g} m long"
+    )
+
+
+def _wrong_orientation(
+    chain: Chain, target: FloatArray, task: Task, tolerance: float
+) -> str | None:
+    if task.rotations != (0, 1, 2) and not task.own_axes:
+        return None
+    lines = axis_lines(chain)
+    axes = lines.directions[lines.is_revolute]
+    R = lines.pose[:3, :3]
+    if task.own_axes:
+        gap, free = orientation_gap(axes, R[:, 2], target[:3, 2])
+        what = "the frame's z axis to this direction"
+    else:
+        gap, free = orientation_gap(axes, None, target[:3, :3] @ R.T)
+        what = "the frame to this orientation"
+    if gap <= tolerance + 1e-6:
+        return None
+    least = f"by {np.rad2deg(gap):.6g}° at least"
+    if free == 0:
+        return f"this structure cannot turn the frame; the target's orientation is missed {least}"
+    if free == 1:
+        axis = ", ".join(f"{x + 0.0:.6g}" for x in np.where(np.abs(axes[0]) < 1e-12, 0.0, axes[0]))
+        return (
+            f"this structure cannot bring {what}: it turns the frame about ({axis}) only, and"
+            f" misses it {least}"
+        )
+    return f"the turning axes of this structure cannot bring {what}: they miss it {least}"
+
+
+def _position_alone(
+    robot: Robot,
+    target: FloatArray,
+    frame: str,
+    task: Task,
+    seed: FloatArray | None,
+    options: IKOptions,
+) -> tuple[str, ...]:
+    """Say whether the position alone is within reach, where the task has an orientation too."""
+    if not task.positions or not task.rotations:
+        return ()
+    alone = task_from([int(row in task.positions) for row in range(6)])
+    found = solve_ik(
+        robot, target, frame=frame, task=alone, seed=seed, options=options.within(POSITION_SECONDS)
+    )
+    if found.status is IKStatus.CONVERGED:
+        return (f"the position alone is within reach (task {alone.name})",)
+    if found.status is IKStatus.UNREACHABLE:
+        return ("the position alone is out of reach too",)
+    return ()
+
+
+def _beyond(robot: Robot, found: IKSolutions) -> str:
+    nearest = min(found.solutions, key=lambda one: _excess(robot, one.q))
+    parts = []
+    for k in np.flatnonzero((nearest.q < robot.lower) | (nearest.q > robot.upper))[:NAMED]:
+        value = float(nearest.q[k])
+        limit = float(robot.lower[k] if value < robot.lower[k] else robot.upper[k])
+        shown, bound = (_value(x, bool(robot.is_revolute[k])) for x in (value, limit))
+        parts.append(f"{robot.joints[k].name} at {shown}, its limit is {bound}")
+    count = len(found.solutions)
+    are = "the one solution is" if count == 1 else f"all {count} solutions are"
+    return f"{are} beyond the limits; the nearest to them has {'; '.join(parts)}"
+
+
+def _excess(robot: Robot, q: FloatArray) -> float:
+    return float(np.maximum(np.maximum(robot.lower - q, q - robot.upper), 0.0).max())
+
+
+def _value(value: float, is_revolute: bool) -> str:
+    if not is_revolute:
+        return f"{value + 0.0:.9g} m"
+    return f"{value + 0.0:.9g} rad ({np.rad2deg(value) + 0.0:.7g}°)"
