@@ -74,7 +74,7 @@ def _follow_a_path() -> None:
     options = PathOptions(gains=Gains(1.0, 1.0, 1.0, 1.0), obstacle_weight=1e-3)
     for name in ("pseudo_inverse", "damped", "null_space", "sqp", "qp"):
         followed(problem, METHODS[name], options)
-    (link,) = ends_of_links(problem.arm, problem.links, arm.reduced(q)[None])[0, :1]
+    (link,) = ends_of_links(problem, arm.reduced(q)[None])[0, :1]
     pair_distance(link[0].copy(), link[1].copy(), ball[0], np.empty(4))
 
 

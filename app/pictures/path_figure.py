@@ -14,7 +14,7 @@ from kinematics.named_singularities.posture import posture
 from kinematics.redundancy.clearance.link_points import RADIUS
 from kinematics.redundancy.clearance.links import skeleton
 from kinematics.redundancy.follow import PathResult
-from kinematics.redundancy.measure import ends_of_links
+from kinematics.redundancy.measure import segment_ends
 from kinematics.redundancy.problem import PathProblem
 from kinematics.redundancy.timing.result import Retimed
 from robots.robot import FloatArray
@@ -92,14 +92,14 @@ def _scene(result: PathResult) -> Scene:
     chosen = np.unique(np.linspace(0, len(result.q) - 1, SNAPSHOTS).round().astype(int))
     arm, shaped = problem.arm, problem.shaped is not None
     bones, q = skeleton(arm, problem.link_radius), arm.reduced(result.q[chosen])
-    ends = ends_of_links(arm, bones, q)
+    ends = segment_ends(arm, bones, q)
     return Scene(
         np.concatenate((ends[:, :1, 0], ends[:, :, 1]), axis=1),
         _thinned(problem.path.targets)[:, [3, 7, 11]],
         posture(arm.chain, _thinned(result.q)).p,
         problem.obstacles,
         bones.rows[:, RADIUS],
-        ends_of_links(arm, problem.links, q) if shaped else None,
+        segment_ends(arm, problem.links, q) if shaped else None,
         problem.links.rows[:, RADIUS] if shaped else None,
     )
 

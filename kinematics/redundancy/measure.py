@@ -94,8 +94,13 @@ def nearest_part(problem: PathProblem, a: FloatArray, b: FloatArray) -> float:
     return float(LOOKS[int(np.argmin(found))])
 
 
-def ends_of_links(arm: Arm, links: Links, Q: FloatArray) -> FloatArray:
+def ends_of_links(problem: PathProblem, Q: FloatArray) -> FloatArray:
     """Return the ends of the links' segments at Q, shape (n, K); shape (n, L, 2, 3), m."""
+    return segment_ends(problem.arm, problem.links, Q)
+
+
+def segment_ends(arm: Arm, links: Links, Q: FloatArray) -> FloatArray:
+    """Return the ends of the segments of an arm's links; see :func:`ends_of_links`."""
     rows = links.rows
     out = np.empty((len(Q), len(rows), 6))
     chain, W = arm.constants.chain, workspace(arm.K, len(rows))
