@@ -21,6 +21,11 @@ from app.openapi.problems import PROBLEMS
 from app.operations.shapes import AnswerUnits
 from dh_to_urdf import DHError, Fault
 from dh_to_urdf.errors import Location
+from dh_to_urdf.extraction.as_written import (
+    CellDifference,
+    differences_as_written,
+    words_as_written,
+)
 from dh_to_urdf.extraction.comparison import compare
 from dh_to_urdf.extraction.comparison_result import Comparison, Difference
 from robots.chains import chain_of_robot
@@ -96,12 +101,31 @@ class DiffResidual(msgspec.Struct, kw_only=True):
     configurations: int
 
 
+class CellDifferenceView(msgspec.Struct, kw_only=True):
+    """A cell of two tables of one convention that differs; joint 0 for base and tool.
+
+    ``parameter`` is the column as the convention calls it; ``difference`` is not reduced by turns.
+    """
+
+    joint: int
+    name: str
+    parameter: str
+    first: float | str | None
+    second: float | str | None
+    difference: float | None
+
+
 class DiffResponse(msgspec.Struct, kw_only=True):
-    """Where two robots diverge: ``identical``, ``equivalent`` or ``different``."""
+    """Where two robots diverge: ``identical``, ``equivalent`` or ``different``.
+
+    ``as_written``: what differs cell by cell, before anything is rewritten; null where the robots
+    are not both tables of one convention, or only a part of them is compared.
+    """
 
     units: AnswerUnits
     verdict: str
     summary: str
+    as_written: list[CellDifferenceView] | None
     first_difference: DifferenceView | None
     differences: list[DifferenceView]
     joints: list[DiffJoint]
@@ -206,12 +230,25 @@ async def _answer(
             length=asked.tolerance.length,
             angle=asked.tolerance.angle,
         )
-        return respond(_payload(found, units), wanted)
+        return respond(_payload(found, _cells(robot, other, asked), units), wanted)
 
     return await services.computed(answer, request)
 
 
-def _payload(found: Comparison, units: Units) -> dict[str, Any]:
+def _cells(robot: Robot, other: Robot, asked: DiffRequest) -> tuple[CellDifference, ...] | None:
+    """Return what differs as written; None where the two are not written alike."""
+    ends = (asked.base, asked.tip, asked.other_base, asked.other_tip)
+    if robot.table is None or other.table is None or any(end is not None for end in ends):
+        return None
+    tolerance = asked.tolerance
+    return differences_as_written(
+        robot.table, other.table, length=tolerance.length, angle=tolerance.angle
+    )
+
+
+def _payload(
+    found: Comparison, cells: tuple[CellDifference, ...] | None, units: Units
+) -> dict[str, Any]:
     def angle(value: float) -> float:
         return float(units.angles_out(value))  # type: ignore[arg-type]
 
@@ -227,12 +264,23 @@ def _payload(found: Comparison, units: Units) -> dict[str, Any]:
             "absorbed_by": difference.absorbed_by,
         }
 
+    def cell_view(cell: CellDifference) -> dict[str, Any]:
+        values = (cell.first, cell.second, cell.difference)
+        if cell.is_angle:
+            values = tuple(angle(v) if isinstance(v, float) else v for v in values)  # type: ignore[assignment]
+        named = {"joint": cell.joint, "name": cell.name, "parameter": cell.parameter}
+        return named | dict(zip(("first", "second", "difference"), values, strict=True))
+
+    summary = found.words
+    if cells:
+        summary = f"{words_as_written(cells)} Up to base, tool and zero offsets: {summary}"
     differences = [view(difference) for difference in found.differences]
     residual = found.residual
     return {
         "units": units.named,
         "verdict": found.verdict.value,
-        "summary": found.words,
+        "summary": summary,
+        "as_written": None if cells is None else [cell_view(cell) for cell in cells],
         "first_difference": differences[0] if differences else None,
         "differences": differences,
         "joints": [

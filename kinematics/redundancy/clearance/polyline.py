@@ -1,9 +1,10 @@
 """The polyline of an arm: from frame to frame as its D-H table goes, or from joint to joint.
 
-A robot from a table is drawn as the table is read: from frame k-1 along z by d, then along x by a,
-to frame k (standard); along x by a, then along z by d (modified); along z by b first (Khalil, where
-a branch has it). A robot from a URDF goes straight from joint to joint. A sliding joint is reached
-at its origin for q = 0 and left at the slid one, so that no corner is cut.
+An arm whose joints all turn goes straight from the origin of a joint to that of the next. One with
+slides from a table goes as the table is read: from frame k-1 along z by d, then along x by a, to
+frame k (standard); along x by a, then along z by d (modified); along z by b first (Khalil, where a
+branch has it). One with slides from a URDF reaches a sliding joint at its origin for q = 0 and
+leaves it at the slid one. So no corner is cut to where a joint has slid.
 """
 
 from __future__ import annotations
@@ -55,7 +56,10 @@ def polyline(arm: Arm) -> tuple[Piece, ...]:
     table = arm.robot.table
     rows = [] if table is None else _path(table, arm.frame)
     moving = sum(table.rows[k - 1].type is not JointType.FIXED for k in rows) if table else 0
-    pieces = _of_table(arm, table, rows) if table and moving == arm.K else _of_joints(arm)
+    if table is None or moving != arm.K or arm.chain.is_revolute.all():
+        pieces = _of_joints(arm)
+    else:
+        pieces = _of_table(arm, table, rows)
     carried = [piece for piece in pieces if piece.carriers != (BASE, BASE)]
     long = {piece.link for piece in carried if not piece.is_point}
     kept: list[Piece] = []
