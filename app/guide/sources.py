@@ -20,6 +20,7 @@ PAGES = {
 PICTURES = {
     "page.png": "docs/page.png",
     "methods.svg": "docs/methods.svg",
+    "postures.svg": "docs/postures.svg",
 }
 """Pictures that the pages show: last part of the path -> file of the repository."""
 

@@ -38,7 +38,7 @@ class IKSolutionView(TypedDict):
     q: Vector
     posture: list[str]
     within_limits: bool
-    beyond_limits: list[str]
+    beyond_limits: NotRequired[list[str]]
     position_error: float
     orientation_error: float
     free: list[str]
@@ -49,9 +49,9 @@ class IKSolutionsAnswer(TypedDict):
     """All solutions, the closest to the seed first, those within the limits before the others.
 
     ``complete`` says that mathematics knows no others (but for whole turns). ``free`` names joints
-    that a singular branch leaves free; they have the seed's value. ``beyond_limits`` names joints
-    that are beyond their limits. ``explanation``, where no solution is within the limits: why, as
-    far as it is proved.
+    that a singular branch leaves free; they have the seed's value. ``beyond_limits``, where there
+    are some, names the joints beyond their limits. ``explanation``, where no solution is within the
+    limits: why, as far as it is proved.
     """
 
     units: AnswerUnits
@@ -105,16 +105,18 @@ def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
 
 def _view(robot: Robot, solution: IKSolution, context: Context) -> IKSolutionView:
     swivel = solution.swivel
-    return {
+    view: IKSolutionView = {
         "q": context.units.joints_out(robot, solution.q),
         "posture": list(solution.posture),
         "within_limits": solution.within_limits,
-        "beyond_limits": list(beyond_limits(robot, solution.q)),
         "position_error": solution.position_error,
         "orientation_error": solution.orientation_error,
         "free": list(solution.free),
         "swivel": None if swivel is None else float(context.units.angles_out(np.array(swivel))),
     }
+    if not solution.within_limits:
+        view["beyond_limits"] = list(beyond_limits(robot, solution.q))
+    return view
 
 
 SOLUTIONS = Operation(

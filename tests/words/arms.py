@@ -16,7 +16,7 @@ CONVENTIONS = ("standard", "modified", "khalil")
 
 
 def arm_from(rows, convention="standard", tool=None, base=None) -> Robot:
-    """The robot of rows ``(type, alpha, a, d or theta, offset, sign)``; Khalil's columns by name."""
+    """The robot of rows ``(type, alpha, a, d or theta, offset, sign)``."""
     joints = []
     for kind, alpha, a, other, offset, sign in rows:
         names = ("d", "r") if convention == "khalil" else ("a", "d")
@@ -44,7 +44,7 @@ def _angle(generator):
     return float(generator.choice(choices, p=[0.3, 0.25, 0.25, 0.05, 0.15]))
 
 
-def _row(generator, kinds, alpha=None, a=None, other=None):
+def random_row(generator, kinds, alpha=None, a=None, other=None):
     kind = str(generator.choice(list(kinds)))
     return (
         kind,
@@ -58,19 +58,19 @@ def _row(generator, kinds, alpha=None, a=None, other=None):
 
 def wrist_arm(generator, convention):
     """Three joints of any kind, then three axes through one point."""
-    first = [_row(generator, "RRRP") for _ in range(3)]
+    first = [random_row(generator, "RRRP") for _ in range(3)]
     twist = [float(generator.choice([QUARTER, -QUARTER, 0.7])) for _ in range(2)]
     if convention == "standard":
         last = [
-            _row(generator, "R", alpha=twist[0], a=0.0),
-            _row(generator, "R", alpha=twist[1], a=0.0, other=0.0),
-            _row(generator, "R", a=_length(generator)),
+            random_row(generator, "R", alpha=twist[0], a=0.0),
+            random_row(generator, "R", alpha=twist[1], a=0.0, other=0.0),
+            random_row(generator, "R", a=_length(generator)),
         ]
     else:
         last = [
-            _row(generator, "R"),
-            _row(generator, "R", alpha=twist[0], a=0.0, other=0.0),
-            _row(generator, "R", alpha=twist[1], a=0.0),
+            random_row(generator, "R"),
+            random_row(generator, "R", alpha=twist[0], a=0.0, other=0.0),
+            random_row(generator, "R", alpha=twist[1], a=0.0),
         ]
     return first + last
 
@@ -82,7 +82,7 @@ def parallel_arm(generator, convention):
     a = [0.05, -0.425, 0.39, 0.0, apart, 0.0]
     if convention != "standard":
         alpha, a = [0.0, *alpha[:5]], [0.0, *a[:5]]
-    return [_row(generator, "R", alpha=x, a=y) for x, y in zip(alpha, a, strict=True)]
+    return [random_row(generator, "R", alpha=x, a=y) for x, y in zip(alpha, a, strict=True)]
 
 
 def srs_arm(generator, convention):
@@ -92,26 +92,27 @@ def srs_arm(generator, convention):
     if convention != "standard":
         alpha = [0.0, *alpha[:6]]
     return [
-        _row(generator, "R", alpha=x, a=0.0, other=y) for x, y in zip(alpha, lengths, strict=True)
+        random_row(generator, "R", alpha=x, a=0.0, other=y)
+        for x, y in zip(alpha, lengths, strict=True)
     ]
 
 
 def flat_arm(generator, convention):
     """Axes that are all parallel: 2R, 3R, SCARA."""
-    kinds = [str(one) for one in generator.choice(["RR", "RRR", "RRPR", "RRRP", "PRRR"], 1)][0]
+    kinds = str(generator.choice(["RR", "RRR", "RRPR", "RRRP", "PRRR"]))
     rows = []
     for k, kind in enumerate(kinds):
         alpha = float(generator.choice([0.0, math.pi]))
         alpha = 0.0 if convention != "standard" and k == 0 else alpha
         length = float(generator.choice([0.3, 0.45, 0.275]))
-        rows.append(_row(generator, kind, alpha=alpha, a=length))
+        rows.append(random_row(generator, kind, alpha=alpha, a=length))
     return rows
 
 
 def any_arm(generator, convention):
     """Three to six joints of any kind."""
     count = int(generator.choice([2, 3, 3, 3, 4, 5, 6]))
-    return [_row(generator, "RRP") for _ in range(count)]
+    return [random_row(generator, "RRP") for _ in range(count)]
 
 
 FAMILIES = (wrist_arm, parallel_arm, srs_arm, flat_arm, any_arm)

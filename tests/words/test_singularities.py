@@ -1,5 +1,6 @@
 """Every sentence on a singularity, on random arms, against numbers."""
 
+import logging
 import re
 
 import numpy as np
@@ -206,5 +207,5 @@ def test_what_is_said_of_singularities_is_so(number):
 def test_no_false_sentence_on_a_grid():
     """200 arms, 500 configurations each."""
     said = sum(examine(number, 500, 40) for number in range(200))
-    print(f"{said} sentences on 100,000 configurations of 200 arms")
+    logging.getLogger(__name__).info(f"{said} sentences on 100,000 configurations of 200 arms")
     assert said > 150_000

@@ -16,7 +16,7 @@ from kinematics.redundancy.path.geometry import Sampling, polyline
 from kinematics.redundancy.problem import PathOptions, PathProblem
 from kinematics.skeleton import skeleton_of
 from kinematics.task import task_from
-from tests.words.arms import CONVENTIONS, _row, arm_from, axes_of, placement, polyline_of
+from tests.words.arms import CONVENTIONS, arm_from, axes_of, placement, polyline_of, random_row
 
 LINK, BALL = 0.02, 0.03
 
@@ -27,7 +27,7 @@ def sliding_arm(number):
     convention = CONVENTIONS[number % 3]
     count = int(generator.integers(2, 6))
     slide = int(generator.integers(count))
-    rows = [_row(generator, "P" if k == slide else "RRP") for k in range(count)]
+    rows = [random_row(generator, "P" if k == slide else "RRP") for k in range(count)]
     tool = placement(generator) if generator.random() < 0.5 else None
     base = placement(generator) if generator.random() < 0.5 else None
     return arm_from(rows, convention, tool, base), generator

@@ -32,6 +32,7 @@ export function ikPanel(page: Page): HTMLElement {
     return field;
   });
   const verdict = h('p', { class: 'verdict', role: 'status' });
+  const why = h('ul', { class: 'note', lang: 'en' });
   const list = h('ul', { class: 'solutions' });
   const units = h('span', { class: 'note' });
   let typing: ReturnType<typeof setTimeout>;
@@ -93,12 +94,15 @@ export function ikPanel(page: Page): HTMLElement {
     verdict.textContent = answer ? wordsOf(answer) : (solved?.error ?? '');
     // The solutions found before stay beside an error.
     if (solved?.error) return;
+    replace(why, ...(answer?.explanation ?? []).map((one) => h('li', {}, one)));
     const solutions = answer && 'solutions' in answer ? answer.solutions : [];
     replace(list, ...solutions.slice(0, MOST).map(solutionLine));
     renderChosen();
   }
 
-  function solutionLine({ q, posture, within_limits }: api.IKSolution, k: number): HTMLElement {
+  function solutionLine(solution: api.IKSolution, k: number): HTMLElement {
+    const { q, posture, within_limits, beyond_limits } = solution;
+    const beyond = within_limits ? '' : `${t.beyondLimits}: ${beyond_limits?.join(', ') ?? ''}`;
     const digits = store.state.angle === 'deg' ? 1 : 3;
     const words = posture.map((one) => t.postures[one as keyof typeof t.postures] ?? one);
     return h(
@@ -109,11 +113,7 @@ export function ikPanel(page: Page): HTMLElement {
         { type: 'button', 'data-q': q.join(','), onclick: () => history.change({ q }, 'solution') },
         h('b', {}, `${k + 1}`),
         h('span', { class: 'mono' }, q.map((x) => fixed(x, digits)).join('  ')),
-        h(
-          'span',
-          { class: 'note' },
-          [words.join(', '), within_limits ? '' : t.beyondLimits].filter(Boolean).join(' · '),
-        ),
+        h('span', { class: 'note' }, [words.join(', '), beyond].filter(Boolean).join(' · ')),
       ),
     );
   }
@@ -141,6 +141,7 @@ export function ikPanel(page: Page): HTMLElement {
       ...fields.slice(3),
     ),
     verdict,
+    why,
     list,
   );
 }
