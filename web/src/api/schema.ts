@@ -180,6 +180,9 @@ export interface components {
         /**
          * DiffResponse
          * @description Where two robots diverge: ``identical``, ``equivalent`` or ``different``.
+         *
+         *         ``as_written``: what differs cell by cell, before anything is rewritten; null where the robots
+         *         are not both tables of one convention, or only a part of them is compared.
          */
         DiffResponse: {
             /** @description Units of the answer: {"angle": …, "length": "m"}. */
@@ -188,11 +191,26 @@ export interface components {
             };
             verdict: string;
             summary: string;
+            as_written: components["schemas"]["CellDifferenceView"][] | null;
             first_difference: components["schemas"]["DifferenceView"] | null;
             differences: components["schemas"]["DifferenceView"][];
             joints: components["schemas"]["DiffJoint"][];
             reversed: string[];
             residual: components["schemas"]["DiffResidual"] | null;
+        };
+        /**
+         * CellDifferenceView
+         * @description A cell of two tables of one convention that differs; joint 0 for base and tool.
+         *
+         *         ``parameter`` is the column as the convention calls it; ``difference`` is not reduced by turns.
+         */
+        CellDifferenceView: {
+            joint: number;
+            name: string;
+            parameter: string;
+            first: number | string | null;
+            second: number | string | null;
+            difference: number | null;
         };
         /**
          * DifferenceView
@@ -2237,11 +2255,14 @@ export interface components {
          * @description The answer; for many targets status, q, errors and counts have a leading axis n.
          *
          *         Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
-         *         best that was found. Errors are in m and rad, in the axes of the task.
+         *         best that was found. Errors are in m and rad, in the axes of the task. ``explanation``, for one
+         *         target that was not reached: what is proved of it, such as an orientation that the structure
+         *         cannot reach, or the joint that is beyond its limits.
          */
         IKAnswer: {
             columns: string[];
             elapsed_ms: number;
+            explanation?: string[];
             frame: string;
             iterations: number;
             max_iterations: number;
@@ -2276,12 +2297,15 @@ export interface components {
          * @description All solutions, the closest to the seed first, those within the limits before the others.
          *
          *         ``complete`` says that mathematics knows no others (but for whole turns). ``free`` names joints
-         *         that a singular branch leaves free; they have the seed's value.
+         *         that a singular branch leaves free; they have the seed's value. ``beyond_limits``, where there
+         *         are some, names the joints beyond their limits. ``explanation``, where no solution is within the
+         *         limits: why, as far as it is proved.
          */
         IKSolutionsAnswer: {
             columns: string[];
             complete: boolean;
             description: string;
+            explanation?: string[];
             frame: string;
             method: string;
             seed: number[];
@@ -2298,6 +2322,7 @@ export interface components {
          * @description One solution, checked on the model; errors in m and rad.
          */
         IKSolutionView: {
+            beyond_limits?: string[];
             free: string[];
             orientation_error: number;
             position_error: number;
@@ -2943,11 +2968,14 @@ export interface components {
          * @description The answer; for many targets status, q, errors and counts have a leading axis n.
          *
          *         Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
-         *         best that was found. Errors are in m and rad, in the axes of the task.
+         *         best that was found. Errors are in m and rad, in the axes of the task. ``explanation``, for one
+         *         target that was not reached: what is proved of it, such as an orientation that the structure
+         *         cannot reach, or the joint that is beyond its limits.
          */
         IKAnswerBatch: {
             columns: string[];
             elapsed_ms: number[];
+            explanation?: string[];
             frame: string;
             iterations: number[];
             max_iterations: number;
