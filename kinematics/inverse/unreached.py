@@ -16,7 +16,7 @@ from kinematics.inverse.result import IKOptions, IKStatus
 from kinematics.task import Task, task_from
 from robots.robot import FloatArray, Robot
 
-POSITION_SECONDS = 0.2
+POSITION_SECONDS = 0.05
 """Time for the search of the position alone."""
 NAMED = 3
 """Joints beyond their limits that a sentence names."""
@@ -146,7 +146,7 @@ def _position_alone(
         return (f"the position alone is within reach (task {alone.name})",)
     if found.status is IKStatus.UNREACHABLE:
         return ("the position alone is out of reach too",)
-    return ()
+    return ("a search did not find the position alone either, which proves nothing",)
 
 
 def _beyond(robot: Robot, found: IKSolutions) -> str:

@@ -124,7 +124,62 @@ def _without_guide(text: str) -> str:
     return orjson.dumps(payload).decode() if payload else text
 
 
+_WORDS = ("vanishes_where", "vanishes", "normalised", "reason", "posture", "summary", "message")
+_SENTENCES = re.compile(r"\b(?:plane|axes|stretched|singular at every q|turn against|vanish)")
+_EXPLANATION = re.compile(r"^explanation:(?: .*)?\n(?: {2}- .*\n)*", re.MULTILINE)
+_AS_WRITTEN = re.compile(r"^as_written:(?: .*)?\n(?: {2}.*\n)*", re.MULTILINE)
+_BEYOND = ("explanation", "beyond_limits", "as_written")
+
+
+def _with_old_words(old: Answer, text: str) -> str:
+    """A text with the sentences of the recorded answer, and without those that are new."""
+    if text[:1] == "{" and old.text is not None:
+        return orjson.dumps(_told_as(orjson.loads(old.text), orjson.loads(text))).decode()
+    if text[:1] == "{":
+        payload = orjson.loads(text)
+        for name in _BEYOND[2:]:
+            payload.pop(name, None)
+        return orjson.dumps(payload).decode()
+    keys = _keys(old)
+    for name, pattern in (("explanation", _EXPLANATION), ("as_written", _AS_WRITTEN)):
+        if name not in keys:
+            text = pattern.sub("", text)
+    before, after = (old.text or "").split("\n"), text.split("\n")
+    if len(before) != len(after):
+        return text
+    pairs = zip(before, after, strict=True)
+    return "\n".join(a if _SENTENCES.search(a) or a[:8] == "summary:" else b for a, b in pairs)
+
+
+def _told_as(old: Any, new: Any) -> Any:
+    """A new answer in JSON with the words of an old one."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        told = {
+            name: old[name]
+            if name in old and (name in _WORDS or (name == "explanation" and old[name]))
+            else _told_as(old.get(name), value)
+            for name, value in new.items()
+            if name in old or name not in _BEYOND
+        }
+        if told.get("status") == "unreachable" and old.get("status") != "converged":
+            told["status"] = old["status"]
+        return told
+    if isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
+        return [_told_as(a, b) for a, b in zip(old, new, strict=True)]
+    return new
+
+
 INTENDED: list[Intended] = [
+    Intended(
+        "sentences on singularities, postures, differences and paths say what is proved, and one"
+        " name has one meaning; why a target is not reached is told",
+        lambda asked, answer: (
+            answer.status == 200
+            and asked.operation
+            in ("singularity", "ik", "ik/solutions", "diff", "path", "path/compare", "corpus")
+        ),
+        _with_old_words,
+    ),
     Intended(
         "warnings is a field of every JSON answer of a computation, and a line of its text",
         _is_answer,
