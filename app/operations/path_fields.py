@@ -230,8 +230,10 @@ class PathScenario(MethodOptions, kw_only=True):
         PerJoint,
         msgspec.Meta(
             description="Radius of the capsules about the segments from each joint's origin to the"
-            " next one's, the last to the frame, m: one number, a list with one a joint in the"
-            " robot's order, or an object {joint name: radius}.",
+            " next one's, the last to the frame; of an arm with slides from a D-H table about the"
+            " way of the table: from frame k-1 along z by d, along x by a, to frame k (modified:"
+            " along x, then z); m: one number, a list with one a joint in the robot's order, or an"
+            " object {joint name: radius}.",
             examples=[0.05],
         ),
     ] = 0.0

@@ -110,8 +110,8 @@ class CellDifferenceView(msgspec.Struct, kw_only=True):
     joint: int
     name: str
     parameter: str
-    first: float | str | None
-    second: float | str | None
+    first: float | str
+    second: float | str
     difference: float | None
 
 

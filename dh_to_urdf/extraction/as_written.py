@@ -30,7 +30,7 @@ class CellDifference:
         parameter: The column, as the convention calls it: alpha, a (Khalil: d), d (Khalil: r),
             theta, offset, sign, gamma, b, type, ant, lower, upper, velocity, effort; placement of
             base and tool; joints for a row that one table lacks.
-        first: In the first table; rad, m, a word; None for an empty cell.
+        first: In the first table; rad, m, a word.
         second: In the second table.
         difference: second - first, not reduced by turns; None where it is no number.
         is_angle: Whether the values are angles.
@@ -39,8 +39,8 @@ class CellDifference:
     joint: int
     name: str
     parameter: str
-    first: float | str | None
-    second: float | str | None
+    first: float | str
+    second: float | str
     difference: float | None
     is_angle: bool
 
@@ -57,8 +57,8 @@ def differences_as_written(
         angle: Differences up to this are none, rad.
 
     Returns:
-        The cells that differ, geometry before limits, row by row, then base and tool; None where
-        the conventions differ, so that cells mean different things.
+        The cells that differ: row by row, base and tool, then limits that both tables give; None
+        where the conventions differ, so that cells mean different things.
     """
     if first.convention is not second.convention:
         return None
@@ -124,12 +124,10 @@ def _limits(k: int, a: DHRow, b: DHRow, length: float, angle: float) -> Iterator
     turns = a.type.is_revolute and b.type.is_revolute
     for column in _LIMITS:
         x, y = getattr(a.limits, column), getattr(b.limits, column)
-        if x is None and y is None:
+        if x is None or y is None:
             continue
         is_angle = turns and column in ("lower", "upper", "velocity")
-        if x is None or y is None:
-            yield CellDifference(k, a.name, column, x, y, None, is_angle)
-        elif abs(y - x) > (angle if is_angle else length):
+        if abs(y - x) > (angle if is_angle else length):
             yield CellDifference(k, a.name, column, x, y, y - x, is_angle)
 
 
@@ -158,9 +156,7 @@ def _in_words(cell: CellDifference) -> str:
     return f"{what} is {first} and {second}"
 
 
-def _shown(cell: CellDifference, value: float | str | None) -> str:
-    if value is None:
-        return "empty"
+def _shown(cell: CellDifference, value: float | str) -> str:
     if isinstance(value, str):
         return value
     if cell.is_angle:

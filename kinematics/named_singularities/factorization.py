@@ -178,7 +178,7 @@ def _at(factor: Factor, q: FloatArray, names: list[str]) -> str:
         return ""
     degrees = (float(np.round(np.rad2deg(value), 9)) + 0.0 for value in values)
     low, high = (f"{x:.12g}°" for x in sorted(180.0 if x == -180.0 else x for x in degrees))
-    return f"; that is {names[zeros.joint]} = {low} or {high}, and whole turns from there"
+    return f" ({names[zeros.joint]} = {low}, {high})"
 
 
 def _none(reason: str) -> Factorization:

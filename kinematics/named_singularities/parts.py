@@ -65,10 +65,7 @@ def bend(
     e = between / np.maximum(length, 1e-300)[:, None]
     r = at.from_axis(j, point)
     value = triple(z, e, r)
-    where = (
-        f"the arm is stretched or folded: {end} is in the plane of axes {i + 1} and {j + 1}"
-        " (or on one of them)"
-    )
+    where = f"stretched or folded: {end} is in the plane of axes {i + 1} and {j + 1}"
     zeros = None if largest is not None else Zeros(j, value, dot(e, r), np.sign(dot(z, zj)))
     bound = at.lever(j, point) if largest is None else largest
     return length, [Factor("elbow", value, bound, "m", (i, j), where, zeros)]
@@ -146,7 +143,7 @@ def _about_a_point(
     r = at.from_axis(2, point)
     largest = norm(at.foot(2, point) - meeting) + at.lever(2, point)
     stretched = (
-        f"the arm is stretched or folded: {end} is in the plane of axis 3 and the point where axes"
+        f"stretched or folded: {end} is in the plane of axis 3 and the point where axes"
         " 1 and 2 meet"
     )
     bent = triple(z3, e, r)
@@ -169,7 +166,7 @@ def three_parallel(at: Posture, i: int, j: int, k: int) -> Product:
     h = at.z(i)
     constant, (found,) = bend(at, i, j, at.O[:, k], f"axis {k + 1}")
     signs = np.sign(dot(h, at.z(j))) * np.sign(dot(h, at.z(k)))
-    where = f"the arm is stretched or folded: axes {i + 1}, {j + 1} and {k + 1} lie in one plane"
+    where = f"stretched or folded: axes {i + 1}, {j + 1} and {k + 1} lie in one plane"
     factor = Factor("elbow", found.value, found.largest, "m", (i, j, k), where, found.zeros)
     return constant * signs, [factor]
 
@@ -241,7 +238,7 @@ def srs(at: Posture, shoulder: FloatArray, centre: FloatArray) -> Product:
             at.lever(3, centre),
             "m",
             (3,),
-            "the arm is stretched or folded: the wrist centre is in the plane of axis 4 and"
+            "stretched or folded: the wrist centre is in the plane of axis 4 and"
             " the shoulder's centre",
             zeros,
         ),

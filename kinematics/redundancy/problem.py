@@ -62,8 +62,8 @@ class PathProblem:
         start: Configuration of all joints at sample 0, shape (dof,), rad and m.
         path: The path; its first target is the arm's pose at the start.
         obstacles: See :func:`kinematics.redundancy.clearance.obstacles.encoded`; shape (M, 16).
-        link_radius: Radius of the capsules about the segments between joint origins, m: one for
-            all, or one for each, shape (K,).
+        link_radius: Radius of the capsules about the arm's polyline, m: one for all links, or one
+            for each, shape (K,).
         d_safe: Clearance to keep, m.
         tolerance: Largest errors that count as on the path.
         shaped: The arm's own shapes, which replace those segments.

@@ -125,8 +125,11 @@ def _without_guide(text: str) -> str:
 
 
 _WORDS = ("vanishes_where", "vanishes", "normalised", "reason", "posture", "summary", "message")
-_SENTENCES = re.compile(r"\b(?:plane|axes|stretched|singular at every q|turn against|vanish)")
+_SENTENCES = re.compile(
+    r"\b(?:plane|axes|stretched|singular at every q|turn against|vanish|(?:up|down), )|normalised:"
+)
 _EXPLANATION = re.compile(r"^explanation:(?: .*)?\n(?: {2}- .*\n)*", re.MULTILINE)
+_FACTORS = re.compile(r"^ {2}factors:\n(?: {4}.*\n)*", re.MULTILINE)
 _AS_WRITTEN = re.compile(r"^as_written:(?: .*)?\n(?: {2}.*\n)*", re.MULTILINE)
 _BEYOND = ("explanation", "beyond_limits", "as_written")
 
@@ -137,18 +140,36 @@ def _with_old_words(old: Answer, text: str) -> str:
         return orjson.dumps(_told_as(orjson.loads(old.text), orjson.loads(text))).decode()
     if text[:1] == "{":
         payload = orjson.loads(text)
-        for name in _BEYOND[2:]:
-            payload.pop(name, None)
+        payload.pop("as_written", None)
+        for solution in payload.get("solutions", []):
+            solution.pop("beyond_limits", None)
         return orjson.dumps(payload).decode()
     keys = _keys(old)
     for name, pattern in (("explanation", _EXPLANATION), ("as_written", _AS_WRITTEN)):
         if name not in keys:
             text = pattern.sub("", text)
+    text = _without_last_column(text, "beyond_limits")
+    factors = _FACTORS.search(old.text or "")
+    if factors:
+        text = _FACTORS.sub(lambda _: factors[0], text)
     before, after = (old.text or "").split("\n"), text.split("\n")
     if len(before) != len(after):
         return text
     pairs = zip(before, after, strict=True)
     return "\n".join(a if _SENTENCES.search(a) or a[:8] == "summary:" else b for a, b in pairs)
+
+
+def _without_last_column(text: str, name: str) -> str:
+    """A text without the last column of its table, where that has a name."""
+    lines = text.split("\n")
+    heads = [k for k, line in enumerate(lines) if line.endswith(f"  {name}")]
+    if not heads:
+        return text
+    width = lines[heads[0]].index(f"  {name}")
+    for k in range(heads[0], len(lines)):
+        if lines[k].startswith("  "):
+            lines[k] = lines[k][:width].rstrip()
+    return "\n".join(lines)
 
 
 def _told_as(old: Any, new: Any) -> Any:
@@ -169,17 +190,15 @@ def _told_as(old: Any, new: Any) -> Any:
     return new
 
 
+def _is_planar_position(text: str) -> bool:
+    """Whether an answer is that of two joints for a position."""
+    return bool(
+        re.search(r'"columns":\["[^"]*","[^"]*"\].*"task":"position"', text)
+        or re.search(r"^columns: [^,\n]*, [^,\n]*$(?s:.*)^task: position$", text, re.MULTILINE)
+    )
+
+
 INTENDED: list[Intended] = [
-    Intended(
-        "sentences on singularities, postures, differences and paths say what is proved, and one"
-        " name has one meaning; why a target is not reached is told",
-        lambda asked, answer: (
-            answer.status == 200
-            and asked.operation
-            in ("singularity", "ik", "ik/solutions", "diff", "path", "path/compare", "corpus")
-        ),
-        _with_old_words,
-    ),
     Intended(
         "warnings is a field of every JSON answer of a computation, and a line of its text",
         _is_answer,
@@ -241,6 +260,28 @@ INTENDED: list[Intended] = [
             if old.text is not None and "has no D-H table" in old.text and "/q" in text
             else text
         ),
+    ),
+    Intended(
+        "sentences on singularities, postures, differences and paths say what is proved, and one"
+        " name has one meaning; why a target is not reached is told",
+        lambda asked, answer: (
+            answer.status == 200
+            and asked.operation
+            in ("singularity", "ik", "ik/solutions", "diff", "path", "path/compare", "corpus")
+        ),
+        _with_old_words,
+    ),
+    Intended(
+        "a search for all solutions names free joints, and tells a family once",
+        lambda asked, answer: asked.operation == "ik/solutions" and answer.status == 200,
+        lambda old, text: (
+            old.text if old.text is not None and "starts of the numeric solver" in text else text
+        ),
+    ),
+    Intended(
+        "planar 2R arms are solved in closed form for a position too",
+        lambda asked, answer: asked.operation in ("ik", "ik/solutions") and answer.status == 200,
+        lambda old, text: old.text if old.text is not None and _is_planar_position(text) else text,
     ),
 ]
 

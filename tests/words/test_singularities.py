@@ -75,10 +75,10 @@ def residual(where, axes, q):
     if match := re.match(r"(.*) is in the plane through axis (\d) along axis (\d)", where):
         i, j = int(match[2]) - 1, int(match[3]) - 1
         return np.abs(triple(end(match[1]) - O[:, i], Z[:, i], Z[:, j]))
-    if match := re.match(r"the arm is str.*: axes (\d), (\d) and (\d) lie in one plane", where):
+    if match := re.match(r"stretched or folded: axes (\d), (\d) and (\d) lie in one plane", where):
         i, j, k = (int(match[m]) - 1 for m in (1, 2, 3))
         return np.abs(triple(O[:, j] - O[:, i], O[:, k] - O[:, i], Z[:, i]))
-    if match := re.match(r"the arm is str.*: (.*) is in the plane of axes (\d) and (\d)", where):
+    if match := re.match(r"stretched or folded: (.*) is in the plane of axes (\d) and (\d)", where):
         i, j = int(match[2]) - 1, int(match[3]) - 1
         return np.abs(triple(O[:, j] - O[:, i], end(match[1]) - O[:, i], Z[:, i]))
     if match := re.match(r"(.*) is in the plane of axes 1 and 2", where):
@@ -125,7 +125,7 @@ def check_factors(robot, task, q, axes, sigma):
 
 def check_zeros(robot, task, where, q):
     """At the values of a joint that a sentence names, whatever the others are, the rank is lost."""
-    match = re.search(rf"; that is (\w+) = ({NUMBER})° or ({NUMBER})°, and whole turns", where)
+    match = re.search(rf" \((\w+) = ({NUMBER})°, ({NUMBER})°\)$", where)
     if match is None:
         return
     column = [joint.name for joint in robot.joints].index(match[1])

@@ -73,8 +73,8 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
     """Return the links of an arm from its URDF.
 
     Each joint moves the capsules about its boxes, cylinders, spheres and capsules. Where it also
-    moves a mesh (meshes are not read), or nothing with a shape, the segment to the next joint's
-    origin is added, with the radius given for it.
+    moves a mesh (meshes are not read), or nothing with a shape, the pieces of the skeleton from
+    there to the next joint are added, with the radius given for them.
 
     Args:
         arm: The arm.
@@ -180,10 +180,10 @@ def _ancestors(model: pin.Model, joint: int) -> frozenset[int]:
 def _warnings(
     arm: Arm, shapes: Sequence[Shape], carriers: dict[str, int], radii: FloatArray
 ) -> tuple[str, ...]:
-    instead = (
-        f"the segments between joint origins, up to the frame {arm.frame}, stand for it, with"
-        " link_radius"
-    )
+    way = "between joint origins"
+    if arm.robot.table is not None and not arm.chain.is_revolute.all():
+        way = "along z and x of the table's frames"
+    instead = f"the segments {way}, up to the frame {arm.frame}, stand for it, with link_radius"
     if arm.robot.kind == "dh":
         return (f"a D-H table has no shapes; {instead}",)
     moved = [shape for shape in shapes if carriers[shape.link] >= 0]
