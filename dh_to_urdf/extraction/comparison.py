@@ -60,6 +60,18 @@ def compare(
     for name, tolerance in (("length", length), ("angle", angle)):
         if not 0.0 < tolerance <= 1.0:
             raise DHError.single(("tolerance", name), f"{name} is {tolerance:g}; give 0 to 1")
+    found = _compared(first, second, length, angle)
+    if len(first.joints) != len(second.joints):
+        return found
+    q = random_configurations(first, CONFIGURATIONS)
+    position, orientation = deviation(first.poses(q), second.poses(q))
+    # Differences up to the tolerances add up from joint to joint.
+    most = 2 * (len(first.joints) + 1)
+    alike = position <= most * (length + angle * first.size) and orientation <= most * angle
+    return replace(found, same_poses=alike)
+
+
+def _compared(first: SerialChain, second: SerialChain, length: float, angle: float) -> Comparison:
     found = _compare_tilted(first, second, length, angle)
     if found.verdict is not Verdict.DIFFERENT or found.residual is None:
         return found

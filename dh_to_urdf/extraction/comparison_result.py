@@ -72,6 +72,7 @@ class Comparison:
         reversed: Joints of the second chain that run the other way, if that is all.
         residual: Largest deviation of the tips over random q with base, tool and zero offsets
             made equal; None where the kinds of joints differ.
+        same_poses: Whether the tips have the same poses at the same q, nothing made equal.
     """
 
     verdict: Verdict
@@ -79,12 +80,13 @@ class Comparison:
     joints: tuple[JointComparison, ...]
     reversed: tuple[str, ...]
     residual: Residual | None
+    same_poses: bool = False
 
     @property
     def words(self) -> str:
         """Return the verdict in one or two sentences."""
         if self.verdict is Verdict.IDENTICAL:
-            return "The same arm."
+            return "The same arm." if self.same_poses else "The same arm, on another base or tool."
         said = []
         if self.reversed:
             said.append(f"Joint {', '.join(self.reversed)} runs the other way.")

@@ -179,3 +179,11 @@ def test_other_kinds_or_numbers_of_joints_are_said():
 def test_a_tolerance_is_positive():
     with pytest.raises(DHError, match="length"):
         compare(ur5(), ur5(), length=0.0)
+
+
+def test_the_same_arm_elsewhere_is_told_so():
+    assert compare(ur5(), ur5()).words == "The same arm."
+    for moved in (ur5(base={"xyz": [0.1, 0, 0], "rpy": [0, 0, 0]}), ur5(tool={"xyz": [0, 0, 0.1]})):
+        found = compare(ur5(), moved)
+        assert found.words != "The same arm."
+        assert not found.same_poses

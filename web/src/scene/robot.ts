@@ -26,7 +26,7 @@ export class RobotModel {
   /** Number of mesh files that are shown. */
   meshes = 0;
   private isDisposed = false;
-  /** A bar for each prismatic joint, from its origin at zero to its present one. */
+  /** A bar for each prismatic joint, from where the way along its axis begins to its origin. */
   private readonly slides: { joint: URDFJoint; from: Vector3; bar: Mesh }[] = [];
   /** Size of the shapes that the links have of their own, m. */
   private readonly shapes: number;
@@ -155,8 +155,20 @@ export class RobotModel {
       const bar = new Mesh(new BoxGeometry(1, 1, 1), new MeshLambertMaterial({ color: SLIDE }));
       bar.visible = false;
       joint.parent.add(bar);
-      this.slides.push({ joint, from: joint.position.clone(), bar });
+      this.slides.push({ joint, from: this.startOf(joint), bar });
     }
+  }
+
+  /**
+   * Where the way along a sliding joint's axis begins, in the axes of its parent, with the joint at
+   * zero. The joint of a modified row stands at the end of d: the way begins before it, on x.
+   */
+  private startOf(joint: URDFJoint): Vector3 {
+    const from = joint.position.clone();
+    const { convention } = this.robot;
+    if (convention === null || convention === 'standard') return from;
+    const axis = joint.axis.clone().applyQuaternion(joint.quaternion);
+    return from.addScaledVector(axis, -axis.dot(from));
   }
 
   private hasShapes(): boolean {
