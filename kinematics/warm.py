@@ -13,9 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
+from kinematics.chain import chain_of
 from kinematics.forward import fk
 from kinematics.inverse import IKOptions, solve_ik, solve_ik_batch
-from kinematics.inverse.all_solutions import all_solutions
+from kinematics.inverse.all_solutions import all_solutions, task_errors
 from kinematics.inverse.bounds import JointBounds
 from kinematics.jacobian import jacobian
 from kinematics.kernel_cache import is_full, mark_full
@@ -58,7 +59,11 @@ def _solve_in_closed_form_and_follow_a_path() -> None:
     """Find all solutions by each closed form, then follow a path."""
     for name in CLOSED_FORMS:
         robot = shipped_robot(name)
-        all_solutions(robot, fk(robot, np.full(robot.dof, 0.3))[robot.tip_frame])
+        q = np.full(robot.dof, 0.3)
+        pose = fk(robot, q)[robot.tip_frame]
+        all_solutions(robot, pose)
+        chain = chain_of(robot, robot.tip_frame)
+        task_errors(chain, pose, POSE, q[chain.columns])
     _follow_a_path()
 
 

@@ -242,13 +242,18 @@ def _on_limits(
     inside = np.clip(q, robot.lower, robot.upper)
     if np.array_equal(inside, q) or np.abs(inside - q).max() > TOUCH:
         return None
-    constants = TaskChain(chain.placements, chain.is_revolute.astype(np.float64), task.mask)
-    pose = np.ascontiguousarray(target, dtype=np.float64).reshape(16)
-    own = np.ascontiguousarray(inside[chain.columns])
-    position, orientation = np.sqrt(residual(constants, pose, own, workspace(chain.length)))
+    position, orientation = task_errors(chain, target, task, inside[chain.columns])
     if position > tolerance.position or orientation > tolerance.orientation:
         return None
-    return inside, (float(position), float(orientation))
+    return inside, (position, orientation)
+
+
+def task_errors(chain: Chain, target: FloatArray, task: Task, q: FloatArray) -> tuple[float, float]:
+    """Return the position error, m, and the rotation error, rad, of a chain's q, shape (K,)."""
+    constants = TaskChain(chain.placements, chain.is_revolute.astype(np.float64), task.mask)
+    pose = np.array(target, dtype=np.float64).reshape(16)
+    position, rotation = residual(constants, pose, np.array(q), workspace(chain.length))
+    return float(np.sqrt(position)), float(np.sqrt(rotation))
 
 
 def turned(robot: Robot, q: FloatArray, reference: FloatArray, chain: Chain) -> FloatArray:

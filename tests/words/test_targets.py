@@ -18,7 +18,14 @@ from kinematics.inverse.unreached import why_unreached
 from kinematics.task import TASKS
 from robots.robot import robot_from_table
 from robots.shipped import shipped_robot
-from tests.words.arms import arm_from, axes_of, random_arm
+from tests.words.arms import (
+    CONVENTIONS,
+    arm_from,
+    axes_of,
+    placement,
+    random_arm,
+    wrist_arm,
+)
 
 
 def above(h, line, elbow):
@@ -75,6 +82,17 @@ def test_names_of_postures(number):
     robot = random_arm(number)
     generator = np.random.default_rng(number)
     for _ in range(4):
+        turns = generator.uniform(-3.1, 3.1, robot.dof)
+        check_names(robot, np.where(robot.is_revolute, turns, generator.uniform(-0.4, 0.4)))
+
+
+@pytest.mark.parametrize("number", range(60))
+def test_names_of_postures_of_arms_with_a_wrist(number):
+    """Three joints of any kind before it, so that every way to solve them comes."""
+    generator = np.random.default_rng(50_000 + number)
+    convention = CONVENTIONS[number % 3]
+    robot = arm_from(wrist_arm(generator, convention), convention, placement(generator))
+    for _ in range(3):
         turns = generator.uniform(-3.1, 3.1, robot.dof)
         check_names(robot, np.where(robot.is_revolute, turns, generator.uniform(-0.4, 0.4)))
 
