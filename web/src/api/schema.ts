@@ -208,8 +208,8 @@ export interface components {
             joint: number;
             name: string;
             parameter: string;
-            first: number | string | null;
-            second: number | string | null;
+            first: number | string;
+            second: number | string;
             difference: number | null;
         };
         /**
@@ -1019,7 +1019,7 @@ export interface components {
             /** @default [] */
             obstacles?: (components["schemas"]["SphereField"] | components["schemas"]["CircleObstacleField"] | components["schemas"]["CapsuleField"] | components["schemas"]["HalfSpaceField"] | components["schemas"]["BoxField"])[];
             /**
-             * @description Radius of the capsules about the segments from each joint's origin to the next one's, the last to the frame, m: one number, a list with one a joint in the robot's order, or an object {joint name: radius}.
+             * @description Radius of the capsules about the segments from each joint's origin to the next one's, the last to the frame; of an arm with slides from a D-H table about the way of the table: from frame k-1 along z by d, along x by a, to frame k (modified: along x, then z); m: one number, a list with one a joint in the robot's order, or an object {joint name: radius}.
              * @default 0
              * @example 0.05
              */
@@ -1298,7 +1298,7 @@ export interface components {
             /** @default [] */
             obstacles?: (components["schemas"]["SphereField"] | components["schemas"]["CircleObstacleField"] | components["schemas"]["CapsuleField"] | components["schemas"]["HalfSpaceField"] | components["schemas"]["BoxField"])[];
             /**
-             * @description Radius of the capsules about the segments from each joint's origin to the next one's, the last to the frame, m: one number, a list with one a joint in the robot's order, or an object {joint name: radius}.
+             * @description Radius of the capsules about the segments from each joint's origin to the next one's, the last to the frame; of an arm with slides from a D-H table about the way of the table: from frame k-1 along z by d, along x by a, to frame k (modified: along x, then z); m: one number, a list with one a joint in the robot's order, or an object {joint name: radius}.
              * @default 0
              * @example 0.05
              */
@@ -1436,7 +1436,7 @@ export interface components {
             /** @default [] */
             obstacles?: (components["schemas"]["SphereField"] | components["schemas"]["CircleObstacleField"] | components["schemas"]["CapsuleField"] | components["schemas"]["HalfSpaceField"] | components["schemas"]["BoxField"])[];
             /**
-             * @description Radius of the capsules about the segments from each joint's origin to the next one's, the last to the frame, m: one number, a list with one a joint in the robot's order, or an object {joint name: radius}.
+             * @description Radius of the capsules about the segments from each joint's origin to the next one's, the last to the frame; of an arm with slides from a D-H table about the way of the table: from frame k-1 along z by d, along x by a, to frame k (modified: along x, then z); m: one number, a list with one a joint in the robot's order, or an object {joint name: radius}.
              * @default 0
              * @example 0.05
              */
@@ -1594,7 +1594,7 @@ export interface components {
             /** @default [] */
             obstacles?: (components["schemas"]["SphereField"] | components["schemas"]["CircleObstacleField"] | components["schemas"]["CapsuleField"] | components["schemas"]["HalfSpaceField"] | components["schemas"]["BoxField"])[];
             /**
-             * @description Radius of the capsules about the segments from each joint's origin to the next one's, the last to the frame, m: one number, a list with one a joint in the robot's order, or an object {joint name: radius}.
+             * @description Radius of the capsules about the segments from each joint's origin to the next one's, the last to the frame; of an arm with slides from a D-H table about the way of the table: from frame k-1 along z by d, along x by a, to frame k (modified: along x, then z); m: one number, a list with one a joint in the robot's order, or an object {joint name: radius}.
              * @default 0
              * @example 0.05
              */
