@@ -78,7 +78,10 @@ def why_unreached(
         return Reasons((), False)
     if found.solutions:
         return Reasons((_beyond(robot, found),), False)
-    none = f"no joint values reach the target, whatever their limits ({found.description})"
+    none = (
+        "no joint values reach the target to 1e-9 m and rad, whatever their limits"
+        f" ({found.description})"
+    )
     return Reasons((none, *_position_alone(robot, target, name, task, seed, options)), False)
 
 
@@ -95,7 +98,7 @@ def _too_far(chain: Chain, target: FloatArray, task: Task, tolerance: float) -> 
         return None
     return (
         f"the target is {away:.6g} m from joint 1, and the arm, stretched with all its slides out,"
-        f" is {chain.reach:.6g} m long"
+        f" is at most {chain.reach:.6g} m long"
     )
 
 

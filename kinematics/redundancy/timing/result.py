@@ -225,7 +225,8 @@ def _levers(problem: PathProblem, Q: FloatArray) -> FloatArray:
     chain, rows = problem.arm.chain, problem.links.rows
     lengths = np.linalg.norm(chain.placements[1:, [3, 7, 11]], axis=1)
     lengths = lengths + np.where(chain.is_revolute, 0.0, np.abs(Q).max(axis=0))
-    ends = np.linalg.norm(rows[:, 3:9].reshape(-1, 2, 3), axis=2).max(initial=0.0)
+    offsets = np.linalg.norm(rows[:, 3:9].reshape(-1, 2, 3), axis=2)
+    ends = offsets[rows[:, :2] >= 0].max(initial=0.0)
     return np.where(chain.is_revolute, np.cumsum(lengths[::-1])[::-1] + ends, 1.0)
 
 
