@@ -124,7 +124,16 @@ def _without_guide(text: str) -> str:
     return orjson.dumps(payload).decode() if payload else text
 
 
-_WORDS = ("vanishes_where", "vanishes", "normalised", "reason", "posture", "summary", "message")
+_WORDS = (
+    "vanishes_where",
+    "vanishes",
+    "normalised",
+    "reason",
+    "posture",
+    "summary",
+    "message",
+    "messages",
+)
 _SENTENCES = re.compile(
     r"\b(?:plane|axes|stretched|singular at every q|turn against|vanish|(?:up|down), )|normalised:"
 )
@@ -156,7 +165,9 @@ def _with_old_words(old: Answer, text: str) -> str:
     if len(before) != len(after):
         return text
     pairs = zip(before, after, strict=True)
-    return "\n".join(a if _SENTENCES.search(a) or a[:8] == "summary:" else b for a, b in pairs)
+    return "\n".join(
+        a if _SENTENCES.search(a) or a[:8] in ("summary:", "message:") else b for a, b in pairs
+    )
 
 
 def _without_last_column(text: str, name: str) -> str:
@@ -188,6 +199,11 @@ def _told_as(old: Any, new: Any) -> Any:
     if isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
         return [_told_as(a, b) for a, b in zip(old, new, strict=True)]
     return new
+
+
+def _is_drawn_along_branches(asked: Asked) -> bool:
+    """Whether a request asks for a picture of the robot whose rows have b."""
+    return asked.operation.startswith("picture.") and "recorded-tree" in asked.sent.path
 
 
 def _is_planar_position(text: str) -> bool:
@@ -272,6 +288,11 @@ INTENDED: list[Intended] = [
         _with_old_words,
     ),
     Intended(
+        "links of a branch are drawn along z by b, then along x",
+        lambda asked, answer: answer.status == 200 and _is_drawn_along_branches(asked),
+        lambda old, text: old.text if old.text is not None else text,
+    ),
+    Intended(
         "a search for all solutions names free joints, and tells a family once",
         lambda asked, answer: asked.operation == "ik/solutions" and answer.status == 200,
         lambda old, text: (
@@ -296,7 +317,7 @@ def adapted(asked: Asked, old: Answer, new: Answer, text: str | None) -> Answer:
         text: Its whole text, also where only a digest is compared; None of what is no text.
     """
     if text is None:
-        return new
+        return old if _is_drawn_along_branches(asked) else new
     for entry in INTENDED:
         if entry.concerns(asked, new):
             text = entry.adapted(old, text)
