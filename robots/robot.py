@@ -98,6 +98,23 @@ class Robot:
         return np.array([np.inf if j.upper is None else j.upper for j in self.joints])
 
     @cached_property
+    def expected(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Return bounds of q that nobody wonders at: its limits, else a turn; rad and m."""
+        wide = np.where(self.is_revolute, 2 * np.pi * (1 + 1e-9), 50.0)
+        lower = np.where(np.isfinite(self.lower), self.lower - 1e-9, -wide)
+        upper = np.where(np.isfinite(self.upper), self.upper + 1e-9, wide)
+        return tuple(lower.tolist()), tuple(upper.tolist())
+
+    @cached_property
+    def span(self) -> float:
+        """Return a bound of the distance of any frame from the root, m; inf for a free slide."""
+        placements = [placement.translation for placement in self.model.jointPlacements]
+        lengths = sum(float(np.linalg.norm(one)) for one in placements)
+        frames = [np.linalg.norm(frame.placement.translation) for frame in self.model.frames]
+        slides = np.maximum(np.abs(self.lower), np.abs(self.upper))[~self.is_revolute]
+        return float(lengths + max(frames, default=0.0) + slides.sum())
+
+    @cached_property
     def is_revolute(self) -> NDArray[np.bool_]:
         """Return True where an entry of q is an angle; shape (dof,)."""
         return np.array([joint.type.is_revolute for joint in self.joints])

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 from typing import Any
 
 import msgspec
 
+from app.fields.doubts import RequestDoubts
 from app.fields.form import RequestForm, form_of
 from app.fields.joints import is_one
 from app.http.negotiation import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT
@@ -49,14 +50,19 @@ class Context:
         settings: What the deployment chose.
         form: Media type of the answer.
         symbolic: The processes for symbolic work.
-        warnings: What was accepted but is probably not meant, for the answer.
+        doubts: Collects what was accepted but is probably not meant.
     """
 
     units: Units
     settings: Settings
+    doubts: RequestDoubts
     form: str = JSON
     symbolic: SymbolicWorkers | None = None
-    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was accepted but is probably not meant, for the answer, the gravest first."""
+        return self.doubts.warnings
 
     def symbolic_workers(self) -> SymbolicWorkers:
         """Return the processes for symbolic work."""

@@ -14,6 +14,7 @@ from starlette.types import Scope
 from app.admission.buffers import SMALL_BODY, AdmittedResponse
 from app.admission.thread_pool import ThreadPool, while_connected
 from app.dependencies import Services, services_of
+from app.fields.doubts import RequestDoubts
 from app.fields.field import Reading
 from app.http.bodies import read_body
 from app.http.handlers import domain_problem
@@ -96,7 +97,7 @@ class _Handlers:
             units, query = units_of(request), request.query_params
         wanted = wanted_type(request, *self.operation.forms)
         body = await read_body(request, self.max_body)
-        reading = Reading(stored.robot, units, services.settings, [], {})
+        reading = _reading(stored.robot, units, services.settings, stored.robot.doubts)
         if kind == NPY:
             parameters: Mapping[str, str] = {} if query is None else query
             return await self._answer(
@@ -112,7 +113,7 @@ class _Handlers:
         stored = await services.robot(request.path_params["robot_id"])
         check_query(request, *self.form.parameters)
         units, wanted = units_of(request), wanted_type(request, *self.operation.forms)
-        reading = Reading(stored.robot, units, services.settings, [], {})
+        reading = _reading(stored.robot, units, services.settings, stored.robot.doubts)
         decoded = self.form.from_query(request.query_params, reading)
         size = len(request.scope["query_string"])
         return await self._answer(request, reading, wanted, size, lambda: decoded)
@@ -130,8 +131,8 @@ class _Handlers:
             )
         else:
             decoded = self._with_robot(body, services.settings)
-        robot = await services.inline_robot(decoded.robot)
-        reading = Reading(robot, units, services.settings, [], {})
+        robot, told = await services.inline_robot(decoded.robot)
+        reading = _reading(robot, units, services.settings, told)
         return await self._answer(request, reading, wanted, len(body), lambda: decoded)
 
     def _json(self, body: bytes, settings: Settings) -> msgspec.Struct:
@@ -171,7 +172,7 @@ class _Handlers:
         """Run the computation where it belongs, and write its answer."""
         services, operation, robot = await services_of(request), self.operation, reading.robot
         context = Context(
-            reading.units, reading.settings, wanted, services.symbolic, reading.warnings
+            reading.units, reading.settings, reading.doubts, wanted, services.symbolic
         )
 
         def read() -> msgspec.Struct:
@@ -195,6 +196,11 @@ class _Handlers:
         return await _computed(
             request, services, pool, lambda: _written(operation.run(robot, asked, context), wanted)
         )
+
+
+def _reading(robot: Robot, units: Units, settings: Settings, told: tuple[str, ...]) -> Reading:
+    """Return what a request is read with; ``told`` is what its answer says of the robot."""
+    return Reading(robot, units, settings, RequestDoubts(robot, units, told), {})
 
 
 def _written(answer: Answer, wanted: str, *, short: bool = False) -> Response:

@@ -74,6 +74,7 @@ def in_blocks(
         if done < last:
             if rank < problem.arm.m:
                 return Stop(StopReason.RANK, done, rank)
-            return Stop.diverged(done, rank, course.Q[done] - sample_before(course, done))
+            before = course.leaving if done == 1 else course.Q[done - 1]
+            return Stop.diverged(done, rank, course.Q[done] - before)
         yield done
     return None
