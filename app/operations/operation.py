@@ -9,12 +9,14 @@ from functools import cached_property
 from typing import Any
 
 import msgspec
+from numpy.typing import NDArray
 
 from app.fields.doubts import RequestDoubts
 from app.fields.form import RequestForm, form_of
 from app.fields.joints import is_one
 from app.http.negotiation import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT
 from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.query import COMMON
 from app.http.units import Units
 from app.settings import Settings
 from kinematics.symbolic import SymbolicWorkers
@@ -80,6 +82,7 @@ class Answer(msgspec.Struct, frozen=True):
         listing: The whole answer in any other form than JSON.
         rows: What CSV holds.
         picture: Draws it as SVG, from which PNG is made.
+        records: What npy holds where each row comes with its status: rows with named fields.
     """
 
     payload: Mapping[str, Any]
@@ -88,6 +91,7 @@ class Answer(msgspec.Struct, frozen=True):
     listing: str | None = None
     rows: Sequence[Mapping[str, Any]] | None = None
     picture: Callable[[], str] | None = None
+    records: NDArray[Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +114,7 @@ class Operation:
             None; by default the computation itself for one q.
         stream: The answer in parts, each a list of rows, where it can be sent while it grows.
         needs: Name of an optional package that part of it needs.
+        statuses: Whether rows of its npy can come with their statuses.
     """
 
     name: str
@@ -126,6 +131,14 @@ class Operation:
     attempt: Callable[[Robot, Any, Context], Answer | None] | None = None
     stream: Callable[[Robot, Any, Context], Iterator[list[dict[str, Any]]]] | None = None
     needs: str | None = None
+    statuses: bool = False
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Parameters of every form that are no fields of its request."""
+        words = any(form in (TEXT, CSV) for form in self.forms)
+        more = [*(["digits"] if words else ()), *(["with"] if self.statuses else ())]
+        return (*COMMON, *more)
 
     @cached_property
     def form(self) -> RequestForm[Any]:
