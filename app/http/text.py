@@ -153,7 +153,8 @@ class _Text:
         if isinstance(value, bool):
             return "yes" if value else "no"
         if isinstance(value, (float, np.floating)):
-            number = 0.0 if abs(value) < NOISE else float(value)
+            number = float(value)
+            number = 0.0 if abs(number) < NOISE else number
             return f"{number:.9g}" if self.digits is None else _fixed(number, self.digits)
         return str(value)
 
