@@ -29,7 +29,7 @@ export interface components {
         };
         /**
          * RobotView
-         * @description A robot.
+         * @description A robot; the answer to an upload also holds the D-H table as it was read, with its units.
          */
         RobotView: {
             id: string;
@@ -49,6 +49,7 @@ export interface components {
             tip_frame: string;
             frames: string[];
             warnings: string[];
+            table?: components["schemas"]["DHTable"];
         };
         /**
          * JointView
@@ -193,6 +194,7 @@ export interface components {
             joints: components["schemas"]["DiffJoint"][];
             reversed: string[];
             residual: components["schemas"]["DiffResidual"] | null;
+            warnings: string[];
         };
         /**
          * DifferenceView
@@ -2199,6 +2201,9 @@ export interface components {
         /**
          * PoseView
          * @description One pose in every representation, in the axes of the robot's base frame.
+         *
+         *         ``rpy_degenerate`` is there where it is true, of a batch for one pose at least: at a pitch of
+         *         ±90° only roll ± yaw is determined, and yaw is 0, as in the sequence xyz.
          */
         PoseView: {
             euler?: components["schemas"]["EulerView"];
@@ -2206,6 +2211,7 @@ export interface components {
             position: number[];
             quaternion_xyzw: number[];
             rpy: number[];
+            rpy_degenerate?: boolean;
         };
         /**
          * EulerView
@@ -2905,6 +2911,9 @@ export interface components {
         /**
          * PoseViewBatch
          * @description One pose in every representation, in the axes of the robot's base frame.
+         *
+         *         ``rpy_degenerate`` is there where it is true, of a batch for one pose at least: at a pitch of
+         *         ±90° only roll ± yaw is determined, and yaw is 0, as in the sequence xyz.
          */
         PoseViewBatch: {
             euler?: components["schemas"]["EulerViewBatch"];
@@ -2912,6 +2921,7 @@ export interface components {
             position: number[][];
             quaternion_xyzw: number[][];
             rpy: number[][];
+            rpy_degenerate?: boolean[];
         };
         /**
          * EulerViewBatch
