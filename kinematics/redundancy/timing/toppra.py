@@ -27,6 +27,8 @@ GRID, MOST_GRID = 1000, 20_000
 """Smallest and largest number of grid points of toppra; see :func:`fastest`."""
 NEAREST = 1e-5
 """Part of the whole length below which neighbouring samples count as one."""
+SCATTER = 2e-8
+"""Length, rad and m, within which samples scatter about the path: as near as they are solved."""
 STILL = 1e-7
 """Motion, rad or m, below which there is nothing to time."""
 
@@ -169,10 +171,11 @@ def spline_through(Q: FloatArray) -> Spline | None:
         return None
     steps = np.linalg.norm(np.diff(Q, axis=0), axis=1)
     s = np.concatenate(([0.0], np.cumsum(steps)))
+    apart = max(NEAREST, SCATTER / s[-1])
     s /= s[-1]
     kept = [0]
     for k in range(1, len(s) - 1):
-        if s[k] - s[kept[-1]] >= NEAREST and s[-1] - s[k] >= NEAREST:
+        if s[k] - s[kept[-1]] >= apart and s[-1] - s[k] >= apart:
             kept.append(k)
     kept.append(len(s) - 1)
     knots = s[kept]

@@ -262,6 +262,20 @@ def test_what_toppra_cannot_time_is_named(monkeypatch):
     assert motion.q.shape == (0, 7)
 
 
+@pytest.mark.parametrize("method", ["qp", "damped", "sqp"])
+@pytest.mark.parametrize("size", [1e-12, 1e-9, 1e-8, 1e-7, 2e-7, 5e-7, 1e-6, 1e-5])
+def test_a_tiny_motion_is_timed_or_none(size, method):
+    problem = lines((size, 0, 0))
+    motion = retimed(followed(problem, METHODS[method], PathOptions()), limits(problem, 5.0))
+    assert motion.success, motion.message
+    assert "toppra" not in motion.message
+    assert motion.status is (RetimeStatus.RETIMED if size > 1e-8 else RetimeStatus.NO_MOTION)
+    if size > 1e-7:
+        # The time grows with the root of the way.
+        _, other = timed(lines((4 * size, 0, 0)), 5.0)
+        assert other.duration == pytest.approx(2 * motion.duration, rel=0.01)
+
+
 def test_without_toppra_it_is_refused(monkeypatch):
     retiming._toppra.cache_clear()
     monkeypatch.setitem(sys.modules, "toppra", None)
