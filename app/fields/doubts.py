@@ -32,6 +32,8 @@ TURNS = 3
 """Turns of a joint without limits that nobody wonders at, unless the value has few digits."""
 FAR, FAR_THING = 10.0, 100.0
 """Distances of targets and of other things, relative to the robot's span, that look like mm."""
+FARTHEST = 1e9
+"""Coordinates beyond this, m, are taken as this, so that no square overflows."""
 SLIDE = 50.0
 """A slide beyond this, m, looks like millimetres."""
 
@@ -69,8 +71,10 @@ class RequestDoubts:
         lower, upper = self.robot.expected
         if q.ndim == 1:
             values = q.tolist()
-            if not all(lo <= x <= hi for lo, x, hi in zip(lower, values, upper, strict=True)):
-                self._look(np.array([values]), name)
+            for low, value, high in zip(lower, values, upper, strict=True):
+                if not low <= value <= high:
+                    self._look(np.array([values]), name)
+                    break
             if self.units.degrees:
                 self._digits(given.tolist(), name)
         elif not bool(((q >= lower) & (q <= upper)).all()):
@@ -92,7 +96,11 @@ class RequestDoubts:
         most = far * self.robot.span
         if not 0.0 < most < math.inf:
             return
-        distance = float(np.sqrt(np.square(points).sum(axis=-1)).max(initial=0.0))
+        if points.ndim == 1:
+            distance = math.hypot(*points.tolist())
+        else:
+            near = np.minimum(np.abs(points), FARTHEST)
+            distance = float(np.sqrt(np.square(near).sum(axis=-1)).max(initial=0.0))
         if distance > most:
             reach = f"the robot spans {self.robot.span:.3g} m"
             self._add(Kind.MILLIMETRES, f"{what} is {distance:.4g} m away, and {reach}")
@@ -105,7 +113,7 @@ class RequestDoubts:
     def _digits(self, given: Sequence[float], name: str) -> None:
         """Look for digits of rad among joint values that were read in degrees."""
         for joint, value in zip(self.robot.joints, given, strict=True):
-            if joint.type.is_revolute and is_like_radians(value):
+            if is_like_radians(value) and joint.type.is_revolute:
                 self._add(Kind.RADIANS, f"{name} of joint {joint.name} is {as_radians(value)}")
 
     def _look(self, q: FloatArray, name: str) -> None:

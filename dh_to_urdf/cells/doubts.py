@@ -19,6 +19,8 @@ TURN = 2 * math.pi
 SLICE = math.pi / 12
 ROUNDED = 2e-3
 """Distance, rad, from a multiple of 15° below which an angle is meant in rad."""
+MOST_RADIANS = 48.5 * SLICE
+"""Digits of angles beyond two turns are not looked for."""
 FINE, COARSE = 6e-5, 6e-4
 """Distances of digits from those of a multiple of 15° and of 90° in rad, written in degrees."""
 LIMIT, NO_LIMIT = 20.0, 1000.0
@@ -49,10 +51,11 @@ def is_like_degrees(angle: float) -> bool:
 
 def is_like_radians(angle: float) -> bool:
     """Return whether an angle, degrees, has the digits of one in rad, as 1.5708 has."""
-    parts = round(abs(angle) / SLICE)
-    if not 0 < parts <= 48:
+    size = abs(angle)
+    if not SLICE / 2 < size < MOST_RADIANS:
         return False
-    off, hundredths = abs(abs(angle) - parts * SLICE), abs(angle) * 100
+    parts, hundredths = round(size / SLICE), size * 100
+    off = abs(size - parts * SLICE)
     if abs(hundredths - round(hundredths)) < 1e-9:
         return parts % 6 == 0 and off < 5e-3 and parts <= 24
     return off < (COARSE if parts % 6 == 0 else FINE)
