@@ -136,7 +136,8 @@ class Operation:
     @property
     def parameters(self) -> tuple[str, ...]:
         """Parameters of every form that are no fields of its request."""
-        words = any(form in (TEXT, CSV) for form in self.forms)
+        # A listing of closed forms is no table of numbers.
+        words = self.runs is not Runs.PROCESS and any(form in (TEXT, CSV) for form in self.forms)
         more = [*(["digits"] if words else ()), *(["with"] if self.statuses else ())]
         return (*COMMON, *more)
 

@@ -19,11 +19,12 @@ from app.fields.doubts import RequestDoubts
 from app.fields.field import Reading
 from app.http.bodies import read_body
 from app.http.handlers import domain_problem
-from app.http.negotiation import JSON, NDJSON, NPY, SVG, require_type, wanted_type
+from app.http.negotiation import JSON, NDJSON, NPY, SVG, TEXT, require_type, wanted_type
 from app.http.npy import decode_npy
 from app.http.query import check_query, digits_of, units_of, with_status
 from app.http.responses import json_lines, respond, told_in_header
 from app.http.strict_json import MAX_FIELD, check_fields, decode_json, refuse_doubled_keys
+from app.http.text import render_text
 from app.http.units import Units
 from app.operations.operation import PICTURES, Answer, Context, Operation, Runs
 from app.pictures.png import png_of
@@ -238,8 +239,10 @@ def _written(answer: Answer, form: _Form, context: Context, *, short: bool = Fal
         drawn = answer.picture()
         return Response(drawn if wanted == SVG else png_of(drawn), headers=told, media_type=wanted)
     if answer.listing is not None and wanted != JSON:
-        told = told_in_header(context.warnings)
-        return Response(answer.listing, headers=told, media_type=f"{wanted}; charset=utf-8")
+        told, listing = told_in_header(context.warnings), answer.listing
+        if wanted == TEXT and told:
+            listing += render_text({"warnings": context.warnings})
+        return Response(listing, headers=told, media_type=f"{wanted}; charset=utf-8")
     return respond(
         answer.payload,
         wanted,

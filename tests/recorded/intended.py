@@ -59,6 +59,7 @@ def _without_warnings(old: Answer, text: str) -> str:
     return orjson.dumps(payload).decode()
 
 
+_READ = ("application/json", "text/plain")
 _PASTED = ("text/markdown", "application/x-latex", "text/tab-separated-values")
 _MAPS = ("manipulability-map", "workspace")
 _DEGENERATE = re.compile(r"(degenerate:)((?: (?:yes|no),?)+)$", re.MULTILINE)
@@ -158,7 +159,7 @@ def _is_lost(text: str) -> bool:
 INTENDED: list[Intended] = [
     Intended(
         "what is probably not meant, and q outside limits, is told in warnings",
-        lambda asked, answer: answer.status in (200, 201),
+        lambda asked, answer: answer.status in (200, 201) and _kind(answer) in _READ,
         _with_recorded_warnings,
     ),
     Intended(
