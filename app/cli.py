@@ -136,6 +136,7 @@ def forward(robot: str, q: str, angle: str, frames: tuple[str, ...], euler: str 
 
     Q is comma-separated: denavit fk puma560 0,pi/4,-90deg,0,45deg,0
     """
+    from app.fields.doubts import RequestDoubts
     from app.operations.forward import pose_view
     from kinematics.forward import fk
 
@@ -145,13 +146,17 @@ def forward(robot: str, q: str, angle: str, frames: tuple[str, ...], euler: str 
         import numpy as np
 
         values = np.array([number("q", part, units) for part in q.split(",")])
+        doubts = RequestDoubts(loaded, units, loaded.warnings)
         if len(values) == loaded.dof:
-            values = units.joints_in(loaded, values)
+            given, values = values, units.joints_in(loaded, values)
+            doubts.configuration(given, values, "q")
         poses = fk(loaded, values, frames or None)
         views = {name: pose_view(T, units, euler) for name, T in poses.items()}
     except (DHError, RobotError, StorageError, KinematicsError) as error:
         raise click.ClickException(str(error)) from None
     click.echo(render_text({"units": units.named, **views}), nl=False)
+    for warning in doubts.warnings:
+        click.echo(f"warning: {warning}", err=True)
 
 
 def _load(robot: str) -> Robot:

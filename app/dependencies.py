@@ -153,8 +153,11 @@ class Services:
             return loaded
         return await self.loaded(lambda: self.store.get(robot_id))
 
-    async def inline_robot(self, raw: msgspec.Raw) -> Robot:
-        """The robot of a body's ``robot`` field: a table, a URDF or an id.
+    async def inline_robot(self, raw: msgspec.Raw) -> tuple[Robot, tuple[str, ...]]:
+        """The robot of a body's ``robot`` field, and what its answer says of it.
+
+        The field holds a table, a URDF or an id. Of a stored robot the answer tells the doubts; of
+        one in the body every warning, as nothing else answers that document.
 
         Raises:
             RobotNotFound: No robot has this id.
@@ -166,11 +169,12 @@ class Services:
                 TOO_LARGE, f"robot is larger than the {limit} bytes read here", "/robot"
             )
         if document[:1] == b'"':
-            return (await self.robot(decode_json(document, str, "/robot"))).robot
-        known = self.inline.known(document)
-        if known is not None:
-            return known
-        return await self.loaded(lambda: self.inline.get(document))
+            stored = await self.robot(decode_json(document, str, "/robot"))
+            return stored.robot, stored.robot.doubts
+        robot = self.inline.known(document)
+        if robot is None:
+            robot = await self.loaded(lambda: self.inline.get(document))
+        return robot, robot.warnings
 
 
 async def services_of(request: Request) -> Services:

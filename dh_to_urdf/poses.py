@@ -118,10 +118,17 @@ def to_rpy(R: Matrix) -> tuple[float, float, float]:
     return rows_to_rpy(R.tolist())
 
 
-def rows_to_rpy(rows: Sequence[Sequence[float]]) -> tuple[float, float, float]:
-    """Return roll, pitch, yaw of a rotation or placement given as rows of numbers, rad."""
+def rows_to_rpy(
+    rows: Sequence[Sequence[float]], lock: float = GIMBAL
+) -> tuple[float, float, float]:
+    """Return roll, pitch, yaw of a rotation or placement given as rows of numbers, rad.
+
+    Args:
+        rows: The first three rows.
+        lock: Size of cos(pitch) up to which only roll ± yaw is determined; yaw is 0 then.
+    """
     (r11, r12, r13, *_), (r21, r22, r23, *_), (r31, *_) = rows[:3]
-    yaw = math.atan2(r21, r11) if math.hypot(r11, r21) > GIMBAL else 0.0
+    yaw = math.atan2(r21, r11) if math.hypot(r11, r21) > lock else 0.0
     cos, sin = math.cos(yaw), math.sin(yaw)
     pitch = math.atan2(-r31, cos * r11 + sin * r21)
     roll = math.atan2(sin * r13 - cos * r23, cos * r22 - sin * r12)

@@ -126,7 +126,8 @@ class DHTable:
         rows: The joints, in the order of the document. A row's parent comes before it.
         base: Placement of frame 0 in ``base_link``, 4x4.
         tool: Placement of ``tool`` in the last frame of the longest chain, 4x4.
-        warnings: Assumptions of the reader, as sentences.
+        warnings: Assumptions and doubts of the reader, as sentences, the gravest first.
+        doubts: Those of them about values that are probably meant in another unit.
     """
 
     name: str
@@ -135,6 +136,7 @@ class DHTable:
     base: Matrix = field(default_factory=lambda: np.eye(4))
     tool: Matrix = field(default_factory=lambda: np.eye(4))
     warnings: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
     @property
     def moving_rows(self) -> tuple[int, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -14,6 +15,7 @@ from kinematics.compiled import writable
 from kinematics.configuration import configuration
 from kinematics.deadline import checkpoint
 from kinematics.kernels import forward_many
+from kinematics.orientation import DEGENERATE
 from robots.robot import FloatArray, Robot
 
 
@@ -50,12 +52,14 @@ class Pose(NamedTuple):
         position: x, y, z.
         quaternion_xyzw: Unit quaternion with w ≥ 0.
         rpy: URDF's roll, pitch, yaw, rad.
+        is_locked: Whether only roll ± yaw is determined; yaw is 0 then.
     """
 
     matrix: list[list[float]]
     position: tuple[float, ...]
     quaternion_xyzw: tuple[float, ...]
     rpy: tuple[float, ...]
+    is_locked: bool
 
 
 def poses(robot: Robot, q: FloatArray, frames: Sequence[str] | None = None) -> dict[str, Pose]:
@@ -79,7 +83,8 @@ def _pose(placement: Any) -> Pose:
     quaternion = numbers[3:]
     if quaternion[3] < 0.0:
         quaternion = tuple(-value for value in quaternion)
-    return Pose(rows, numbers[:3], quaternion, rows_to_rpy(rows))
+    is_locked = math.hypot(rows[0][0], rows[1][0]) < DEGENERATE
+    return Pose(rows, numbers[:3], quaternion, rows_to_rpy(rows, DEGENERATE), is_locked)
 
 
 def _frame_ids(robot: Robot, frames: Sequence[str] | None) -> dict[str, int]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from dh_to_urdf.errors import Location
-from dh_to_urdf.poses import to_rpy
+from dh_to_urdf.poses import rows_to_rpy
 from kinematics.errors import RepresentationSingularity, UnknownSequence
 from robots.robot import FloatArray
 
@@ -225,7 +225,15 @@ def quaternion_xyzw(R: FloatArray) -> FloatArray:
 
 
 def rpy(R: FloatArray) -> FloatArray:
-    """Return URDF's roll, pitch, yaw (fixed axes x, y, z), rad; shape (..., 3, 3) -> (..., 3)."""
+    """Return URDF's roll, pitch, yaw (fixed axes x, y, z), rad; shape (..., 3, 3) -> (..., 3).
+
+    At a pitch of ±90°, see :func:`is_locked`, yaw is 0, as the sequence xyz has it.
+    """
     if R.ndim == 2:
-        return np.array(to_rpy(R))
+        return np.array(rows_to_rpy(R.tolist(), DEGENERATE)) + 0.0
     return euler_angles(R, "xyz").solutions[..., 0, :]
+
+
+def is_locked(R: FloatArray) -> NDArray[np.bool_]:
+    """Return whether only roll ± yaw of a rotation is determined; (..., 3, 3) -> (...)."""
+    return np.asarray(np.hypot(R[..., 0, 0], R[..., 1, 0]) < DEGENERATE)

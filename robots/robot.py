@@ -62,7 +62,9 @@ class Robot:
         frames: All frame (link) names in the order of the document.
         urdf: Canonical URDF text.
         table: The D-H table, for robots made from one.
-        warnings: What had to be assumed.
+        warnings: What is doubtful, was assumed or was left out, the gravest first.
+        doubts: Those of them about values that are probably meant in another unit, which every
+            computation tells.
     """
 
     name: str
@@ -76,6 +78,7 @@ class Robot:
     urdf: str
     table: DHTable | None = None
     warnings: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
     _frame_ids: Mapping[str, int] = field(default_factory=dict, repr=False)
     _local: threading.local = field(default_factory=threading.local, repr=False, compare=False)
 
@@ -93,6 +96,23 @@ class Robot:
     def upper(self) -> FloatArray:
         """Return the upper limits, ``inf`` where there is none, shape (dof,), rad and m."""
         return np.array([np.inf if j.upper is None else j.upper for j in self.joints])
+
+    @cached_property
+    def expected(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Return bounds of q that nobody wonders at: its limits, else a turn; rad and m."""
+        wide = np.where(self.is_revolute, 2 * np.pi * (1 + 1e-9), 50.0)
+        lower = np.where(np.isfinite(self.lower), self.lower - 1e-9, -wide)
+        upper = np.where(np.isfinite(self.upper), self.upper + 1e-9, wide)
+        return tuple(lower.tolist()), tuple(upper.tolist())
+
+    @cached_property
+    def span(self) -> float:
+        """Return a bound of the distance of any frame from the root, m; inf for a free slide."""
+        placements = [placement.translation for placement in self.model.jointPlacements]
+        lengths = sum(float(np.linalg.norm(one)) for one in placements)
+        frames = [np.linalg.norm(frame.placement.translation) for frame in self.model.frames]
+        slides = np.maximum(np.abs(self.lower), np.abs(self.upper))[~self.is_revolute]
+        return float(lengths + max(frames, default=0.0) + slides.sum())
 
     @cached_property
     def is_revolute(self) -> NDArray[np.bool_]:
@@ -185,6 +205,7 @@ def robot_from_table(table: DHTable) -> Robot:
         urdf=urdf,
         identity=f"dh|{table.convention}|{','.join(row.type for row in table.rows)}",
         warnings=table.warnings,
+        doubts=table.doubts,
     )
 
 
@@ -193,7 +214,8 @@ def robot_from_urdf(
     *,
     base: str | None = None,
     tip: str | None = None,
-    warnings: tuple[str, ...] = (),
+    warnings: tuple[str, ...] | None = None,
+    tell_left_out: bool = True,
 ) -> Robot:
     """Build the robot of a URDF: q in file order, every joint that is not fixed.
 
@@ -201,7 +223,8 @@ def robot_from_urdf(
         text: The URDF.
         base: Frame in whose axes results are given; default the root link.
         tip: Frame to compute for where none is named; default the leaf of the longest chain.
-        warnings: Warnings of an earlier reading, kept with a canonical text.
+        warnings: Warnings of an earlier reading, kept with a canonical text; None: of this one.
+        tell_left_out: Whether warnings tell what of the file is left out.
 
     Raises:
         InvalidURDF: See :func:`robots.urdf.read_urdf`.
@@ -209,6 +232,9 @@ def robot_from_urdf(
         UnknownFrame: base or tip is no link of the robot.
     """
     description = read_urdf(text)
+    if warnings is None:
+        unused = () if tell_left_out else description.left_out
+        warnings = tuple(one for one in description.warnings if one not in unused)
     joints = tuple(
         _without_unbounded(Joint(j.name, JointType(j.type), j.lower, j.upper, j.velocity, j.effort))
         for j in description.moving
@@ -226,7 +252,8 @@ def robot_from_urdf(
         table=None,
         urdf=description.canonical,
         identity="urdf",
-        warnings=warnings or description.warnings,
+        warnings=warnings,
+        doubts=description.doubts,
     )
 
 
@@ -242,6 +269,7 @@ def _build(
     urdf: str,
     identity: str,
     warnings: tuple[str, ...],
+    doubts: tuple[str, ...],
 ) -> Robot:
     model = build_model(description)
     body = pin.FrameType.BODY
@@ -259,6 +287,7 @@ def _build(
         urdf=urdf,
         table=table,
         warnings=warnings,
+        doubts=doubts,
         _frame_ids=frame_ids,
     )
 

@@ -93,7 +93,8 @@ def shipped_robot(robot_id: str) -> Robot:
     if head.urdf is None:
         return robot_from_table(read_yaml((LIBRARY / f"{robot_id}.yaml").read_text("utf-8")))
     text = urdf_path(head.urdf).read_bytes()
-    return robot_from_urdf(text, base=head.base, tip=head.tip)
+    # What the files hold besides was looked at when they joined the library.
+    return robot_from_urdf(text, base=head.base, tip=head.tip, tell_left_out=False)
 
 
 def urdf_path(relative: str) -> Path:

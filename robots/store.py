@@ -14,6 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
+from dh_to_urdf.look_alikes import by_case, by_shape
 from robots.errors import (
     InvalidRobotId,
     ReadOnlyRobot,
@@ -136,6 +137,19 @@ class RobotStore:
         if found is None:
             raise self._not_found(robot_id)
         return found
+
+    def look_alikes(self, robot_id: str) -> tuple[str, ...]:
+        """Return the ids of other robots that differ from one by case or by look-alike letters.
+
+        Raises:
+            StorageUnavailable: The directory cannot be read.
+        """
+        keys = by_case(robot_id), by_shape(robot_id)
+        return tuple(
+            other
+            for other in self.ids()
+            if other != robot_id and (by_case(other) == keys[0] or by_shape(other) == keys[1])
+        )
 
     @staticmethod
     def check_id(robot_id: str) -> None:

@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 
 import msgspec
 
+from app.fields.doubts import RequestDoubts
 from app.http.units import Units
 from app.settings import Settings
 from dh_to_urdf.errors import Location
@@ -33,14 +34,14 @@ class Reading:
         robot: The robot of the request.
         units: The units of the request.
         settings: What the deployment chose.
-        warnings: Collects what was accepted but is probably not meant, for the answer.
+        doubts: Collects what was accepted but is probably not meant, for the answer.
         given: The fields of the request that are read already, by name.
     """
 
     robot: Robot
     units: Units
     settings: Settings
-    warnings: list[str]
+    doubts: RequestDoubts
     given: dict[str, Any]
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from app.fields.field import KEY, Field, Parameter, Reading
 from app.http.problems import INVALID_REQUEST, RequestProblem
-from app.http.query import COMMON
+from app.http.query import COMPUTED
 from app.http.strict_json import decode_json, validation_problem
 
 R = TypeVar("R", bound=msgspec.Struct)
@@ -121,7 +121,7 @@ class RequestForm(Generic[R]):
     def _values(self, query: Mapping[str, str], reading: Reading) -> dict[str, Any]:
         read: dict[str, dict[str, Any]] = {}
         for key, text in query.items():
-            if key not in COMMON:
+            if key not in COMPUTED:
                 name, parameter = self.parameters[key]
                 read.setdefault(name, {})[key] = parameter.read(key, text, reading)
         return {

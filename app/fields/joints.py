@@ -38,11 +38,13 @@ class JointField(Field):
         many: Whether a batch is taken too, shape (n, dof).
         angular: Whether values of revolute joints are in the angle unit of the request.
         optional: Whether it may be left out or null.
+        posture: Whether it says where the joints are, so that their limits matter.
     """
 
     many: bool = True
     angular: bool = True
     optional: bool = False
+    posture: bool = True
 
     @property
     def wire(self) -> Any:
@@ -74,7 +76,10 @@ class JointField(Field):
         if q.ndim != 1 and not self.many:
             message = f"{location[-1]} is a batch; give one list"
             raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
-        return reading.units.joints_in(reading.robot, q) if self.angular else q
+        found = reading.units.joints_in(reading.robot, q) if self.angular else q
+        if self.posture:
+            reading.doubts.configuration(q, found, str(location[-1]))
+        return found
 
     def _array(self, value: Any, location: Location, reading: Reading) -> FloatArray:
         most = reading.settings.max_batch
@@ -144,9 +149,9 @@ def _meta(
     return declared(replace(field, parameters=parameters), text, {"anyOf": schemas})
 
 
-def optional_configuration(query: str, text: str) -> msgspec.Meta:
+def optional_configuration(query: str, text: str, *, posture: bool = True) -> msgspec.Meta:
     """Return the annotation of one q that may be left out, with its texts for the documents."""
-    return _meta(query, text, JointField(many=False, optional=True))
+    return _meta(query, text, JointField(many=False, optional=True, posture=posture))
 
 
 Configuration: TypeAlias = Annotated[FloatArray, _meta(_Q_QUERY, _MANY, JointField())]
@@ -155,14 +160,18 @@ SingleConfiguration: TypeAlias = Annotated[
 ]
 JointRates: TypeAlias = Annotated[
     FloatArray,
-    _meta("Joint velocities, comma-separated, in the robot's order.", _MANY, JointField()),
+    _meta(
+        "Joint velocities, comma-separated, in the robot's order.",
+        _MANY,
+        JointField(posture=False),
+    ),
 ]
 JointEfforts: TypeAlias = Annotated[
     FloatArray,
     _meta(
         "Joint torques and forces, comma-separated, in N m and N.",
         f"{_Q_TEXT}a batch (list of lists), or an object {{joint name: value}}; N m and N.",
-        JointField(angular=False),
+        JointField(angular=False, posture=False),
         texts.scalars,
     ),
 ]

@@ -12,6 +12,7 @@ import numpy as np
 
 from app.fields import texts
 from app.fields.bounds import batch_of, coordinates, within
+from app.fields.doubts import RequestDoubts
 from app.fields.field import Field, Parameter, Reading, declared
 from app.fields.names import SEQUENCE_SCHEMA
 from app.http.pointers import json_pointer
@@ -26,6 +27,8 @@ from robots.robot import FloatArray
 _ROW = {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4}
 _MATRIX = {"type": "array", "items": _ROW, "minItems": 4, "maxItems": 4}
 _FORMS = ("matrix", "position", "quaternion_xyzw", "rpy", "euler", "phi", "direction")
+LOOKED_AT = 100
+"""Targets of a list that are looked at for angles in another unit."""
 _SEQUENCE = msgspec.Meta(extra_json_schema=SEQUENCE_SCHEMA)
 
 
@@ -77,18 +80,40 @@ class TargetBatch(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     direction: Annotated[list[list[float]] | None, batch_of(3)] = None
 
 
-def target_pose(target: Target, task: Task, units: Units, location: Location) -> FloatArray:
+def target_pose(
+    target: Target, task: Task, doubts: RequestDoubts, location: Location
+) -> FloatArray:
     """Return the pose of one target, shape (4, 4), m.
+
+    Args:
+        target: The target.
+        task: What of it counts.
+        doubts: Has the units of the request, and takes what is doubtful.
+        location: Where it stands in the request.
 
     Raises:
         InvalidTarget: The target is no pose, or lacks what the task needs.
     """
-    pose: FloatArray = target_poses(_one(target, units, location), task)[0]
+    pose: FloatArray = target_poses(_one(target, doubts, location), task)[0]
+    if target.position is not None or target.matrix is not None:
+        doubts.place(pose[:3, 3], f"the {_named(location)}")
     return pose
 
 
-def _one(target: Target, units: Units, location: Location) -> Targets:
-    euler = target.euler
+def _named(location: Location) -> str:
+    """Return what a place of the request is called."""
+    return " ".join(str(part) for part in location)
+
+
+def _one(target: Target, doubts: RequestDoubts, location: Location) -> Targets:
+    euler, units, name = target.euler, doubts.units, _named(location)
+    for form, angles in (
+        ("rpy", target.rpy),
+        ("euler", None if euler is None else euler.angles),
+        ("phi", None if target.phi is None else [target.phi]),
+    ):
+        if angles is not None:
+            doubts.angles(angles, f"{form} of {name}")
     return Targets(
         matrix=None if target.matrix is None else [target.matrix],
         position=None if target.position is None else [target.position],
@@ -145,7 +170,7 @@ class OneTarget(Field):
         """
         if value is None:
             return None
-        return target_pose(value, reading.given["task"], reading.units, location)
+        return target_pose(value, reading.given["task"], reading.doubts, location)
 
 
 @dataclass(frozen=True)
@@ -188,12 +213,16 @@ class ManyTargets(Field):
             _check_count(len(array), location, reading)
             targets = Targets(matrix=array, location=location, many=True, by_field=True)
             poses = target_poses(targets, task)
+            reading.doubts.place(poses[:, :3, 3], "a target")
             return poses if value.ndim == 3 else poses[0]
         if isinstance(value, TargetBatch):
-            return target_poses(_by_field(value, location, reading), task)
-        _check_count(len(value), location, reading)
-        groups = _listed(value, location, reading)
-        return np.concatenate([target_poses(group, task) for group in groups])
+            poses = target_poses(_by_field(value, location, reading), task)
+        else:
+            _check_count(len(value), location, reading)
+            groups = _listed(value, location, reading)
+            poses = np.concatenate([target_poses(group, task) for group in groups])
+        reading.doubts.place(poses[:, :3, 3], "a target")
+        return poses
 
 
 def _listed(targets: Sequence[Target], location: Location, reading: Reading) -> tuple[Targets, ...]:
@@ -206,7 +235,7 @@ def _listed(targets: Sequence[Target], location: Location, reading: Reading) -> 
         for one in targets
     }
     if len(forms) > 1:
-        return tuple(_one(one, reading.units, (*location, k)) for k, one in enumerate(targets))
+        return tuple(_one(one, reading.doubts, (*location, k)) for k, one in enumerate(targets))
     columns = {
         name: [getattr(one, name) for one in targets]
         for name in _FORMS
@@ -240,6 +269,14 @@ def _together(
     units = reading.units
     rpy, phi = columns.get("rpy"), columns.get("phi")
     euler: list[EulerField] | None = columns.get("euler")
+    for name, angles in (
+        ("rpy", rpy),
+        ("euler", None if euler is None else [one.angles for one in euler]),
+        ("phi", phi),
+    ):
+        if angles is not None:
+            looked_at = np.ravel(angles[:LOOKED_AT]).tolist()
+            reading.doubts.angles(looked_at, f"{name} of {location[-1]}")
     return Targets(
         matrix=columns.get("matrix"),
         position=columns.get("position"),

@@ -5,8 +5,10 @@ from __future__ import annotations
 import io
 import math
 import re
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.http.problems import INVALID_REQUEST, MALFORMED_BODY, TOO_LARGE, RequestProblem
 from robots.robot import FloatArray
@@ -69,8 +71,8 @@ def decode_npy(body: bytes, pointer: str = "") -> FloatArray:
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def npy_bytes(array: FloatArray) -> bytes:
-    """An npy file."""
+def npy_bytes(array: NDArray[Any]) -> bytes:
+    """An npy file of numbers, or of rows with named fields."""
     stream = io.BytesIO()
     np.lib.format.write_array(stream, np.ascontiguousarray(array), allow_pickle=False)
     return stream.getvalue()

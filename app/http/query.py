@@ -6,6 +6,7 @@ import math
 
 from fastapi import Request
 
+from app.http.negotiation import CSV, NPY, TEXT
 from app.http.pointers import escaped
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.units import Units
@@ -13,6 +14,9 @@ from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
 from robots.errors import hint
 
 COMMON = ("angle", "format")
+COMPUTED = (*COMMON, "digits", "with")
+"""Parameters of computations that are no fields of a request."""
+MAX_DIGITS = 15
 MAX_QUERY_VALUES = 1024
 MAX_VALUE = 1e15
 
@@ -47,6 +51,48 @@ def units_of(request: Request) -> Units:
     if angle not in ("rad", "deg"):
         raise RequestProblem(INVALID_REQUEST, f"angle is {angle[:32]!r}; give rad or deg", "/angle")
     return Units(angle == "deg")
+
+
+def digits_of(request: Request, wanted: str) -> int | None:
+    """The decimals that ``?digits=`` asks for in text and CSV; None where it does not.
+
+    Raises:
+        RequestProblem: No number of decimals, or a form that holds all digits.
+    """
+    text = request.query_params.get("digits")
+    if text is None:
+        return None
+    if wanted not in (TEXT, CSV):
+        raise RequestProblem(
+            INVALID_REQUEST,
+            "digits is for format=text and format=csv; the others hold all digits",
+            "/digits",
+        )
+    if not (text.isascii() and text.isdecimal() and len(text) <= 2 and int(text) <= MAX_DIGITS):
+        raise RequestProblem(
+            INVALID_REQUEST, f"digits is {text[:32]!r}; give 0 to {MAX_DIGITS}", "/digits"
+        )
+    return int(text)
+
+
+def with_status(request: Request, wanted: str) -> bool:
+    """Whether ``?with=status`` asks for the status of each row, in npy.
+
+    Raises:
+        RequestProblem: Another word, or a form that holds the statuses anyhow.
+    """
+    text = request.query_params.get("with")
+    if text is None:
+        return False
+    if text != "status" or wanted != NPY:
+        raise RequestProblem(
+            INVALID_REQUEST,
+            "with=status is for format=npy; the other forms hold each status"
+            if text == "status"
+            else f"with is {text[:32]!r}; give status",
+            "/with",
+        )
+    return True
 
 
 def number(name: str, text: str, units: Units, quantity: Quantity = Quantity.ANGLE) -> float:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import orjson
 from fastapi import Response
+from numpy.typing import NDArray
 from starlette.types import Receive, Scope, Send
 
 from app.http.negotiation import CSV, JSON, NPY, TEXT
@@ -20,12 +22,16 @@ from app.http.problems import (
 )
 from app.http.text import render_text
 from kinematics.deadline import checked
-from robots.robot import FloatArray
 
 LARGE = 20_000
 """Numbers in an array above which it is written in parts, so that other threads get a turn."""
 LONG = 1_000
 """Items of a list above which it is written in parts, too."""
+MAX_HEADER = 2_000
+"""Characters of a header that tells warnings."""
+_NEGATIVE_ZERO = re.compile(rb"[\[:,]-0\.0[\],}]")
+_STRING_OR_ZERO = re.compile(rb'"(?:[^"\\]|\\.)*"|-0\.0(?=[\],}])')
+_CONTROLS = re.compile(r"[\x00-\x1f\x7f]")
 
 
 def json_parts(payload: Mapping[str, Any]) -> list[bytes]:
@@ -44,7 +50,7 @@ def _append_json(payload: object, parts: list[bytes]) -> None:
     elif isinstance(payload, np.ndarray) and payload.size > LARGE:
         rows = max(1, LARGE // max(1, payload[0].size))
         parts.extend(
-            (b"," if start else b"[") + _dumps(payload[start : start + rows])[1:-1]
+            (b"," if start else b"[") + _array_text(payload[start : start + rows])[1:-1]
             for start in checked(range(0, len(payload), rows), 1)
         )
         parts.append(b"]")
@@ -57,6 +63,13 @@ def _append_json(payload: object, parts: list[bytes]) -> None:
         parts.append(b"]")
     else:
         parts.append(_dumps(payload))
+
+
+def _array_text(array: NDArray[Any]) -> bytes:
+    """JSON of a large array: adding zero takes the signs of zeros sooner than a search does."""
+    if array.dtype.kind != "f":
+        return _dumps(array)
+    return orjson.dumps(np.ascontiguousarray(array + 0.0), option=orjson.OPT_SERIALIZE_NUMPY)
 
 
 def _has_large(payload: dict[str, Any]) -> bool:
@@ -88,11 +101,18 @@ class PartsResponse(Response):
 
 
 def _dumps(payload: object) -> bytes:
-    return orjson.dumps(
+    text = orjson.dumps(
         payload,
         default=_plain,
         option=orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_NON_STR_KEYS,
     )
+    if b"-0.0" in text and _NEGATIVE_ZERO.search(text) is not None:
+        return _STRING_OR_ZERO.sub(_without_sign, text)
+    return text
+
+
+def _without_sign(found: re.Match[bytes]) -> bytes:
+    return b"0.0" if found[0] == b"-0.0" else found[0]
 
 
 def _plain(value: object) -> object:
@@ -108,33 +128,57 @@ def json_lines(rows: Iterable[Mapping[str, Any]]) -> bytes:
     return b"".join(_dumps(row) + b"\n" for row in rows)
 
 
-def _cell(value: object) -> object:
+def _cell(value: object, digits: int | None) -> object:
     """A value of a table, as CSV writes it; 1 and 0 are numbers, though Python has True == 1."""
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, float):
+        return (value if digits is None else round(value, digits)) + 0.0
     return "" if value is None else value
 
 
-def csv_bytes(rows: Sequence[Mapping[str, Any]]) -> bytes:
-    """A table as CSV (RFC 4180): a header, nothing where a value is null."""
+def csv_bytes(
+    rows: Sequence[Mapping[str, Any]], digits: int | None = None, warnings: Sequence[str] = ()
+) -> bytes:
+    """A table as CSV (RFC 4180): a header, nothing where a value is null.
+
+    Args:
+        rows: The table, with the columns of its first row.
+        digits: Decimals of numbers; None: all that they have.
+        warnings: Told in a last column, from the first row on.
+    """
     stream = io.StringIO()
     writer = csv.writer(stream)
+    told = list(warnings[: len(rows)])
+    if len(warnings) > len(rows) > 0:
+        told[-1] = " | ".join(warnings[len(rows) - 1 :])
+    column = ["warnings"] if told else []
     if rows:
-        writer.writerow(rows[0])
-    for row in rows:
-        writer.writerow([_cell(value) for value in row.values()])
+        writer.writerow([*rows[0], *column])
+    for k, row in enumerate(rows):
+        more = [told[k] if k < len(told) else ""] if told else []
+        writer.writerow([*(_cell(value, digits) for value in row.values()), *more])
     return stream.getvalue().encode()
+
+
+def told_in_header(warnings: Sequence[str]) -> dict[str, str]:
+    """The header that tells warnings with a form that has no place for them."""
+    if not warnings:
+        return {}
+    text = " | ".join(warnings).encode("ascii", "backslashreplace").decode()
+    return {"x-warnings": _CONTROLS.sub(" ", text)[:MAX_HEADER]}
 
 
 def respond(
     payload: Mapping[str, Any],
     wanted: str = JSON,
     *,
-    array: FloatArray | None = None,
+    array: NDArray[Any] | None = None,
     rows: Sequence[Mapping[str, Any]] | None = None,
     status: int = 200,
     headers: Mapping[str, str] | None = None,
     short: bool = False,
+    digits: int | None = None,
 ) -> Response:
     """The answer in the wanted form.
 
@@ -146,19 +190,21 @@ def respond(
         status: HTTP status.
         headers: Further headers.
         short: Whether the payload is known to hold a few numbers only.
+        digits: Decimals of numbers in text and CSV; None: their own choice.
     """
     if short and wanted == JSON:
         return Response(_dumps(payload), status, headers, JSON)
     if wanted == TEXT:
-        content = render_text(payload).encode()
+        content = render_text(payload, digits).encode()
         return Response(content, status, dict(headers or {}), "text/plain; charset=utf-8")
     if wanted == CSV:
-        content = csv_bytes(rows or [])
+        content = csv_bytes(rows or [], digits, payload.get("warnings", ()))
         return Response(content, status, dict(headers or {}), "text/csv; charset=utf-8")
     if wanted == NPY:
         if array is None:
             raise RequestProblem(NOT_ACCEPTABLE, "this answer has no npy form; ask for JSON")
-        return Response(npy_bytes(array), status, dict(headers or {}), NPY)
+        told = told_in_header(payload.get("warnings", ()))
+        return Response(npy_bytes(array), status, {**(headers or {}), **told}, NPY)
     parts = json_parts(payload)
     if len(parts) > 1:
         return PartsResponse(parts, status, headers or {})

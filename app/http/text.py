@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,97 +19,159 @@ SMALL = 1e-4
 """Lists of numbers below this are written with exponents."""
 
 
-def render_text(payload: Mapping[str, Any]) -> str:
-    """Renders an answer; arrays of numbers become aligned columns."""
+BIG = 1e6
+"""Numbers from here on are written with exponents, too."""
+NOISE = 1e-12
+"""What is smaller is rounding, and is written as 0."""
+
+
+def render_text(payload: Mapping[str, Any], digits: int | None = None) -> str:
+    """Renders an answer; arrays of numbers become aligned columns.
+
+    Args:
+        payload: The answer.
+        digits: Decimals of all numbers; None: nine in arrays, nine digits elsewhere.
+    """
     lines: list[str] = []
     # Nothing to warn of is no line: those who read a terminal would look for the warning.
     quiet = not payload.get("warnings", True)
     shown = {k: v for k, v in payload.items() if k != "warnings"} if quiet else payload
-    _mapping(shown, lines, "")
+    _Text(digits, lines).mapping(shown, "")
     return "\n".join(lines) + "\n"
 
 
-def _mapping(payload: Mapping[str, Any], lines: list[str], indent: str) -> None:
-    for key, value in payload.items():
-        array = _array(value)
-        if isinstance(value, Mapping):
-            if all(
-                not isinstance(item, (Mapping, list, tuple, np.ndarray)) for item in value.values()
-            ):
-                _scalars(key, value, lines, indent)
+@dataclass(frozen=True)
+class _Text:
+    """Writes an answer line by line.
+
+    Attributes:
+        digits: Decimals of all numbers; None: see :func:`render_text`.
+        lines: The lines so far.
+    """
+
+    digits: int | None
+    lines: list[str]
+
+    def mapping(self, payload: Mapping[str, Any], indent: str) -> None:
+        """Entries one below the other."""
+        for key, value in payload.items():
+            array = _array(value)
+            if isinstance(value, Mapping):
+                if all(
+                    not isinstance(item, (Mapping, list, tuple, np.ndarray))
+                    for item in value.values()
+                ):
+                    self.scalars(key, value, indent)
+                else:
+                    self.lines.append(f"{indent}{key}:")
+                    self.mapping(value, indent + "  ")
+            elif array is not None and array.ndim == 1:
+                tiny = self.digits is None and _is_tiny(array)
+                cell = _tiny if tiny else self.cell
+                cells = "  ".join(cell(item) for item in array)
+                self.lines.append(
+                    f"{indent}{key}: [{cells.strip()}]" if array.size else f"{indent}{key}: []"
+                )
+            elif array is not None:
+                self.lines.append(f"{indent}{key}:")
+                self.blocks(array, indent + "  ")
+            elif isinstance(value, (list, tuple)):
+                self.sequence(key, value, indent)
             else:
-                lines.append(f"{indent}{key}:")
-                _mapping(value, lines, indent + "  ")
-        elif array is not None and array.ndim == 1:
-            cell = _tiny if _is_tiny(array) else _cell
-            cells = "  ".join(cell(item) for item in array)
-            lines.append(
-                f"{indent}{key}: [{cells.strip()}]" if array.size else f"{indent}{key}: []"
-            )
-        elif array is not None:
-            lines.append(f"{indent}{key}:")
-            _blocks(array, lines, indent + "  ")
-        elif isinstance(value, (list, tuple)):
-            _sequence(key, value, lines, indent)
+                self.lines.append(f"{indent}{key}: {self.scalar(value)}")
+
+    def scalars(self, key: str, value: Mapping[str, Any], indent: str) -> None:
+        """A mapping without lists: in one line, or where that is long one line each."""
+        texts = {str(name): self.scalar(item) for name, item in value.items()}
+        inline = f"{indent}{key}: " + "  ".join(f"{name} {text}" for name, text in texts.items())
+        if len(inline) <= LINE:
+            self.lines.append(inline)
+            return
+        width = max(len(name) for name in texts)
+        self.lines.append(f"{indent}{key}:")
+        self.lines.extend(f"{indent}  {name.ljust(width)}  {text}" for name, text in texts.items())
+
+    def sequence(self, key: str, value: Sequence[Any], indent: str) -> None:
+        """A list that is no array of numbers."""
+        if value and all(isinstance(item, Mapping) for item in value):
+            self.lines.append(f"{indent}{key}:")
+            self.table(value, indent + "  ")
+        elif any(isinstance(item, (list, tuple, np.ndarray)) for item in value):
+            self.lines.append(f"{indent}{key}:")
+            for index, item in enumerate(value[:MAX_ROWS]):
+                self.mapping({str(index): item}, indent + "  ")
+        elif any(len(str(item)) > 40 for item in value):
+            self.lines.append(f"{indent}{key}:")
+            self.lines.extend(f"{indent}  - {self.scalar(item)}" for item in value)
         else:
-            lines.append(f"{indent}{key}: {_scalar(value)}")
+            items = ", ".join(self.scalar(item) for item in value)
+            self.lines.append(f"{indent}{key}: {items or '(none)'}")
 
-
-def _scalars(key: str, value: Mapping[str, Any], lines: list[str], indent: str) -> None:
-    """A mapping without lists: in one line, or where that is long one line each."""
-    texts = {str(name): _scalar(item) for name, item in value.items()}
-    inline = f"{indent}{key}: " + "  ".join(f"{name} {text}" for name, text in texts.items())
-    if len(inline) <= LINE:
-        lines.append(inline)
-        return
-    width = max(len(name) for name in texts)
-    lines.append(f"{indent}{key}:")
-    lines.extend(f"{indent}  {name.ljust(width)}  {text}" for name, text in texts.items())
-
-
-def _sequence(key: str, value: Sequence[Any], lines: list[str], indent: str) -> None:
-    if value and all(isinstance(item, Mapping) for item in value):
-        lines.append(f"{indent}{key}:")
-        _table(value, lines, indent + "  ")
-    elif any(isinstance(item, (list, tuple, np.ndarray)) for item in value):
-        lines.append(f"{indent}{key}:")
-        for index, item in enumerate(value[:MAX_ROWS]):
-            _mapping({str(index): item}, lines, indent + "  ")
-    elif any(len(str(item)) > 40 for item in value):
-        lines.append(f"{indent}{key}:")
-        lines.extend(f"{indent}  - {_scalar(item)}" for item in value)
-    else:
-        lines.append(f"{indent}{key}: {', '.join(_scalar(item) for item in value) or '(none)'}")
-
-
-def _table(rows: Sequence[Mapping[str, Any]], lines: list[str], indent: str) -> None:
-    columns = list(dict.fromkeys(column for row in rows for column in row))
-    body = [[_scalar(row.get(column)) for column in columns] for row in rows[:MAX_ROWS]]
-    table = [columns, *body]
-    widths = _widths(table)
-    if sum(widths) + 2 * len(widths) > WIDEST and len(rows) < len(columns):
-        table = [list(line) for line in zip(*table, strict=True)]
+    def table(self, rows: Sequence[Mapping[str, Any]], indent: str) -> None:
+        """Mappings as rows, or where there are few wide ones as columns."""
+        columns = list(dict.fromkeys(column for row in rows for column in row))
+        body = [[self.scalar(row.get(column)) for column in columns] for row in rows[:MAX_ROWS]]
+        table = [columns, *body]
         widths = _widths(table)
-    for line in table:
-        cells = (text.ljust(width) for text, width in zip(line, widths, strict=True))
-        lines.append(indent + "  ".join(cells).rstrip())
+        if sum(widths) + 2 * len(widths) > WIDEST and len(rows) < len(columns):
+            table = [list(line) for line in zip(*table, strict=True)]
+            widths = _widths(table)
+        for line in table:
+            cells = (text.ljust(width) for text, width in zip(line, widths, strict=True))
+            self.lines.append(indent + "  ".join(cells).rstrip())
+
+    def blocks(self, array: NDArray[Any], indent: str) -> None:
+        """An array of two or more axes, as matrices."""
+        if array.ndim == 2:
+            texts = [[self.cell(item) for item in row] for row in array[:MAX_ROWS]]
+            width = max((len(text) for row in texts for text in row), default=0)
+            self.lines.extend(indent + " ".join(text.rjust(width) for text in row) for row in texts)
+        else:
+            for index, block in enumerate(array[:MAX_ROWS]):
+                self.lines.append(f"{indent}[{index}]")
+                self.blocks(block, indent + "  ")
+        if len(array) > MAX_ROWS:
+            self.lines.append(f"{indent}… {len(array) - MAX_ROWS} more; ask for JSON or npy")
+
+    def cell(self, value: Any) -> str:
+        """A number of an array."""
+        if isinstance(value, (int, np.integer)):
+            return str(value)
+        return _fixed(float(value), 9 if self.digits is None else self.digits)
+
+    def scalar(self, value: object) -> str:
+        """A value that stands alone, or in a table."""
+        if value is None:
+            return "-"
+        if isinstance(value, Mapping):
+            return " ".join(f"{key} {self.scalar(item)}" for key, item in value.items())
+        if isinstance(value, np.ndarray):
+            decimals = 6 if self.digits is None else self.digits
+            return " ".join(_fixed(float(item), decimals).rjust(decimals + 5) for item in value)
+        if isinstance(value, (list, tuple)):
+            return ", ".join(self.scalar(item) for item in value) or "-"
+        if isinstance(value, bool):
+            return "yes" if value else "no"
+        if isinstance(value, (float, np.floating)):
+            number = float(value)
+            number = 0.0 if abs(number) < NOISE else number
+            return f"{number:.9g}" if self.digits is None else _fixed(number, self.digits)
+        return str(value)
+
+
+def _fixed(number: float, decimals: int) -> str:
+    """Write a number with so many decimals; no zero has a sign."""
+    if abs(number) >= BIG:
+        return f"{number:.{min(decimals, 6)}e}"
+    return f"{round(number, decimals) + 0.0:.{decimals}f}"
+
+
+def _tiny(value: Any) -> str:
+    return f"{float(value):.2e}" if abs(value) >= NOISE else "0"
 
 
 def _widths(table: Sequence[Sequence[str]]) -> list[int]:
     return [max(len(cell) for cell in column) for column in zip(*table, strict=True)]
-
-
-def _blocks(array: NDArray[Any], lines: list[str], indent: str) -> None:
-    if array.ndim == 2:
-        texts = [[_cell(item) for item in row] for row in array[:MAX_ROWS]]
-        width = max((len(text) for row in texts for text in row), default=0)
-        lines.extend(indent + " ".join(text.rjust(width) for text in row) for row in texts)
-    else:
-        for index, block in enumerate(array[:MAX_ROWS]):
-            lines.append(f"{indent}[{index}]")
-            _blocks(block, lines, indent + "  ")
-    if len(array) > MAX_ROWS:
-        lines.append(f"{indent}… {len(array) - MAX_ROWS} more; ask for JSON or npy")
 
 
 def _array(value: object) -> NDArray[Any] | None:
@@ -125,33 +188,4 @@ def _array(value: object) -> NDArray[Any] | None:
 
 def _is_tiny(array: NDArray[Any]) -> bool:
     """Numbers of which nine decimals would show next to nothing, as errors are."""
-    return array.dtype.kind == "f" and 0 < float(np.abs(array).max(initial=0.0)) < SMALL
-
-
-def _tiny(value: Any) -> str:
-    return f"{float(value):.2e}" if value else "0"
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, (int, np.integer)):
-        return str(value)
-    number = float(value)
-    if abs(number) < 5e-13:
-        number = 0.0
-    return f"{number:.9f}" if abs(number) < 1e6 else f"{number:.6e}"
-
-
-def _scalar(value: object) -> str:
-    if value is None:
-        return "-"
-    if isinstance(value, Mapping):
-        return " ".join(f"{key} {_scalar(item)}" for key, item in value.items())
-    if isinstance(value, np.ndarray):
-        return " ".join(f"{float(item):.6f}".rjust(11) for item in value)
-    if isinstance(value, (list, tuple)):
-        return ", ".join(_scalar(item) for item in value) or "-"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, (float, np.floating)):
-        return f"{float(value):.9g}"
-    return str(value)
+    return array.dtype.kind == "f" and NOISE <= float(np.abs(array).max(initial=0.0)) < SMALL

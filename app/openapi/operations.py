@@ -81,10 +81,13 @@ def _choices(operation: Operation) -> list[dict[str, Any]]:
         key=lambda key: FORMATS[key] != operation.forms[0],
     )
     shown = " or ".join([f"{first} (default)", *forms])
-    return [
-        _parameter("angle", "rad (default) or deg: joint values, Euler angles.", ["rad", "deg"]),
-        _parameter("format", f"{shown}.", [first, *forms]),
-    ]
+    told = {
+        "angle": ("rad (default) or deg: joint values, Euler angles.", ["rad", "deg"]),
+        "format": (f"{shown}.", [first, *forms]),
+        "digits": ("Decimals of numbers in text and CSV, 0 to 15.", None),
+        "with": ("status: npy holds rows with the status of each.", ["status"]),
+    }
+    return [_parameter(name, *told[name]) for name in operation.parameters]
 
 
 def _query(operation: Operation) -> list[dict[str, Any]]:

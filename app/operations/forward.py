@@ -24,7 +24,7 @@ from app.operations.shapes import (
     rows,
 )
 from kinematics.forward import fk, poses
-from kinematics.orientation import euler_angles, quaternion_xyzw, rpy
+from kinematics.orientation import euler_angles, is_locked, quaternion_xyzw, rpy
 from robots.robot import FloatArray, Robot
 
 NUMBERS_A_POSE = 32
@@ -50,12 +50,17 @@ class EulerView(TypedDict):
 
 
 class PoseView(TypedDict):
-    """One pose in every representation, in the axes of the robot's base frame."""
+    """One pose in every representation, in the axes of the robot's base frame.
+
+    ``rpy_degenerate`` is there where it is true, of a batch for one pose at least: at a pitch of
+    ±90° only roll ± yaw is determined, and yaw is 0, as in the sequence xyz.
+    """
 
     matrix: EachPose
     position: EachPosition
     quaternion_xyzw: EachQuaternion
     rpy: EachPosition
+    rpy_degenerate: NotRequired[EachFlag]
     euler: NotRequired[EulerView]
 
 
@@ -76,6 +81,9 @@ def pose_view(T: FloatArray, units: Units, sequence: str | None) -> PoseView:
         "quaternion_xyzw": quaternion_xyzw(R),
         "rpy": units.angles_out(rpy(R)),
     }
+    locked = is_locked(R)
+    if locked.any():
+        view["rpy_degenerate"] = locked.tolist()
     if sequence is not None:
         angles = euler_angles(R, sequence)
         view["euler"] = {
@@ -90,15 +98,17 @@ def _views_at(
     robot: Robot, q: FloatArray, frames: Sequence[str], units: Units
 ) -> dict[str, PoseView]:
     """Return poses at one q as plain numbers, of which JSON is written fastest."""
-    return {
-        name: {
+    views: dict[str, PoseView] = {}
+    for name, pose in poses(robot, q, frames).items():
+        views[name] = {
             "matrix": pose.matrix,
             "position": pose.position,
             "quaternion_xyzw": pose.quaternion_xyzw,
             "rpy": units.angles_out(np.array(pose.rpy)) if units.degrees else pose.rpy,
         }
-        for name, pose in poses(robot, q, frames).items()
-    }
+        if pose.is_locked:
+            views[name]["rpy_degenerate"] = True
+    return views
 
 
 def _run(robot: Robot, request: FKRequest, context: Context) -> Answer:

@@ -9,6 +9,8 @@ from functools import lru_cache
 from typing import Annotated, Any, NotRequired, TypeAlias, TypedDict
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from app.fields import texts
 from app.fields.bounds import within
@@ -17,7 +19,7 @@ from app.fields.joints import Seed
 from app.fields.names import Frame, TaskSpace, one_of
 from app.fields.numbers import within_query
 from app.fields.targets import OptionalTarget, TargetList
-from app.http.negotiation import NDJSON
+from app.http.negotiation import NDJSON, NPY
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.operation import ARRAY_FORMS, LIGHT_DOF, Answer, Context, Operation
 from app.operations.shapes import (
@@ -265,11 +267,30 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
         "elapsed_ms": batch.elapsed * 1e3,
         **_echo(robot, request, context, batch.seed),
     }
+    listed = [str(k) for k in missed[:MAX_LISTED]]
+    if len(missed) > MAX_LISTED:
+        listed.append(f"... {len(missed) - MAX_LISTED} more: with=status marks each row")
     headers = {
         "x-converged": str(len(statuses) - len(missed)),
-        "x-not-converged": ",".join(map(str, missed[:MAX_LISTED])),
+        "x-not-converged": ",".join(listed),
     }
-    return Answer(answer, q, headers)
+    errors = batch.position_error, batch.orientation_error
+    records = _records(q, statuses, *errors) if context.form == NPY else None
+    return Answer(answer, q, headers, records=records)
+
+
+def _records(q: FloatArray, statuses: list[str], *errors: FloatArray) -> NDArray[Any]:
+    """Return results as rows with named fields, of which npy tells the status too."""
+    form = [
+        ("q", "<f8", q.shape[-1:]),
+        ("status", f"S{max(map(len, IKStatus))}"),
+        ("position_error", "<f8"),
+        ("orientation_error", "<f8"),
+    ]
+    rows = np.empty(len(statuses), form)
+    rows["q"], rows["status"] = q, statuses
+    rows["position_error"], rows["orientation_error"] = errors
+    return rows
 
 
 def _solve(robot: Robot, request: IKRequest, pose: FloatArray, options: IKOptions) -> IKResult:
@@ -405,7 +426,11 @@ def _single(
     }
     if why is not None:
         answer["explanation"] = list(why)
-    return Answer(answer, q)
+    records = None
+    if context.form == NPY:
+        errors = np.array([result.position_error]), np.array([result.orientation_error])
+        records = _records(q[None], [result.status.value], *errors)
+    return Answer(answer, q, records=records)
 
 
 class _Echo(TypedDict):
@@ -446,8 +471,9 @@ IK = Operation(
     description="A q within the limits that brings a frame to a target. An answer that is not"
     " found is a 200 with an honest `status`, the best q and its measured errors. Only the joints"
     " between base and frame move; the others stay at the seed. As npy: targets (n, 4, 4) in, q"
-    " out; the headers X-Converged and X-Not-Converged say how many and which. As ndjson: one line"
-    " a target, sent while the others are being solved.",
+    " out; the headers X-Converged and X-Not-Converged say how many and which, and with=status"
+    " gives rows with the fields q, status, position_error and orientation_error. As ndjson: one"
+    " line a target, sent while the others are being solved.",
     request=IKRequest,
     answer=IKAnswer,
     run=_run,
@@ -455,6 +481,7 @@ IK = Operation(
     example_robot="pa10",
     forms=(*ARRAY_FORMS, NDJSON),
     npy_field="targets",
+    statuses=True,
     attempt=_attempt,
     stream=_stream,
 )

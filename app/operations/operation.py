@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 from typing import Any
 
 import msgspec
+from numpy.typing import NDArray
 
+from app.fields.doubts import RequestDoubts
 from app.fields.form import RequestForm, form_of
 from app.fields.joints import is_one
 from app.http.negotiation import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT
 from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.query import COMMON
 from app.http.units import Units
 from app.settings import Settings
 from kinematics.symbolic import SymbolicWorkers
@@ -49,14 +52,19 @@ class Context:
         settings: What the deployment chose.
         form: Media type of the answer.
         symbolic: The processes for symbolic work.
-        warnings: What was accepted but is probably not meant, for the answer.
+        doubts: Collects what was accepted but is probably not meant.
     """
 
     units: Units
     settings: Settings
+    doubts: RequestDoubts
     form: str = JSON
     symbolic: SymbolicWorkers | None = None
-    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was accepted but is probably not meant, for the answer, the gravest first."""
+        return self.doubts.warnings
 
     def symbolic_workers(self) -> SymbolicWorkers:
         """Return the processes for symbolic work."""
@@ -74,6 +82,7 @@ class Answer(msgspec.Struct, frozen=True):
         listing: The whole answer in any other form than JSON.
         rows: What CSV holds.
         picture: Draws it as SVG, from which PNG is made.
+        records: What npy holds where each row comes with its status: rows with named fields.
     """
 
     payload: Mapping[str, Any]
@@ -82,6 +91,7 @@ class Answer(msgspec.Struct, frozen=True):
     listing: str | None = None
     rows: Sequence[Mapping[str, Any]] | None = None
     picture: Callable[[], str] | None = None
+    records: NDArray[Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +114,7 @@ class Operation:
             None; by default the computation itself for one q.
         stream: The answer in parts, each a list of rows, where it can be sent while it grows.
         needs: Name of an optional package that part of it needs.
+        statuses: Whether rows of its npy can come with their statuses.
     """
 
     name: str
@@ -120,6 +131,15 @@ class Operation:
     attempt: Callable[[Robot, Any, Context], Answer | None] | None = None
     stream: Callable[[Robot, Any, Context], Iterator[list[dict[str, Any]]]] | None = None
     needs: str | None = None
+    statuses: bool = False
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Parameters of every form that are no fields of its request."""
+        # A listing of closed forms is no table of numbers.
+        words = self.runs is not Runs.PROCESS and any(form in (TEXT, CSV) for form in self.forms)
+        more = [*(["digits"] if words else ()), *(["with"] if self.statuses else ())]
+        return (*COMMON, *more)
 
     @cached_property
     def form(self) -> RequestForm[Any]:

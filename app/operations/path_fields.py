@@ -11,6 +11,7 @@ import numpy as np
 
 from app.fields import texts
 from app.fields.bounds import coordinates, items, within
+from app.fields.doubts import FAR_THING
 from app.fields.field import LEFT_OUT, Field, Parameter, declared
 from app.fields.joints import SingleConfiguration, optional_configuration
 from app.fields.names import TASK_META, Frame, TaskSpace, one_of
@@ -313,6 +314,7 @@ def _path(
     start = fk(robot, q, [arm.frame])[arm.frame]
     if request.circle is not None:
         about = _circle(request.circle)
+        context.doubts.place(about.center, "the center of circle")
         where = "normal" if request.circle.plane is None else "plane"
         return circle(start, about, arm.task, sampling, "circle", (where,))
     if request.target is not None:
@@ -330,7 +332,7 @@ def _path(
                 upper=MAX_WAYPOINTS,
             )
     poses = [
-        target_pose(one, arm.task, context.units, place)
+        target_pose(one, arm.task, context.doubts, place)
         for one, place in zip(goals, places, strict=True)
     ]
     return polyline(start, poses, arm.task, sampling)
@@ -367,6 +369,10 @@ def _three(values: list[float], name: str) -> FloatArray:
 
 
 def _solid(field: ObstacleField, index: int, context: Context) -> solids.Obstacle:
+    centers = getattr(field, "center", None), getattr(field, "start", None)
+    for center in centers:
+        if center is not None and len(center) in (2, 3):
+            context.doubts.place(np.array(center), f"obstacle {index}", FAR_THING)
     if isinstance(field, SphereField):
         return solids.Sphere(field.center, field.radius)
     if isinstance(field, CircleObstacleField):
@@ -379,7 +385,7 @@ def _solid(field: ObstacleField, index: int, context: Context) -> solids.Obstacl
     if (field.rpy, field.quaternion_xyzw, field.euler) != (None, None, None):
         target = Target(rpy=field.rpy, quaternion_xyzw=field.quaternion_xyzw, euler=field.euler)
         place = ("obstacles", index)
-        rotation = target_pose(target, TASKS["orientation"], context.units, place)[:3, :3]
+        rotation = target_pose(target, TASKS["orientation"], context.doubts, place)[:3, :3]
     return solids.Box(field.center, field.size, rotation)
 
 
@@ -425,5 +431,5 @@ def _secondary(
         pose = fk(robot, problem.start, [arm.frame])[arm.frame]
     else:
         place = ("secondary", k, "target")
-        pose = target_pose(field.target, arm.task, context.units, place)
+        pose = target_pose(field.target, arm.task, context.doubts, place)
     return SecondaryTask(arm, np.ascontiguousarray(pose[:3].reshape(12)), field.gain)

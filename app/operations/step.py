@@ -51,6 +51,7 @@ class StepRequest(msgspec.Struct, kw_only=True):
         optional_configuration(
             "Wanted joint motion, of which the part in the null space is added.",
             "Wanted joint motion; its part in the null space is added.",
+            posture=False,
         ),
     ] = None
     task: TaskSpace = POSE

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import msgspec
@@ -14,16 +15,18 @@ from starlette.types import Scope
 from app.admission.buffers import SMALL_BODY, AdmittedResponse
 from app.admission.thread_pool import ThreadPool, while_connected
 from app.dependencies import Services, services_of
+from app.fields.doubts import RequestDoubts
 from app.fields.field import Reading
 from app.http.bodies import read_body
 from app.http.handlers import domain_problem
-from app.http.negotiation import JSON, NDJSON, NPY, PNG, SVG, require_type, wanted_type
+from app.http.negotiation import JSON, NDJSON, NPY, SVG, TEXT, require_type, wanted_type
 from app.http.npy import decode_npy
-from app.http.query import check_query, units_of
-from app.http.responses import json_lines, respond
+from app.http.query import check_query, digits_of, units_of, with_status
+from app.http.responses import json_lines, respond, told_in_header
 from app.http.strict_json import MAX_FIELD, check_fields, decode_json, refuse_doubled_keys
+from app.http.text import render_text
 from app.http.units import Units
-from app.operations.operation import Answer, Context, Operation, Runs
+from app.operations.operation import PICTURES, Answer, Context, Operation, Runs
 from app.pictures.png import png_of
 from app.settings import Settings
 from kinematics.errors import OutOfTime
@@ -92,11 +95,12 @@ class _Handlers:
         kind = require_type(request, *self.bodies)
         units, query = PLAIN, None
         if request.scope["query_string"]:
-            check_query(request, *(self.form.parameters if kind == NPY else ()))
+            more = self.form.parameters if kind == NPY else ()
+            check_query(request, *more, common=self.operation.parameters)
             units, query = units_of(request), request.query_params
         wanted = wanted_type(request, *self.operation.forms)
         body = await read_body(request, self.max_body)
-        reading = Reading(stored.robot, units, services.settings, [], {})
+        reading = _reading(stored.robot, units, services.settings, stored.robot.doubts)
         if kind == NPY:
             parameters: Mapping[str, str] = {} if query is None else query
             return await self._answer(
@@ -110,9 +114,9 @@ class _Handlers:
         """Compute on a stored robot, from a query."""
         services = await services_of(request)
         stored = await services.robot(request.path_params["robot_id"])
-        check_query(request, *self.form.parameters)
+        check_query(request, *self.form.parameters, common=self.operation.parameters)
         units, wanted = units_of(request), wanted_type(request, *self.operation.forms)
-        reading = Reading(stored.robot, units, services.settings, [], {})
+        reading = _reading(stored.robot, units, services.settings, stored.robot.doubts)
         decoded = self.form.from_query(request.query_params, reading)
         size = len(request.scope["query_string"])
         return await self._answer(request, reading, wanted, size, lambda: decoded)
@@ -121,7 +125,7 @@ class _Handlers:
         """Compute on a robot in the body."""
         services = await services_of(request)
         require_type(request, JSON)
-        check_query(request)
+        check_query(request, common=self.operation.parameters)
         units, wanted = units_of(request), wanted_type(request, *self.operation.forms)
         body = await read_body(request, self.max_body)
         if len(body) > INLINE_BYTES:
@@ -130,8 +134,8 @@ class _Handlers:
             )
         else:
             decoded = self._with_robot(body, services.settings)
-        robot = await services.inline_robot(decoded.robot)
-        reading = Reading(robot, units, services.settings, [], {})
+        robot, told = await services.inline_robot(decoded.robot)
+        reading = _reading(robot, units, services.settings, told)
         return await self._answer(request, reading, wanted, len(body), lambda: decoded)
 
     def _json(self, body: bytes, settings: Settings) -> msgspec.Struct:
@@ -170,8 +174,9 @@ class _Handlers:
     ) -> Response:
         """Run the computation where it belongs, and write its answer."""
         services, operation, robot = await services_of(request), self.operation, reading.robot
+        form = _form_of(request, wanted)
         context = Context(
-            reading.units, reading.settings, wanted, services.symbolic, reading.warnings
+            reading.units, reading.settings, reading.doubts, wanted, services.symbolic
         )
 
         def read() -> msgspec.Struct:
@@ -186,32 +191,66 @@ class _Handlers:
                 request,
                 services,
                 pool,
-                lambda: _written(operation.run(robot, read(), context), wanted),
+                lambda: _written(operation.run(robot, read(), context), form, context),
             )
         asked = read()
         answer = operation.run_at_once(robot, asked, context)
         if answer is not None:
-            return _written(answer, wanted, short=True)
+            return _written(answer, form, context, short=True)
         return await _computed(
-            request, services, pool, lambda: _written(operation.run(robot, asked, context), wanted)
+            request,
+            services,
+            pool,
+            lambda: _written(operation.run(robot, asked, context), form, context),
         )
 
 
-def _written(answer: Answer, wanted: str, *, short: bool = False) -> Response:
+def _reading(robot: Robot, units: Units, settings: Settings, told: tuple[str, ...]) -> Reading:
+    """Return what a request is read with; ``told`` is what its answer says of the robot."""
+    return Reading(robot, units, settings, RequestDoubts(robot, units, told), {})
+
+
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """The form of an answer.
+
+    Attributes:
+        type: Its media type.
+        digits: Decimals of numbers in text and CSV; None: their own choice.
+        statuses: Whether npy comes with the status of each row.
+    """
+
+    type: str
+    digits: int | None = None
+    statuses: bool = False
+
+
+def _form_of(request: Request, wanted: str) -> _Form:
+    if not request.scope["query_string"]:
+        return _Form(wanted)
+    return _Form(wanted, digits_of(request, wanted), with_status(request, wanted))
+
+
+def _written(answer: Answer, form: _Form, context: Context, *, short: bool = False) -> Response:
     """Return an answer in the wanted form."""
-    if answer.picture is not None and wanted == SVG:
-        return Response(answer.picture(), headers=answer.headers, media_type=SVG)
-    if answer.picture is not None and wanted == PNG:
-        return Response(png_of(answer.picture()), headers=answer.headers, media_type=PNG)
+    wanted = form.type
+    if wanted in PICTURES and answer.picture is not None:
+        told = {**(answer.headers or {}), **told_in_header(context.warnings)}
+        drawn = answer.picture()
+        return Response(drawn if wanted == SVG else png_of(drawn), headers=told, media_type=wanted)
     if answer.listing is not None and wanted != JSON:
-        return Response(answer.listing, media_type=f"{wanted}; charset=utf-8")
+        told, listing = told_in_header(context.warnings), answer.listing
+        if wanted == TEXT and told:
+            listing += render_text({"warnings": context.warnings})
+        return Response(listing, headers=told, media_type=f"{wanted}; charset=utf-8")
     return respond(
         answer.payload,
         wanted,
-        array=answer.array,
+        array=answer.records if form.statuses else answer.array,
         rows=answer.rows,
         headers=answer.headers,
         short=short,
+        digits=form.digits,
     )
 
 
@@ -273,5 +312,6 @@ async def _streamed(
 
     # Its lines are not kept, so they take no memory; but its place is taken to the end. A reverse
     # proxy that gathers answers must not gather this one.
-    lines = StreamingResponse(body(), media_type=NDJSON, headers={"X-Accel-Buffering": "no"})
+    headers = {"X-Accel-Buffering": "no", **told_in_header(context.warnings)}
+    lines = StreamingResponse(body(), media_type=NDJSON, headers=headers)
     return AdmittedResponse(lines, admission, services.buffers, 0)

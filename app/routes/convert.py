@@ -8,6 +8,7 @@ from app.dependencies import ServicesDep
 from app.documents import TABLES, XML_TYPES, robot_from_body
 from app.http.bodies import read_body
 from app.http.negotiation import media_type, unsupported
+from app.http.responses import told_in_header
 from app.openapi.answers import REF
 from app.openapi.problems import PROBLEMS
 
@@ -44,6 +45,7 @@ def build_router(max_body: int) -> APIRouter:
             raise unsupported(media_type(request), TABLES)
         body = await read_body(request, max_body)
         robot = await services.loaded(lambda: robot_from_body(request, body, "robot"))
-        return Response(robot.urdf, media_type="application/xml")
+        told = told_in_header(robot.warnings)
+        return Response(robot.urdf, headers=told, media_type="application/xml")
 
     return router

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeAlias, TypeVar
 
 import msgspec
 from fastapi import APIRouter, Request, Response
@@ -131,6 +131,7 @@ class DiffResponse(msgspec.Struct, kw_only=True):
     joints: list[DiffJoint]
     reversed: list[str]
     residual: DiffResidual | None
+    warnings: list[str]
 
 
 def build_router(max_body: int) -> APIRouter:
@@ -169,7 +170,8 @@ def build_router(max_body: int) -> APIRouter:
         """Joint by joint, up to base, tool and zero offsets of the joints."""
         asked = await _asked(request, max_body, DiffRequest)
         other = await _other(services, asked)
-        return await _answer(request, services, asked, stored.robot, other)
+        robot = stored.robot
+        return await _answer(request, services, asked, (robot, robot.doubts), other)
 
     @router.post(
         "/diff",
@@ -179,14 +181,16 @@ def build_router(max_body: int) -> APIRouter:
     )
     async def diff_inline(request: Request, services: ServicesDep) -> Response:
         asked = await _asked(request, max_body, InlineDiffRequest)
-        robot = await services.inline_robot(asked.robot)
+        robot, told = await services.inline_robot(asked.robot)
         other = await _other(services, asked)
-        return await _answer(request, services, asked, robot, other)
+        return await _answer(request, services, asked, (robot, told), other)
 
     return router
 
 
 T = TypeVar("T")
+Told: TypeAlias = tuple[Robot, tuple[str, ...]]
+"""A robot, and what the answer says of it."""
 
 
 async def _asked(request: Request, max_body: int, type_: type[T]) -> T:
@@ -195,8 +199,8 @@ async def _asked(request: Request, max_body: int, type_: type[T]) -> T:
     return decode_body(await read_body(request, max_body), type_)
 
 
-async def _other(services: ServicesDep, asked: DiffRequest) -> Robot:
-    """The robot of ``other``; errors point there."""
+async def _other(services: ServicesDep, asked: DiffRequest) -> Told:
+    """The robot of ``other``, and what the answer says of it; errors point there."""
     try:
         return await services.inline_robot(asked.other)
     except DHError as error:
@@ -219,9 +223,11 @@ def _of_other(location: Location) -> Location:
 
 
 async def _answer(
-    request: Request, services: ServicesDep, asked: DiffRequest, robot: Robot, other: Robot
+    request: Request, services: ServicesDep, asked: DiffRequest, first: Told, second: Told
 ) -> Response:
     units, wanted = units_of(request), wanted_type(request, JSON, TEXT)
+    (robot, doubts), (other, more) = first, second
+    warnings = [*dict.fromkeys((*doubts, *(f"other: {one}" for one in more)))]
 
     def answer() -> Response:
         found = compare(
@@ -230,7 +236,8 @@ async def _answer(
             length=asked.tolerance.length,
             angle=asked.tolerance.angle,
         )
-        return respond(_payload(found, _cells(robot, other, asked), units), wanted)
+        payload = _payload(found, _cells(robot, other, asked), units)
+        return respond({**payload, "warnings": warnings}, wanted)
 
     return await services.computed(answer, request)
 

@@ -20,11 +20,14 @@ from app.http.responses import respond
 from app.http.units import Units
 from app.openapi.answers import REF
 from app.openapi.problems import PROBLEMS
+from dh_to_urdf.documents.layouts import document
 from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.revisions import ANY
 from robots.robot import Robot
 from robots.stored_robot import StoredRobot
 
+NEAR = 3
+"""Look-alike ids that an answer names."""
 DEFAULT_PAGE, MAX_PAGE = 100, 1000
 """Written forms of a table by media type."""
 
@@ -84,7 +87,7 @@ class JointView(msgspec.Struct, kw_only=True):
 
 
 class RobotView(msgspec.Struct, kw_only=True):
-    """A robot."""
+    """A robot; the answer to an upload also holds the D-H table as it was read, with its units."""
 
     id: str
     kind: Kind
@@ -100,6 +103,13 @@ class RobotView(msgspec.Struct, kw_only=True):
     tip_frame: str
     frames: list[str]
     warnings: list[str]
+    table: (
+        Annotated[
+            dict[str, Any],
+            msgspec.Meta(extra_json_schema={"allOf": [{"$ref": REF.format(name="DHTable")}]}),
+        ]
+        | msgspec.UnsetType
+    ) = msgspec.UNSET
 
 
 class RobotLine(msgspec.Struct, kw_only=True):
@@ -210,7 +220,7 @@ def build_router(max_body: int) -> APIRouter:
             },
         }
     }
-    document = {
+    documents = {
         "requestBody": {
             "required": True,
             "content": {
@@ -283,7 +293,7 @@ def build_router(max_body: int) -> APIRouter:
         status_code=201,
         summary="Upload a robot",
         responses={201: view[200]},
-        openapi_extra=document,
+        openapi_extra=documents,
     )
     async def create_robot(request: Request, services: ServicesDep) -> Response:
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
@@ -300,7 +310,7 @@ def build_router(max_body: int) -> APIRouter:
         stored, _ = await services.stored(
             lambda: services.store.put(robot_id, robot, create_only=True)
         )
-        return _created(request, stored, wanted)
+        return await _uploaded(request, services, stored, wanted, created=True)
 
     @router.get("/{robot_id}", summary="Read a robot", responses=view)
     async def read_robot(request: Request, stored: RobotDep) -> Response:
@@ -316,7 +326,7 @@ def build_router(max_body: int) -> APIRouter:
         "/{robot_id}",
         summary="Upload or replace a robot",
         responses=view | {201: view[200]},
-        openapi_extra=document,
+        openapi_extra=documents,
     )
     async def put_robot(
         request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
@@ -344,10 +354,7 @@ def build_router(max_body: int) -> APIRouter:
 
         robot = await services.loaded(read)
         stored, created = await services.stored(put)
-        if created:
-            return _created(request, stored, wanted)
-        headers = {"ETag": etag(stored.robot)}
-        return respond(robot_view(stored, Units()), wanted, headers=headers)
+        return await _uploaded(request, services, stored, wanted, created=created)
 
     @router.delete("/{robot_id}", status_code=204, summary="Delete a robot")
     async def delete_robot(
@@ -388,10 +395,24 @@ def _page(services: Any, page_size: int, page_token: str, wanted: str) -> Respon
     return respond({"robots": lines, "next_page_token": token}, wanted)
 
 
-def _created(request: Request, stored: StoredRobot, wanted: str) -> Response:
-    location = f"{request.scope.get('root_path', '')}/v1/robots/{stored.id}"
-    headers = {"ETag": etag(stored.robot), "Location": location}
-    return respond(robot_view(stored, Units()), wanted, status=201, headers=headers)
+async def _uploaded(
+    request: Request, services: ServicesDep, stored: StoredRobot, wanted: str, *, created: bool
+) -> Response:
+    """The answer to an upload: the robot, its table as it was read, and what was doubtful."""
+    view, table = robot_view(stored, Units()), stored.robot.table
+    near = await services.loaded(lambda: services.store.look_alikes(stored.id))
+    if near:
+        shown = ", ".join(f"'{other}'" for other in near[:NEAR])
+        view["warnings"] += [
+            f"the id '{stored.id}' looks like that of another robot: {shown}; mind which is meant"
+        ]
+    if table is not None:
+        echo = document(table, degrees=request.query_params.get("angle") == "deg")
+        view["table"] = {key: value for key, value in echo.items() if key != "warnings"}
+    headers = {"ETag": etag(stored.robot)}
+    if created:
+        headers["Location"] = f"{request.scope.get('root_path', '')}/v1/robots/{stored.id}"
+    return respond(view, wanted, status=201 if created else 200, headers=headers)
 
 
 def _check_name(request: Request, robot: Robot, robot_id: str) -> None:

@@ -13,7 +13,7 @@ from app.http.bodies import read_body
 from app.http.negotiation import CSV, JSON, TEXT, YAML, require_type, wanted_type
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import check_query, number, units_of
-from app.http.responses import respond
+from app.http.responses import respond, told_in_header
 from app.http.strict_json import decode_body
 from app.http.units import Units
 from app.openapi.answers import REF
@@ -32,7 +32,7 @@ from robots.robot import Robot
 
 CHOICES = "standard (distal, Paul), modified (proximal, Craig) or khalil (Khalil-Kleinfinger)"
 EXTRACTION = ("snap", "explain", "positive_a")
-WRITERS = {form.media_type: form.write for form in TABLE_TEXTS.values()}
+WRITERS = {form.media_type: form for form in TABLE_TEXTS.values()}
 OFFERS = (JSON, TEXT, YAML, CSV, *WRITERS)
 
 _AXES_EXAMPLE = {
@@ -244,10 +244,13 @@ def _written(
     elif wanted == CSV:
         text = to_csv(table, degrees=degrees)
     elif wanted in WRITERS:
-        text = WRITERS[wanted](table)
+        form = WRITERS[wanted]
+        write = form.write_degrees if degrees and form.write_degrees else form.write
+        text = write(table)
     else:
         text = to_text(found, degrees=degrees, explained=explained)
-    return Response(text.encode(), 200, headers, f"{wanted}; charset=utf-8")
+    told = {} if wanted in (YAML, TEXT) else told_in_header(table.warnings)
+    return Response(text.encode(), 200, {**(headers or {}), **told}, f"{wanted}; charset=utf-8")
 
 
 def _convention(raw: object, name: str = "convention") -> Convention:
@@ -288,7 +291,8 @@ _DESCRIPTIONS = {
     "snap": "Axes tilted by less than this are taken as parallel, rad; default 1e-8.",
     "explain": "true: how each frame was found, in words.",
     "positive_a": "true: no negative a, at the price of larger offsets.",
-    "angle": "rad (default) or deg: angles of the answer (of CSV bodies, too).",
+    "angle": "rad (default) or deg: angles of the answer (of CSV bodies, too); par and matlab are"
+    " always in rad.",
     "format": f"json (default), text, yaml, csv, {', '.join(TABLE_TEXTS)}; or by Accept.",
 }
 

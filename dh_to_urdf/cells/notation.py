@@ -29,6 +29,13 @@ def angle_text(value: float) -> str:
     return text if parse_cell(text, Quantity.ANGLE).value == value else number_text(value)
 
 
+def in_degrees(angle: float) -> float:
+    """Return an angle (rad) in degrees, 90 where rounding made 90.00000000000001 of it."""
+    degrees = math.degrees(angle)
+    rounded = round(degrees, 10)
+    return rounded if abs(degrees - rounded) <= 3e-14 * max(1.0, abs(degrees)) else degrees
+
+
 def variable_text(variable: str, sign: int, offset: str) -> str:
     """Write ``sign*variable + offset`` for an offset in text form: ``-th2 + pi/2``."""
     text = variable if sign > 0 else f"-{variable}"

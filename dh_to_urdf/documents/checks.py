@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from dh_to_urdf.cells.doubts import Doubts
 from dh_to_urdf.cells.expressions import Quantity
 from dh_to_urdf.errors import DHError, Fault, Location, quoted
 
@@ -35,10 +36,17 @@ class Units:
 
 @dataclass
 class Report:
-    """Collects faults, so that one answer names several cells."""
+    """Collects faults, so that one answer names several cells.
+
+    Attributes:
+        faults: What is refused.
+        warnings: What was assumed.
+        doubts: Values that are probably meant in another unit.
+    """
 
     faults: list[Fault] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    doubts: Doubts = field(default_factory=Doubts)
 
     def add(self, location: Location, message: str) -> None:
         """Note one fault."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from ruamel.yaml import YAML
 
+from dh_to_urdf.cells.notation import in_degrees
 from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.writing import table_to_mapping
 from dh_to_urdf.extraction.explanation import explain
@@ -49,7 +50,7 @@ def document(
         residual = found.residual
         mapping["residual"] = {
             "position": residual.position,
-            "orientation": _as_degrees(residual.orientation) if degrees else residual.orientation,
+            "orientation": in_degrees(residual.orientation) if degrees else residual.orientation,
             "configurations": residual.configurations,
         }
     if table.warnings:
@@ -60,7 +61,7 @@ def document(
                 "frame": step.frame,
                 "axes": list(step.axes),
                 "case": None if step.case is None else step.case.value,
-                "angle": _as_degrees(step.angle) if degrees and step.angle else step.angle,
+                "angle": in_degrees(step.angle) if degrees and step.angle else step.angle,
                 "distance": step.distance,
                 "foot_on_first": _plain(step.foot_on_first),
                 "foot_on_second": _plain(step.foot_on_second),
@@ -111,7 +112,7 @@ def to_text(found: Extraction | DHTable, *, degrees: bool = False, explained: bo
         if np.array_equal(placement, np.eye(4)):
             lines.append(f"{name}: identity")
         else:
-            matrix = [[f"{value + 0.0:.9f}" for value in row] for row in placement]
+            matrix = [[f"{round(value, 9) + 0.0:.9f}" for value in row] for row in placement]
             lines += [f"{name}:", *("  " + line for line in _aligned(matrix, right=True))]
     mapping = document(found, degrees=degrees, explained=explained)
     if "residual" in mapping:
@@ -191,18 +192,12 @@ def _items(table: DHTable, degrees: bool) -> list[dict[str, Any]]:
 def _degrees(item: dict[str, Any], row: DHRow) -> dict[str, Any]:
     """Return a row of a document with its angles in degrees."""
     angles = {"alpha", "theta", "gamma"} | ({"offset"} if row.type.is_revolute else set())
-    turned = {key: _as_degrees(x) if key in angles else x for key, x in item.items()}
+    turned = {key: in_degrees(x) if key in angles else x for key, x in item.items()}
     if "limits" in item and row.type.is_revolute:
         turned["limits"] = {
-            key: x if key == "effort" else _as_degrees(x) for key, x in item["limits"].items()
+            key: x if key == "effort" else in_degrees(x) for key, x in item["limits"].items()
         }
     return turned
-
-
-def _as_degrees(value: float) -> float:
-    degrees = math.degrees(value)
-    rounded = round(degrees, 10)
-    return rounded if abs(degrees - rounded) <= 3e-14 * max(1.0, abs(degrees)) else degrees
 
 
 def _plain(vector: Matrix) -> list[float]:

@@ -59,6 +59,8 @@ def read_limits(
         elif key in ("velocity", "effort") and cell.value < 0:
             report.add((*location, key), f"{label}: limits.{key} is negative")
         found[key] = cell.value
+        if key in ("lower", "upper"):
+            report.doubts.cell(cell, of, f"{key} limit of {label}", limit=True)
     _check_range(raw, found, type_, location, label, report)
     return Limits(**found)
 

@@ -6,7 +6,7 @@ Every fault carries the location of the cell, the joint's name and what to write
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from dh_to_urdf.cells.values import read_values, refuse_unused
@@ -15,11 +15,11 @@ from dh_to_urdf.documents.placements import read_placement
 from dh_to_urdf.documents.rows import RowReader
 from dh_to_urdf.documents.topology import check_names, check_tree
 from dh_to_urdf.errors import DHError, quoted
-from dh_to_urdf.table import Convention, DHRow, DHTable
+from dh_to_urdf.look_alikes import look_alikes
+from dh_to_urdf.table import Convention, DHTable
 
 MAX_ROWS = 300
 DEFAULT_NAME = "robot"
-TURN = 2 * math.pi * (1 + 1e-9)
 
 CONVENTION_ALIASES = {
     "standard": Convention.STANDARD,
@@ -77,11 +77,11 @@ def read_mapping(
             report.add((key,), f"{key} is {quoted(data[key])}; give a text")
     units = read_units(data.get("units"), report)
     warnings = report.warnings
-    base = read_placement(
-        data.get("base"), ("base",), units.angle, units.length, report.add, warnings
-    )
-    tool = read_placement(
-        data.get("tool"), ("tool",), units.angle, units.length, report.add, warnings
+    base, tool = (
+        read_placement(
+            data.get(key), (key,), units.angle, units.length, report.add, warnings, report.doubts
+        )
+        for key in ("base", "tool")
     )
     values = read_values(data.get("values"))
     joints = data.get("joints")
@@ -102,28 +102,9 @@ def read_mapping(
     report.raise_if_any()
     refuse_unused(values, report)
     report.raise_if_any()
-    if not _says_angle_unit(data.get("units")):
-        warnings += _wide_angles(rows)
-    return DHTable(name, convention, tuple(rows), base, tool, tuple(warnings))
-
-
-def _says_angle_unit(units: object) -> bool:
-    return isinstance(units, Mapping) and "angle" in units
-
-
-def _wide_angles(rows: Sequence[DHRow]) -> list[str]:
-    """Warn of an angle over a turn in a table that names no unit of angles."""
-    for row in rows:
-        angles = {"alpha": row.alpha, "theta": row.theta, "gamma": row.gamma}
-        if row.type.is_revolute:
-            angles["offset"] = row.offset
-        for field, angle in angles.items():
-            if abs(angle) > TURN:
-                return [
-                    f"{field} of joint {row.name} is {angle:g} rad, over a turn; if that means"
-                    " degrees, give units: {angle: deg}"
-                ]
-    return []
+    doubts = report.doubts.sentences()
+    told = (*doubts, *look_alikes("joints", [row.name for row in rows]), *warnings)
+    return DHTable(name, convention, tuple(rows), base, tool, told, doubts)
 
 
 def _convention(data: Mapping[Any, Any], report: Report) -> Convention | None:

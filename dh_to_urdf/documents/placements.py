@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from dh_to_urdf.cells.doubts import Doubts, Note
 from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
 from dh_to_urdf.errors import Location, quoted
 from dh_to_urdf.poses import (
@@ -29,6 +30,7 @@ def read_placement(
     length: float,
     add: AddFault,
     warnings: list[str],
+    doubts: Doubts,
 ) -> Matrix:
     """Read ``{"matrix": …}``, ``{"xyz", "rpy"}`` or ``{"xyz", "quaternion_xyzw"}``.
 
@@ -39,6 +41,7 @@ def read_placement(
         length: Factor of the document's lengths to m; it applies to a matrix' last column too.
         add: Receives faults.
         warnings: Receives what had to be mended.
+        doubts: Receives values that are probably meant in another unit.
 
     Returns:
         A 4x4 matrix, the identity where there is a fault.
@@ -64,33 +67,57 @@ def read_placement(
         return np.eye(4)
     try:
         if "matrix" in raw:
-            return _from_matrix(raw["matrix"], location, length, warnings)
-        xyz = read_vector(raw.get("xyz", [0, 0, 0]), "xyz", 3, Quantity.LENGTH, length)
+            return _from_matrix(raw["matrix"], location, length, warnings, doubts)
+
+        def note(quantity: Quantity, names: tuple[str, str, str]) -> Note:
+            # A base may stand far off in its hall.
+            far = quantity is Quantity.LENGTH and name == "base"
+            return lambda k, cell: doubts.cell(cell, quantity, f"{names[k]} of {name}", limit=far)
+
+        xyz = read_vector(
+            raw.get("xyz", [0, 0, 0]),
+            "xyz",
+            3,
+            Quantity.LENGTH,
+            length,
+            note(Quantity.LENGTH, ("x", "y", "z")),
+        )
         if "quaternion_xyzw" in raw:
             quaternion = read_vector(
                 raw["quaternion_xyzw"], "quaternion_xyzw", 4, Quantity.NUMBER, 1.0
             )
             return from_xyz_quaternion(xyz, quaternion)
-        rpy = read_vector(raw.get("rpy", [0, 0, 0]), "rpy", 3, Quantity.ANGLE, angle)
+        rpy = read_vector(
+            raw.get("rpy", [0, 0, 0]),
+            "rpy",
+            3,
+            Quantity.ANGLE,
+            angle,
+            note(Quantity.ANGLE, ("roll", "pitch", "yaw")),
+        )
         return from_xyz_rpy(xyz, rpy)
     except ValueError as error:
         add(location, f"{name}: {error}")
         return np.eye(4)
 
 
-def _from_matrix(raw: object, location: Location, length: float, warnings: list[str]) -> Matrix:
+def _from_matrix(
+    raw: object, location: Location, length: float, warnings: list[str], doubts: Doubts
+) -> Matrix:
     if not (isinstance(raw, list) and len(raw) == 4 and all(isinstance(r, list) for r in raw)):
         raise ValueError("matrix is not four rows of four numbers")
     rows = [read_vector(row, "matrix", 4, Quantity.NUMBER, 1.0) for row in raw]
     matrix = np.array(rows) + 0.0
     if length != 1.0:
         matrix[:3, 3] /= round(1.0 / length)
+    name = str(location[-1])
+    for axis, value in zip("xyz", matrix[:3, 3].tolist(), strict=True):
+        doubts.length(value, f"{axis} of {name}", limit=name == "base", in_mm=length != 1.0)
     try:
         T = rigid_transform(matrix)
     except ValueError as error:
         raise ValueError(f"matrix {error}") from None
     if is_mended(matrix):
-        name = str(location[-1])
         change = float(np.abs(T - matrix).max())
         warnings.append(
             f"{name}: the matrix is rounded; its nearest rotation is used ({change:.1e})"
@@ -98,7 +125,14 @@ def _from_matrix(raw: object, location: Location, length: float, warnings: list[
     return T
 
 
-def read_vector(raw: object, what: str, size: int, quantity: Quantity, unit: float) -> list[float]:
+def read_vector(
+    raw: object,
+    what: str,
+    size: int,
+    quantity: Quantity,
+    unit: float,
+    note: Note | None = None,
+) -> list[float]:
     """Read a list of numbers, or of texts such as ``pi/2``.
 
     Args:
@@ -107,6 +141,7 @@ def read_vector(raw: object, what: str, size: int, quantity: Quantity, unit: flo
         size: How many numbers it must hold.
         quantity: What they measure.
         unit: Factor of the document's unit to rad or m.
+        note: Takes each cell with its place.
 
     Raises:
         ValueError: Not such a list.
@@ -114,7 +149,7 @@ def read_vector(raw: object, what: str, size: int, quantity: Quantity, unit: flo
     if not isinstance(raw, list) or len(raw) != size:
         raise ValueError(f"{what} is not a list of {size} numbers")
     values = []
-    for item in raw:
+    for k, item in enumerate(raw):
         try:
             cell = parse_cell(item, quantity, unit)
         except CellError as error:
@@ -122,6 +157,8 @@ def read_vector(raw: object, what: str, size: int, quantity: Quantity, unit: flo
         if cell.variable is not None:
             raise ValueError(f"{what} holds a joint variable; give numbers")
         values.append(cell.value)
+        if note is not None:
+            note(k, cell)
     return values
 
 

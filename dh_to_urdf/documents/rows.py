@@ -213,6 +213,7 @@ class RowReader:
                     item.at(column),
                     f"{label}: {column} has the variable of joint {cell.index}, not {item.k + 1}",
                 )
+        self.report.doubts.cell(cell, quantity, f"{column} of {label}")
         return cell
 
     def _sign(self, item: _Item) -> int:

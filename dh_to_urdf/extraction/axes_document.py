@@ -64,7 +64,13 @@ def read_axes(data: object) -> SerialChain:
     tip = None
     if data.get("tip") is not None:
         tip = read_placement(
-            data["tip"], ("tip",), units.angle, units.length, report.add, report.warnings
+            data["tip"],
+            ("tip",),
+            units.angle,
+            units.length,
+            report.add,
+            report.warnings,
+            report.doubts,
         )
     report.raise_if_any()
     found = [line for line, _ in (pair for pair in lines if pair is not None)]
@@ -75,7 +81,8 @@ def read_axes(data: object) -> SerialChain:
             "no tip is given; it is put at the last point, z along the last axis"
         )
         tip = _default_tip(found[-1])
-    return chain_from_lines(str(name), found, tip, tuple(report.warnings))
+    told = (*report.doubts.sentences(), *report.warnings)
+    return chain_from_lines(str(name), found, tip, told)
 
 
 def _line(

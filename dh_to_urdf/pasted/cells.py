@@ -18,8 +18,6 @@ TURN: Final = 2 * math.pi
 """Bare angles of a table beyond this (rad) look like degrees."""
 LIMIT_TURNS: Final = 20.0
 """Bare limits beyond this (rad) look like degrees."""
-LONG: Final = 20.0
-"""Bare lengths beyond this (m) look like millimetres."""
 ABSENT: Final = frozenset({"", "-", "–", "—", "−", "--", "---"})
 """Texts of cells that hold nothing."""
 ANY_VARIABLE: Final = frozenset({"*", "var", "var.", "variable"})
@@ -96,8 +94,6 @@ class CellReader:
                 " the angle within ±360, or with its unit (900°) if it is meant",
             )
             return None
-        if quantity is Quantity.LENGTH and cell.unit is None and unit == 1.0:
-            self._warn_if_long(k, cell, parsed)
         return parsed
 
     def variable(self, k: int, cell: RawCell | None, column: str) -> Cell | None:
@@ -114,14 +110,6 @@ class CellReader:
         except CellError:
             return None
         return parsed if parsed.variable in letters and parsed.index in (None, k + 1) else None
-
-    def _warn_if_long(self, k: int, cell: RawCell, parsed: Cell) -> None:
-        if abs(parsed.plain) > LONG and not any("length=mm" in text for text in self.warnings):
-            self.warnings.append(
-                f"joint {k + 1} (line {cell.line}, column {cell.column or '1'}):"
-                f" {quoted(cell.text)} has no unit and is taken as metres; if it is in"
-                " millimetres, give length=mm"
-            )
 
 
 def foreign_variable(cell: Cell, column: str, own: bool, k: int) -> str | None:

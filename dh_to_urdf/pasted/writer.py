@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from dh_to_urdf.cells.notation import angle_text, number_text, variable_text
+from dh_to_urdf.cells.notation import angle_text, in_degrees, number_text, variable_text
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.par.writer import table_to_par
 from dh_to_urdf.poses import Matrix
@@ -36,16 +37,18 @@ class TableText(NamedTuple):
 
     Attributes:
         media_type: Its media type.
-        write: From a table to the text.
+        write: From a table to the text, in rad.
+        write_degrees: The same in degrees; None where the programs that read it want rad.
     """
 
     media_type: str
     write: Callable[[DHTable], str]
+    write_degrees: Callable[[DHTable], str] | None = None
 
 
-def table_to_markdown(table: DHTable) -> str:
+def table_to_markdown(table: DHTable, *, degrees: bool = False) -> str:
     """Write a pipe table with Greek letters."""
-    heading, *rows = _grid(table)
+    heading, *rows = _grid(table, degrees)
     rows = [
         [cell if key == "name" else _unicode(cell) for key, cell in zip(heading, row, strict=True)]
         for row in rows
@@ -58,15 +61,15 @@ def table_to_markdown(table: DHTable) -> str:
     return "\n".join([*text, *([""] if notes else []), *notes, ""])
 
 
-def table_to_tsv(table: DHTable) -> str:
+def table_to_tsv(table: DHTable, *, degrees: bool = False) -> str:
     """Write columns between tabs, for a spreadsheet."""
-    lines = ["\t".join(line) for line in _grid(table)]
+    lines = ["\t".join(line) for line in _grid(table, degrees)]
     return "\n".join([*lines, *(f"# {note}" for note in _placements(table)), ""])
 
 
-def table_to_latex(table: DHTable) -> str:
+def table_to_latex(table: DHTable, *, degrees: bool = False) -> str:
     """Write a ``tabular`` environment."""
-    heading, *rows = _grid(table)
+    heading, *rows = _grid(table, degrees)
     head = " & ".join(_latex_heading(cell) for cell in heading)
     lines = [f"% {table.name}, {table.convention}", f"\\begin{{tabular}}{{{'c' * len(heading)}}}"]
     lines += ["\\hline", f"{head} \\\\ \\hline"]
@@ -106,9 +109,15 @@ def table_to_matlab(table: DHTable) -> str:
 
 TABLE_TEXTS = {
     "par": TableText("text/x-symoro", table_to_par),
-    "latex": TableText("application/x-latex", table_to_latex),
-    "markdown": TableText("text/markdown", table_to_markdown),
-    "tsv": TableText("text/tab-separated-values", table_to_tsv),
+    "latex": TableText(
+        "application/x-latex", table_to_latex, partial(table_to_latex, degrees=True)
+    ),
+    "markdown": TableText(
+        "text/markdown", table_to_markdown, partial(table_to_markdown, degrees=True)
+    ),
+    "tsv": TableText(
+        "text/tab-separated-values", table_to_tsv, partial(table_to_tsv, degrees=True)
+    ),
     "matlab": TableText("text/x-matlab", table_to_matlab),
 }
 """The forms by name."""
@@ -130,8 +139,13 @@ def _link(row: DHRow, modified: bool) -> list[str]:
     return [*parts, *(["'modified'"] if modified else [])]
 
 
-def _grid(table: DHTable) -> list[list[str]]:
+def _grid(table: DHTable, degrees: bool) -> list[list[str]]:
     """Return the heading and the rows, in the ASCII that ``expressions`` reads."""
+    unit = "deg" if degrees else "rad"
+
+    def turned(angle: float) -> str:
+        return number_text(in_degrees(angle)) if degrees else angle_text(angle)
+
     khalil = table.convention is Convention.KHALIL
     before = "(i-1)" if table.convention is Convention.MODIFIED else ""
     x_column, z_column = ("d", "r") if khalil else (f"a{before}", "d")
@@ -139,36 +153,38 @@ def _grid(table: DHTable) -> list[list[str]]:
     tree = any(row.parent != k or row.gamma or row.b for k, row in enumerate(table.rows))
     limits = [key for key in _LIMITS if any(getattr(r.limits, key) is not None for r in table.rows)]
     heading = ["i", *(["name"] if named else []), "type"]
-    heading += ["ant", "gamma [rad]", "b [m]"] if tree else []
+    heading += ["ant", f"gamma [{unit}]", "b [m]"] if tree else []
     heading += [
-        f"alpha{before} [rad]",
+        f"alpha{before} [{unit}]",
         f"{x_column} [m]",
         f"{z_column} [m]",
-        "theta [rad]",
+        f"theta [{unit}]",
         *limits,
     ]
     lines = [heading]
     for k, row in enumerate(table.rows, start=1):
-        along, theta = number_text(row.d), angle_text(row.theta)
+        along, theta = number_text(row.d), turned(row.theta)
         if row.type.is_revolute:
-            theta = variable_text(f"theta{k}", row.sign, angle_text(row.offset))
+            theta = variable_text(f"theta{k}", row.sign, turned(row.offset))
         elif row.type is JointType.PRISMATIC:
             letter = "r" if khalil else "d"
             along = variable_text(f"{letter}{k}", row.sign, number_text(row.offset))
         line = [str(k), *([row.name] if named else []), _TYPE_LETTERS[row.type]]
-        line += [str(row.parent), angle_text(row.gamma), number_text(row.b)] if tree else []
-        line += [angle_text(row.alpha), number_text(row.a), along, theta]
-        lines.append(line + [_limit(row, key) for key in limits])
+        line += [str(row.parent), turned(row.gamma), number_text(row.b)] if tree else []
+        line += [turned(row.alpha), number_text(row.a), along, theta]
+        lines.append(line + [_limit(row, key, degrees) for key in limits])
     return lines
 
 
-def _limit(row: DHRow, key: str) -> str:
+def _limit(row: DHRow, key: str, degrees: bool) -> str:
     value = getattr(row.limits, key)
     if value is None:
         return "-"
     if key == "effort":
         return number_text(value)
-    return f"{number_text(value)} {'m' if row.type is JointType.PRISMATIC else 'rad'}"
+    if row.type is JointType.PRISMATIC:
+        return f"{number_text(value)} m"
+    return f"{number_text(in_degrees(value))} deg" if degrees else f"{number_text(value)} rad"
 
 
 def _placements(table: DHTable) -> list[str]:
@@ -204,4 +220,4 @@ def _latex(cell: str, heading: str) -> str:
     text = _FRACTION.sub(lambda m: f"\\frac{{{m[1] or ''}\\pi}}{{{m[2]}}}", cell)
     text = re.sub(r"\*?(?<!\\)\bpi\b", r"\\pi", text)
     text = _INDEXED.sub(lambda m: f"\\theta_{{{m[1]}}}" if m[1] else f"{m[2]}_{{{m[3]}}}", text)
-    return f"${re.sub(r' (rad|m)$', lambda m: f'{chr(92)},{chr(92)}mathrm{{{m[1]}}}', text)}$"
+    return f"${re.sub(r' (rad|deg|m)$', lambda m: f'{chr(92)},{chr(92)}mathrm{{{m[1]}}}', text)}$"

@@ -22,6 +22,10 @@ from robots.robot import FloatArray
 
 TOUCH = 1e-9
 """Excess of a limit that counts as rounding, rad or m."""
+NEAR_STEP, LONGEST_STEP = 0.3, 1.0
+"""Motion of a turning joint in a sample, rad: one that needs no question, and the largest."""
+GENEROUS = 10.0
+"""Motion of a joint for that of the frame, relative to an arm stretched out."""
 MAX_OBSTACLES = 100
 MAX_PAIRS = 200_000
 """Largest product of samples, obstacles and links of a path."""
@@ -148,6 +152,33 @@ class PathProblem:
         """Length of the arm, m: sum of the distances between successive joints."""
         lengths = np.linalg.norm(self.arm.chain.placements[1:, [3, 7, 11]], axis=1).sum()
         return float(lengths) or 1.0
+
+    @cached_property
+    def near_step(self) -> FloatArray:
+        """Motion of each joint to the next sample that stays in the branch, (K,), rad or m."""
+        return self._steps(NEAR_STEP)
+
+    @cached_property
+    def longest_step(self) -> FloatArray:
+        """Largest motion of each joint to the next sample, shape (K,), rad or m.
+
+        A larger one leads to another branch, or is the next equivalent angle.
+        """
+        return self._steps(LONGEST_STEP)
+
+    def _steps(self, least: float) -> FloatArray:
+        """Return a motion that leaves room for the path's own in one sample, shape (K,)."""
+        turn = min(math.pi, max(least, GENEROUS * self.largest_increment / self.scale))
+        return np.where(self.arm.chain.is_revolute, turn, turn * self.scale)
+
+    @cached_property
+    def largest_increment(self) -> float:
+        """Largest motion of the target from a sample to the next, m; angles by the arm's length."""
+        poses = self.path.targets.reshape(-1, 3, 4)
+        moved = np.linalg.norm(np.diff(poses[:, :, 3], axis=0), axis=1)
+        cosines = (np.einsum("kij,kij->k", poses[1:, :, :3], poses[:-1, :, :3]) - 1) / 2
+        turned = np.arccos(np.clip(cosines, -1, 1))
+        return float((moved + self.scale * turned).max(initial=0.0))
 
     @cached_property
     def most_per_step(self) -> FloatArray:

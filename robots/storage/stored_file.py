@@ -12,11 +12,11 @@ import json
 import os
 import re
 import stat
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from dh_to_urdf import DHTable, read_mapping
+from dh_to_urdf import read_mapping
 from dh_to_urdf.documents.writing import table_to_mapping
 from robots.errors import RobotTooLarge, StorageUnavailable
 from robots.robot import Robot, robot_from_table, robot_from_urdf
@@ -85,7 +85,7 @@ def encode(robot: Robot) -> bytes:
     head = {"format": FORMAT, "kind": robot.kind, "title": robot.name, "dof": robot.dof}
     document: dict[str, Any] = {"kind": robot.kind, "warnings": list(robot.warnings)}
     if robot.table is not None:
-        document["table"] = table_to_mapping(robot.table)
+        document.update(table=table_to_mapping(robot.table), doubts=list(robot.doubts))
     else:
         document.update(urdf=robot.urdf, base=robot.base_frame, tip=robot.tip_frame)
     body = b"\n".join(json.dumps(part, ensure_ascii=False).encode() for part in (head, document))
@@ -194,9 +194,8 @@ def _robot_of(document: Any) -> Robot:
     warnings = tuple(document["warnings"])
     if document["kind"] == "dh":
         table = read_mapping(document["table"])
-        return robot_from_table(
-            DHTable(table.name, table.convention, table.rows, table.base, table.tool, warnings)
-        )
+        doubts = tuple(document.get("doubts", table.doubts))
+        return robot_from_table(replace(table, warnings=warnings, doubts=doubts))
     return robot_from_urdf(
         document["urdf"], base=document["base"], tip=document["tip"], warnings=warnings
     )

@@ -61,7 +61,9 @@ class URDFDescription:
         joints: Joints in the order of the file.
         root: The link without a parent.
         canonical: URDF text with nothing but what was checked.
-        warnings: What was left out or assumed.
+        warnings: What is doubtful, was assumed or was left out, the gravest first.
+        doubts: Those of them about values that are probably meant in another unit.
+        left_out: Those about what is left out.
     """
 
     name: str
@@ -70,6 +72,8 @@ class URDFDescription:
     root: str
     canonical: str
     warnings: tuple[str, ...]
+    doubts: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     @property
     def moving(self) -> tuple[URDFJoint, ...]:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from lxml import etree
 
+from dh_to_urdf.look_alikes import look_alikes
 from robots.errors import InvalidURDF, RobotTooLarge
 from robots.urdf.description import MOVING_TYPES, URDFDescription
+from robots.urdf.doubts import doubts_of, limits_left_out
 from robots.urdf.joints import read_joint
 from robots.urdf.limits import MAX_BYTES, MAX_DOF, MAX_LINKS
 from robots.urdf.links import LinkReader, check_shapes
@@ -47,13 +49,27 @@ def read_urdf(text: str | bytes) -> URDFDescription:
     root = check_tree(links, joints)
     if not any(joint.type != "fixed" for joint in joints):
         raise InvalidURDF("the robot has no joint that moves; give it one")
+    doubts = doubts_of(joints)
+    unused = (
+        *limits_left_out(joints, joint_elements),
+        *reader.warnings(),
+        *_left_out(left_out),
+    )
+    told = (
+        *doubts,
+        *look_alikes("joints", [joint.name for joint in joints]),
+        *look_alikes("links", links),
+        *mimics,
+    )
     return URDFDescription(
         name=name,
         links=links,
         joints=joints,
         root=root,
         canonical=_written(robot),
-        warnings=(*_left_out(left_out), *reader.warnings(), *mimics),
+        warnings=(*told, *unused),
+        doubts=doubts,
+        left_out=unused,
     )
 
 

@@ -56,6 +56,20 @@ def test_cells_take_what_people_write(open_page, client):
     )
 
 
+def test_a_doubtful_value_is_told_above_the_numbers(open_page):
+    visit = open_page("robot=planar_2r&q=30,60&open=pose")
+    warnings = visit.page.get_by_role("list", name="Doubtful values")
+    assert warnings.count() == 0
+    cell(visit, 1, "a").fill("300")
+    visit.settled()
+    until(lambda: warnings.count() == 1)
+    assert "a of joint 1" in warnings.inner_text()
+    assert "300 m; millimetres?" in warnings.inner_text()
+    cell(visit, 1, "a").fill("0.3")
+    visit.settled()
+    until(lambda: warnings.count() == 0)
+
+
 def test_what_is_wrong_stands_at_its_cell(open_page):
     visit = open_page("robot=puma560&q=0,45,-90,0,45,0&open=pose", refusals=True)
     good = visit.matrix("pose")

@@ -24,6 +24,8 @@ export interface Model {
   readonly rows: TableDocument | null;
   readonly baseFrame: string;
   readonly tipFrame: string;
+  /** What the service found doubtful when it was stored. */
+  readonly warnings: readonly string[];
 }
 
 /** The task that an arm is asked for first: with fewer than six joints it cannot reach any pose. */

@@ -44,6 +44,7 @@ async function stored(
     rows: table && inRadians(table),
     baseFrame: view.base_frame,
     tipFrame: view.tip_frame,
+    warnings: view.warnings,
   };
 }
 
@@ -77,6 +78,7 @@ async function fromTable(document: api.TableDocument, signal: AbortSignal): Prom
     rows,
     baseFrame: 'base_link',
     tipFrame: 'tool',
+    warnings: [],
   };
 }
 
@@ -104,6 +106,7 @@ async function fromURDF(
     rows: table && inRadians(table),
     baseFrame: '',
     tipFrame: Object.keys(answer.poses)[0] ?? '',
+    warnings: answer.warnings,
   };
 }
 

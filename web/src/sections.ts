@@ -12,6 +12,7 @@ import type { AnyPanel } from './panels/panel';
 import { posePanel } from './panels/pose';
 import { singularityPanel } from './panels/singularity';
 import type { Answers, Section, State } from './state';
+import { warningsView } from './warnings';
 
 /** Sections whose code is loaded when they are opened first. */
 const LAZY = {
@@ -144,6 +145,7 @@ export function sectionsView(page: Page): HTMLElement {
   const element = h(
     'div',
     { class: 'sections' },
+    warningsView(page),
     ...panels.map((one) => section(one.id, one.title, one.body)),
     section('ik', t.ik, places.ik),
     section('path', t.path, places.path),

@@ -8,7 +8,8 @@ from enum import StrEnum
 import numpy as np
 
 from kinematics.inverse import IKStatus
-from kinematics.redundancy.measure import Measures
+from kinematics.redundancy.clearance.sweep import RESOLUTION
+from kinematics.redundancy.measure import Measures, clearances_at, nearest_part
 from kinematics.redundancy.problem import TOUCH, PathProblem
 from kinematics.redundancy.reach import reach
 from kinematics.redundancy.stop import Stop, StopReason
@@ -17,6 +18,10 @@ from robots.robot import FloatArray
 
 JUMP = 1.0
 """Motion of a joint in one sample, rad or m, beyond which a path that stays lost has diverged."""
+HELD_BACK = 0.01
+"""Clearance beyond d_safe, relative to the arm's length, at which an obstacle holds a link."""
+ROUNDING = 1e-12
+"""Error, m and rad, below which it is written as 0."""
 STUCK = 1e-6
 """Motion, rad or m, below which an arm has not left its start."""
 REACH_SECONDS = 0.2
@@ -153,8 +158,15 @@ def _reason(
             )
         away = _unreachable(problem, first_lost)
         jumped = not constrained and measures.largest_step > JUMP
-        if stop is not None or (jumped and measures.off_path(problem.tolerance)[-1]):
-            beyond = "" if away is None else f"; {away}"
+        beyond = "" if away is None else f"; {away}"
+        if stop is not None:
+            unit = "rad" if problem.arm.chain.is_revolute[stop.joint] else "m"
+            return Reason.DIVERGED, (
+                f"the steps grew after sample {first_lost}: joint"
+                f" {problem.arm.names[stop.joint]} would move by {stop.motion:.3g} {unit} to sample"
+                f" {stop.sample}, out of its branch; use damped, or qp{beyond}"
+            )
+        if jumped and measures.off_path(problem.tolerance)[-1]:
             return Reason.DIVERGED, (
                 f"the steps grew after sample {first_lost}, up to"
                 f" {measures.largest_step:.3g} rad or m in one{beyond}"
@@ -169,7 +181,7 @@ def _reason(
     least = measures.min_swept
     if "clearance" in violations:
         kind = Reason.COLLISION if least < 0 else Reason.CLEARANCE
-        return kind, _clearance(problem, measures)
+        return kind, _clearance(problem, Q, measures)
     if "limits" in violations:
         return Reason.LIMITS, _limits(problem, Q)
     if first_lost is not None:
@@ -220,11 +232,17 @@ def _where(problem: PathProblem, measures: Measures, first_lost: int) -> str:
 
 
 def _largest(measures: Measures) -> str:
-    return f"{measures.position_error.max():.4g} m, {measures.orientation_error.max():.4g} rad"
+    return _errors(measures.position_error.max(), measures.orientation_error.max())
 
 
 def _missed(measures: Measures) -> str:
-    return f"{measures.position_error[-1]:.4g} m, {measures.orientation_error[-1]:.4g} rad"
+    return _errors(measures.position_error[-1], measures.orientation_error[-1])
+
+
+def _errors(position: float, orientation: float) -> str:
+    """Write errors; those that are rounding are zero."""
+    m, rad = (0.0 if value < ROUNDING else value for value in (position, orientation))
+    return f"{m:.4g} m, {rad:.4g} rad"
 
 
 def _conflict(
@@ -235,17 +253,17 @@ def _conflict(
     first_lost: int | None,
 ) -> str:
     if measures.clearance[0] < problem.d_safe:
-        return f"the start itself is too near: {_clearance(problem, measures)}"
+        return f"the start itself is too near: {_clearance(problem, Q, measures)}"
     parts = []
     if first_lost is not None:
         parts.append(
             f"{_both(problem, first_lost)} within reach, but the path is lost"
             f" {_where(problem, measures, first_lost)}: the targets were not met together with"
-            " limits, speeds and clearance; the end is missed by"
-            f" {_missed(measures)}"
+            f" limits, speeds and clearance{_held(problem, Q, measures, first_lost)}; the end is"
+            f" missed by {_missed(measures)}"
         )
     if "clearance" in violations:
-        parts.append(_clearance(problem, measures))
+        parts.append(_clearance(problem, Q, measures))
     if "limits" in violations:
         parts.append(_limits(problem, Q))
     if "velocity" in violations:
@@ -253,12 +271,39 @@ def _conflict(
     return "; ".join(parts)
 
 
-def _clearance(problem: PathProblem, measures: Measures) -> str:
+def _held(problem: PathProblem, Q: FloatArray, measures: Measures, first_lost: int) -> str:
+    """Name what holds the arm at the first lost sample: obstacle, limits, speeds, its branch."""
+    at = min(first_lost, len(Q) - 1)
+    chain, names = problem.arm.chain, problem.arm.names
+    holds = []
+    if measures.clearance[at] < problem.d_safe + HELD_BACK * problem.scale:
+        link, obstacle = measures.nearest[at]
+        holds.append(f"{problem.links.names[link]} by obstacle {obstacle}")
+    margin = np.minimum(Q[at] - chain.lower, chain.upper - Q[at])
+    holds += [f"{names[k]} at its limit" for k in np.flatnonzero(margin < TOUCH)]
+    if at:
+        step = np.abs(Q[at] - Q[at - 1])
+        fast = step > problem.most_per_step * (1 - TOUCH)
+        holds += [f"{names[k]} by its speed" for k in np.flatnonzero(fast)]
+        far = ~fast & (step > problem.near_step * (1 - TOUCH))
+        holds += [f"{names[k]} by its branch" for k in np.flatnonzero(far)]
+    return f" (held: {', '.join(holds[:4])})" if holds else ""
+
+
+def _clearance(problem: PathProblem, Q: FloatArray, measures: Measures) -> str:
+    """Describe the least clearance, at a sample or swept between two, and where it is."""
     at = int(np.argmin(measures.clearance))
     link, obstacle = measures.nearest[at]
+    where = f"about sample {at}"
+    if measures.swept.min(initial=np.inf) < measures.clearance[at] - 2 * RESOLUTION:
+        at = int(np.argmin(measures.swept))
+        part = nearest_part(problem, Q[at], Q[at + 1])
+        _, nearest = clearances_at(problem, (Q[at] + part * (Q[at + 1] - Q[at]))[None])
+        link, obstacle = nearest[0]
+        where = f"between samples {at} and {at + 1}"
     return (
         f"the clearance falls to {measures.min_swept:.4g} m (d_safe is {problem.d_safe:g}),"
-        f" {problem.links.names[link]} to obstacle {obstacle} about sample {at}"
+        f" {problem.links.names[link]} to obstacle {obstacle} {where}"
     )
 
 

@@ -1,7 +1,8 @@
 """Damped least squares: ``Δθ = Jᵀ (J Jᵀ + λ² I)⁻¹ ΔX``, repeated in a sample until it is reached.
 
 The damping grows where a step would lead away (Levenberg-Marquardt), so that the arm stops at the
-border of its workspace and does not swing about it. No limit or obstacle is looked at.
+border of its workspace and does not swing about it. Steps are bounded, so that it stays in its
+branch. No limit or obstacle is looked at.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from kinematics.inverse.damped_step import damped
 from kinematics.inverse.task_error import TaskChain, columns, residual
 from kinematics.kernels import Array
 from kinematics.redundancy.kernel import workspace
-from kinematics.redundancy.methods.blocks import Course, in_blocks, sample_before
-from kinematics.redundancy.problem import PathOptions, PathProblem, departure
+from kinematics.redundancy.methods.blocks import Course, course_of, in_blocks, sample_before
+from kinematics.redundancy.problem import PathOptions, PathProblem
 from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
 
@@ -29,13 +30,13 @@ def follow(
 ) -> Generator[int, None, Stop | None]:
     """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     chain, m = problem.arm.constants.chain, problem.arm.m
-    course, W = Course(problem.path.targets, departure(problem, options), Q), workspace(Q.shape[1])
+    course, W = course_of(problem, options, Q), workspace(Q.shape[1])
 
     def solve(first: int, last: int) -> tuple[int, int]:
         _follow(chain, course, first, last, options.damping, options.iterations, W)
         return last, m
 
-    return (yield from in_blocks(problem, len(Q), solve))
+    return (yield from in_blocks(problem, course, solve))
 
 
 @jit
@@ -66,8 +67,9 @@ def _follow(
                 d = 0.0
                 for r in range(6, 12):
                     d += W[k, r] * W[K + 1, r]
-                trial[k] = q[k] + d
-                moved = max(moved, abs(d))
+                low, high = before[k] - course.longest[k], before[k] + course.longest[k]
+                trial[k] = min(max(q[k] + d, low), high)
+                moved = max(moved, abs(trial[k] - q[k]))
             if moved < 1e-15:
                 break
             p, r2 = residual(chain, G[i], trial, W)

@@ -26,10 +26,15 @@ from kinematics.redundancy.kernel import (
     task_at,
     workspace,
 )
-from kinematics.redundancy.methods.blocks import Course, in_blocks, sample_before
+from kinematics.redundancy.methods.blocks import (
+    Course,
+    course_of,
+    in_blocks,
+    leaps,
+    sample_before,
+)
 from kinematics.redundancy.methods.damped import EXACT
-from kinematics.redundancy.methods.pseudo_inverse import HUGE
-from kinematics.redundancy.problem import Gains, PathOptions, PathProblem, departure
+from kinematics.redundancy.problem import Gains, PathOptions, PathProblem
 from kinematics.redundancy.steps.gradients import (
     Repulsion,
     limit_potential,
@@ -51,7 +56,7 @@ def follow(
 ) -> Generator[int, None, Stop | None]:
     """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     arm, scene, chain = problem.arm.constants, problem.scene, problem.arm.chain
-    course = Course(problem.path.targets, departure(problem, options), Q)
+    course = course_of(problem, options, Q)
     chosen = options.gains or GAINS
     wishes = Wishes(
         chain.lower,
@@ -65,7 +70,7 @@ def follow(
     def solve(first: int, last: int) -> tuple[int, int]:
         return _follow(arm, scene, wishes, course, first, last, options.iterations, W)
 
-    return (yield from in_blocks(problem, len(Q), solve))
+    return (yield from in_blocks(problem, course, solve))
 
 
 class Wishes(NamedTuple):
@@ -127,8 +132,8 @@ def _follow(
                     step[k] += cut * z[k]
             for k in range(K):
                 q[k] += step[k]
-                if not math.fabs(q[k]) < HUGE:
-                    return i, m
+            if leaps(course, i):
+                return i, m
     return last, m
 
 

@@ -2,12 +2,12 @@
 
 Open loop, ΔX is the path's own increment: errors of linearisation add up (drift). Closed loop, ΔX
 leads from where the arm is to the path, which takes the drift away, and diverges where the path
-leaves the workspace. No limit or obstacle is looked at.
+leaves the workspace: it ends before a step that leads to another branch. No limit or obstacle is
+looked at.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator
 
 import numpy as np
@@ -23,13 +23,16 @@ from kinematics.redundancy.kernel import (
     task_rows,
     workspace,
 )
-from kinematics.redundancy.methods.blocks import Course, in_blocks, sample_before
-from kinematics.redundancy.problem import PathOptions, PathProblem, departure
+from kinematics.redundancy.methods.blocks import (
+    Course,
+    course_of,
+    in_blocks,
+    leaps,
+    sample_before,
+)
+from kinematics.redundancy.problem import PathOptions, PathProblem
 from kinematics.redundancy.stop import Stop
 from robots.robot import FloatArray
-
-HUGE = 1e6
-"""A joint value beyond this has diverged."""
 
 
 def follow(
@@ -37,12 +40,12 @@ def follow(
 ) -> Generator[int, None, Stop | None]:
     """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     arm = problem.arm.constants
-    course, W = Course(problem.path.targets, departure(problem, options), Q), workspace(Q.shape[1])
+    course, W = course_of(problem, options, Q), workspace(Q.shape[1])
 
     def solve(first: int, last: int) -> tuple[int, int]:
         return _follow(arm, course, first, last, options.closed_loop, W)
 
-    return (yield from in_blocks(problem, len(Q), solve))
+    return (yield from in_blocks(problem, course, solve))
 
 
 @jit
@@ -67,6 +70,6 @@ def _follow(
         least_step(B, L, order, e, y, step)
         for k in range(K):
             Q[i, k] = q[k] + step[k]
-            if not math.fabs(Q[i, k]) < HUGE:
-                return i, rank
+        if leaps(course, i):
+            return i, rank
     return last, m

@@ -32,6 +32,8 @@ NEARLY = 1e-3
 """Error, m and rad, from which on the best effort is taken for a way to the path."""
 MOST_BETWEEN = 5
 """Places between two samples at which clearances are kept as well, at most."""
+ASIDE = 0.05
+"""Distance from the path half way to a sample, relative to the arm's length, of another branch."""
 BLOCK = 8
 
 Solve: TypeAlias = Callable[[Linearised, FloatArray, FloatArray, float], FloatArray | None]
@@ -73,7 +75,21 @@ def advance(
         target: Pose, 12 numbers.
         solve: ``(model, previous, target, need) -> q``, or None where it is not feasible.
     """
-    model.bound(previous)
+    problem = model.problem
+    model.bound(previous, problem.near_step)
+    q, reached = _clear(model, previous, target, solve)
+    if reached or (np.abs(q - previous) < problem.near_step).all():
+        return q
+    # A longer step held it back: it is taken where the frame stays by the path on the way.
+    model.bound(previous, problem.longest_step)
+    longer, reached = _clear(model, previous, target, solve)
+    return longer if reached and _stays(model, previous, longer, target) else q
+
+
+def _clear(
+    model: Linearised, previous: FloatArray, target: FloatArray, solve: Solve
+) -> tuple[FloatArray, bool]:
+    """The next sample within the bounds, and whether it is on the path and swept clear."""
     need, d_safe = model.need, model.problem.d_safe
     between: list[float] = []
     while True:
@@ -82,15 +98,25 @@ def advance(
             close, reached = _sample(model, previous, target, solve, model.least)
             if reached:
                 q, need = close, model.least
-        if not len(model.problem.obstacles) or len(between) == MOST_BETWEEN:
-            return q
+        if not len(model.problem.obstacles):
+            return q, reached
         # A sample before that is too near itself cannot be helped.
         if model.swept(previous, q) >= min(d_safe, model.clearance(previous)):
-            return q
+            return q, reached
+        if len(between) == MOST_BETWEEN:
+            return q, False
         between.append(nearest_part(model.problem, previous, q))
         if need != model.least:
             need = max(need, model.in_between)
         model.look_between(between)
+
+
+def _stays(model: Linearised, previous: FloatArray, q: FloatArray, target: FloatArray) -> bool:
+    """Whether the frame stays by the path half way to a sample, as it does in one branch."""
+    problem = model.problem
+    model.at((previous + q) / 2, target, model.least)
+    most = problem.largest_increment + ASIDE * problem.scale
+    return model.error <= most * most
 
 
 def _sample(

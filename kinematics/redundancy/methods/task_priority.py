@@ -13,7 +13,6 @@ import numpy as np
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.methods.damped import EXACT
-from kinematics.redundancy.methods.pseudo_inverse import HUGE
 from kinematics.redundancy.priority import prioritized_step
 from kinematics.redundancy.problem import PathOptions, PathProblem, departure
 from kinematics.redundancy.stop import Stop, StopReason
@@ -50,8 +49,8 @@ def follow(
             if iteration == 0:
                 first = first + _others(problem, options, place, q, first, free)
             q = q + first
-            if not np.abs(q).max() < HUGE:
-                return Stop(StopReason.DIVERGED, i, rank)
+            if not (np.abs(q - previous) <= problem.longest_step).all():
+                return Stop.diverged(i, rank, q - previous)
         Q[i] = previous = q
         yield i + 1
     return None

@@ -109,7 +109,8 @@ def _look_ahead(
 def kept_until(problem: PathProblem, Q: FloatArray) -> int:
     """Return the first sample at which something does not hold; their number N where all does.
 
-    Error, clearance (swept from the sample before), limits and speeds, as the verdict sees them.
+    Error, clearance (swept from the sample before), limits and speeds, as the verdict sees them;
+    and the step from the sample before, by which it stays in one branch.
     """
     measures = measure(problem, Q)
     bad = (
@@ -118,6 +119,7 @@ def kept_until(problem: PathProblem, Q: FloatArray) -> int:
         | (measures.limit_margin < -TOUCH)
     )
     bad[1:] |= (measures.swept < problem.d_safe) | (measures.speed_ratio > 1 + TOUCH)
+    bad[1:] |= (np.abs(np.diff(Q, axis=0)) > problem.longest_step).any(axis=1)
     return int(np.argmax(bad)) if bad.any() else len(Q)
 
 

@@ -205,9 +205,9 @@ class Linearised:
         sense = np.zeros(K + rows, dtype=np.int32)
         return ModelArrays(self._e, self._J, pairs, A, upper, lower, sense)
 
-    def bound(self, previous: FloatArray) -> None:
-        """Set the bounds by limits and speeds for the sample after a configuration, shape (K,)."""
-        chain, most = self.problem.arm.chain, self.problem.most_per_step
+    def bound(self, previous: FloatArray, longest: FloatArray) -> None:
+        """Set the bounds by limits, speeds and a longest step for the sample after one, (K,)."""
+        chain, most = self.problem.arm.chain, np.minimum(self.problem.most_per_step, longest)
         np.maximum(chain.lower, previous - most, out=self.region.low)
         np.minimum(chain.upper, previous + most, out=self.region.high)
         self.way.previous[:] = previous

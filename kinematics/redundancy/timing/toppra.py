@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import logging
 import warnings
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, ClassVar
 
@@ -27,8 +27,16 @@ GRID, MOST_GRID = 1000, 20_000
 """Smallest and largest number of grid points of toppra; see :func:`fastest`."""
 NEAREST = 1e-5
 """Part of the whole length below which neighbouring samples count as one."""
-STILL = 1e-9
+SCATTER = 2e-8
+"""Length, rad and m, within which samples scatter about the path: as near as they are solved."""
+STILL = 1e-7
 """Motion, rad or m, below which there is nothing to time."""
+
+
+UNTIMED = (
+    "no timing from rest to rest was found within these limits: the path turns back or bends"
+    " sharply between samples; ask for more samples, or another method"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,22 +84,35 @@ class RetimeOptions:
 class Spline:
     """A joint path.
 
+    The interpolated motion is that from the first sample, whose largest is made 1.
+
     Attributes:
-        at: Values (order 0) and derivatives (1, 2) at lengths s of shape (n,), shape (n, K).
+        unit: toppra's interpolator of the motion.
+        start: The first sample, rad and m, shape (K,).
+        size: Largest motion of a joint, rad or m.
         grid: Lengths, those of the samples included, shape (g,), from 0 to 1.
         index: Their position between the samples, shape (g,), 0 to n - 1.
     """
 
-    at: Callable[[FloatArray, int], FloatArray]
+    unit: Any
+    start: FloatArray
+    size: float
     grid: FloatArray
     index: FloatArray
+
+    def at(self, s: FloatArray, order: int) -> FloatArray:
+        """Return values (order 0) or derivatives (1, 2) at lengths s, (n,) -> (n, K)."""
+        found = np.asarray(self.unit(s, order)) * self.size
+        return found + self.start if order == 0 else found
 
     def finer(self, times: int) -> Spline:
         """Return the spline with a grid refined by a factor."""
         places = np.arange(len(self.grid), dtype=np.float64)
         parts = np.arange((len(places) - 1) * times + 1) / times
-        return Spline(
-            self.at, np.interp(parts, places, self.grid), np.interp(parts, places, self.index)
+        return replace(
+            self,
+            grid=np.interp(parts, places, self.grid),
+            index=np.interp(parts, places, self.index),
         )
 
 
@@ -150,16 +171,18 @@ def spline_through(Q: FloatArray) -> Spline | None:
         return None
     steps = np.linalg.norm(np.diff(Q, axis=0), axis=1)
     s = np.concatenate(([0.0], np.cumsum(steps)))
+    apart = max(NEAREST, SCATTER / s[-1])
     s /= s[-1]
     kept = [0]
     for k in range(1, len(s) - 1):
-        if s[k] - s[kept[-1]] >= NEAREST and s[-1] - s[k] >= NEAREST:
+        if s[k] - s[kept[-1]] >= apart and s[-1] - s[k] >= apart:
             kept.append(k)
     kept.append(len(s) - 1)
     knots = s[kept]
     knots[-1] = 1.0
-    made = toppra.SplineInterpolator(knots, Q[kept])
-    spline = Spline(made, knots, np.array(kept, dtype=np.float64))
+    size = float(np.abs(Q - Q[0]).max())
+    made = toppra.SplineInterpolator(knots, (Q[kept] - Q[0]) / size)
+    spline = Spline(made, Q[0].copy(), size, knots, np.array(kept, dtype=np.float64))
     return spline.finer(max(2, -(-GRID // (len(kept) - 1))))
 
 
@@ -174,7 +197,8 @@ def fastest(spline: Spline, velocity: FloatArray, acceleration: FloatArray) -> T
     toppra = _toppra()
     Q = spline.at(spline.grid, 0)
     way = np.abs(np.diff(Q, axis=0)).sum(axis=0)
-    # toppra's tolerances are absolute: time is scaled so that the motion takes about 1.
+    # toppra's tolerances are absolute: motion and time are scaled to about 1.
+    Q, velocity, acceleration = Q / spline.size, velocity / spline.size, acceleration / spline.size
     unit = float(np.max(np.maximum(way / velocity, np.sqrt(way / acceleration))))
     most = acceleration * unit**2
     # Under the acceleration limits a speed beyond this is never reached: no limit.
@@ -189,16 +213,16 @@ def fastest(spline: Spline, velocity: FloatArray, acceleration: FloatArray) -> T
                     discretization_scheme=box.DiscretizationType.Interpolation,
                 ),
             ]
-            work = toppra.algorithm.TOPPRA(limits, spline.at, gridpoints=spline.grid)
+            work = toppra.algorithm.TOPPRA(limits, spline.unit, gridpoints=spline.grid)
             work.compute_parameterization(0, 0)
-        except Exception as error:  # without a timing the path stays valid
-            return f"toppra failed: {type(error).__name__}"
+        except Exception:  # without a timing the path stays valid
+            return UNTIMED
     found, code = work.problem_data.sd_vec, work.problem_data.return_code
     if code is not toppra.algorithm.ParameterizationReturnCode.Ok or found is None:
-        return f"toppra found no parametrisation: {code.value}"
+        return UNTIMED
     rate = np.asarray(found, dtype=np.float64) / unit
     if not np.isfinite(rate).all() or not (rate[1:] + rate[:-1] > 0).all() or (rate < 0).any():
-        return "toppra found no parametrisation: the motion would come to a stop on its way"
+        return "no timing was found: the motion would come to a stop on its way"
     return Timing(spline, rate)
 
 

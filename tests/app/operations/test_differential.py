@@ -37,8 +37,8 @@ def test_there_and_back(client, reference_frame, frame):
         np.testing.assert_allclose(held["wrench"], wrench, atol=1e-10)
     else:
         assert back["status"] == "rank_deficient"
-        assert "rank is 4 of 6" in back["warnings"][0]
-        assert "damping" in back["warnings"][0]
+        (told,) = [one for one in back["warnings"] if "rank is 4 of 6" in one]
+        assert "damping" in told
         assert not held["determined"]
         assert len(held["lost_directions"]) == 2
     np.testing.assert_allclose(back["residual"], 0, atol=1e-10)

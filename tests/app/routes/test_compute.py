@@ -40,13 +40,14 @@ def test_a_batch_is_the_single_answers_stacked(client, operation):
         for leaf, value in leaves(client.post(path, json={"q": q, **options}).json()):
             if not isinstance(value, (list, float, int)) or isinstance(value, bool):
                 continue
+            if leaf[-1] == "warnings":  # names the first row that is doubtful
+                continue
             if leaf[-1] in (
                 "rows",
                 "columns",
                 "joints",
                 "base",
                 "tool",
-                "warnings",
                 "tolerance",
                 "characteristic_length",
             ):

@@ -554,12 +554,13 @@ def test_numbers_of_an_older_yaml_are_refused(number):
         read_yaml(f"convention: standard\n{row}\n")
 
 
-def test_angles_over_a_turn_without_a_word_of_their_unit_get_a_warning():
+def test_angles_over_a_turn_that_are_read_in_rad_get_a_warning():
     text = "{unit}convention: standard\njoints: [{{type: R, a: 1, alpha: {alpha}, d: 0}}]"
-    (warning,) = read_yaml(text.format(unit="", alpha=90)).warnings
-    assert warning.startswith("alpha of joint j1 is 90 rad, over a turn; if that means degrees")
     said = "units: {angle: rad}\n"
-    for unit, alpha in ((said, 90), ("", "90°"), ("", "2*pi"), (said.replace("rad", "deg"), 90)):
+    for unit in ("", said):
+        (warning,) = read_yaml(text.format(unit=unit, alpha=90)).warnings
+        assert warning.startswith("alpha of joint 1 is 90 rad, which is 14 turns; degrees? then")
+    for unit, alpha in (("", "90°"), ("", "2*pi"), (said.replace("rad", "deg"), 90)):
         assert read_yaml(text.format(unit=unit, alpha=alpha)).warnings == ()
 
 

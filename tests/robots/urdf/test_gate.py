@@ -205,7 +205,9 @@ EXTERNAL = '<!DOCTYPE robot [<!ENTITY x SYSTEM "name.txt">]><robot name="a">&x;<
 PLAIN = '<!DOCTYPE robot><robot name="a"/>'
 
 
-@pytest.mark.parametrize("doctype", [ENTITIES, EXTERNAL, PLAIN], ids=["entities", "external", "plain"])
+@pytest.mark.parametrize(
+    "doctype", [ENTITIES, EXTERNAL, PLAIN], ids=["entities", "external", "plain"]
+)
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-16-le", "utf-32", "utf-7"])
 def test_doctypes_and_entities_are_refused_in_every_encoding(doctype, encoding):
     declaration = f'<?xml version="1.0" encoding="{encoding}"?>'

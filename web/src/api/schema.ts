@@ -29,7 +29,7 @@ export interface components {
         };
         /**
          * RobotView
-         * @description A robot.
+         * @description A robot; the answer to an upload also holds the D-H table as it was read, with its units.
          */
         RobotView: {
             id: string;
@@ -49,6 +49,7 @@ export interface components {
             tip_frame: string;
             frames: string[];
             warnings: string[];
+            table?: components["schemas"]["DHTable"];
         };
         /**
          * JointView
@@ -197,6 +198,7 @@ export interface components {
             joints: components["schemas"]["DiffJoint"][];
             reversed: string[];
             residual: components["schemas"]["DiffResidual"] | null;
+            warnings: string[];
         };
         /**
          * CellDifferenceView
@@ -2217,6 +2219,9 @@ export interface components {
         /**
          * PoseView
          * @description One pose in every representation, in the axes of the robot's base frame.
+         *
+         *         ``rpy_degenerate`` is there where it is true, of a batch for one pose at least: at a pitch of
+         *         ±90° only roll ± yaw is determined, and yaw is 0, as in the sequence xyz.
          */
         PoseView: {
             euler?: components["schemas"]["EulerView"];
@@ -2224,6 +2229,7 @@ export interface components {
             position: number[];
             quaternion_xyzw: number[];
             rpy: number[];
+            rpy_degenerate?: boolean;
         };
         /**
          * EulerView
@@ -2930,6 +2936,9 @@ export interface components {
         /**
          * PoseViewBatch
          * @description One pose in every representation, in the axes of the robot's base frame.
+         *
+         *         ``rpy_degenerate`` is there where it is true, of a batch for one pose at least: at a pitch of
+         *         ±90° only roll ± yaw is determined, and yaw is 0, as in the sequence xyz.
          */
         PoseViewBatch: {
             euler?: components["schemas"]["EulerViewBatch"];
@@ -2937,6 +2946,7 @@ export interface components {
             position: number[][];
             quaternion_xyzw: number[][];
             rpy: number[][];
+            rpy_degenerate?: boolean[];
         };
         /**
          * EulerViewBatch

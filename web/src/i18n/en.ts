@@ -1,6 +1,7 @@
 /** English words of the first screen, and the shape that every other language must have. */
 export const en = {
   // header
+  warnings: 'Doubtful values',
   robot: 'Robot',
   allRobots: 'All robots …',
   uploaded: 'Uploaded',

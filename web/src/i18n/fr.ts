@@ -1,6 +1,7 @@
 import type { First } from './words';
 
 export const fr: First = {
+  warnings: 'Valeurs douteuses',
   robot: 'Robot',
   allRobots: 'Tous les robots …',
   uploaded: 'Enregistrés',

@@ -66,7 +66,7 @@ export function posePanel({ store, history }: Page): Panel<'pose'> {
           h('span', { class: 'triple' }, `${k + 1}: ${angles(one)}`),
         ),
       );
-      note.hidden = !found?.degenerate;
+      note.hidden = !found?.degenerate && !pose.rpy_degenerate;
     },
   };
 }

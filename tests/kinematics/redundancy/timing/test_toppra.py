@@ -2,6 +2,7 @@
 
 import logging
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -247,13 +248,11 @@ def test_what_toppra_cannot_time_is_named(monkeypatch):
     problem = lines((0, 0.2, -0.1))
     result = followed(problem, METHODS["qp"], PathOptions())
     spline = spline_through(problem.arm.reduced(result.q))
-    broken = retiming.Spline(
-        lambda s, order=0: np.nan * spline.at(s, order), spline.grid, spline.index
-    )
+    broken = replace(spline, unit=lambda s, order=0: np.nan * spline.unit(s, order))
     most = np.full(7, 5.0)
     found = fastest(broken, most, most)
     assert isinstance(found, str)
-    assert "toppra" in found
+    assert found.startswith("no timing was found")
     monkeypatch.setattr("kinematics.redundancy.timing.result.fastest", lambda *_: found)
     motion = retimed(result, limits(problem, 5.0))
     assert motion.status is RetimeStatus.NO_PARAMETRISATION
@@ -261,6 +260,20 @@ def test_what_toppra_cannot_time_is_named(monkeypatch):
     assert motion.message == found
     assert motion.duration is None
     assert motion.q.shape == (0, 7)
+
+
+@pytest.mark.parametrize("method", ["qp", "damped", "sqp"])
+@pytest.mark.parametrize("size", [1e-12, 1e-9, 1e-8, 1e-7, 2e-7, 5e-7, 1e-6, 1e-5])
+def test_a_tiny_motion_is_timed_or_none(size, method):
+    problem = lines((size, 0, 0))
+    motion = retimed(followed(problem, METHODS[method], PathOptions()), limits(problem, 5.0))
+    assert motion.success, motion.message
+    assert "toppra" not in motion.message
+    assert motion.status is (RetimeStatus.RETIMED if size > 1e-8 else RetimeStatus.NO_MOTION)
+    if size > 1e-7:
+        # The time grows with the root of the way.
+        _, other = timed(lines((4 * size, 0, 0)), 5.0)
+        assert other.duration == pytest.approx(2 * motion.duration, rel=0.01)
 
 
 def test_without_toppra_it_is_refused(monkeypatch):

@@ -8,6 +8,7 @@ import { Latest } from '../../latest';
 import type { Model } from '../../model';
 import type { Page } from '../../page';
 import { NO_PATH } from '../../state';
+import { showWarnings, warningList } from '../../warnings';
 import { comparisonTable } from './comparison';
 import { pathForm } from './form';
 import { obstacleEditor } from './obstacles';
@@ -26,6 +27,7 @@ export function pathPanel(page: Page): HTMLElement {
     'aria-label': t.comparison,
   });
   const verdict = h('p', { class: 'verdict', role: 'status' });
+  const warnings = warningList();
 
   /** Run a request for the robot of the page; what it is refused for is the verdict. */
   function request(work: (model: Model, signal: AbortSignal) => Promise<void>): void {
@@ -56,6 +58,7 @@ export function pathPanel(page: Page): HTMLElement {
       record(call);
       const found = await api.json(call, signal);
       verdict.textContent = t.choosePlay;
+      showWarnings(warnings, found.warnings);
       replace(table, ...comparisonTable(found, (method) => play(method, fields)));
     });
   }
@@ -83,6 +86,7 @@ export function pathPanel(page: Page): HTMLElement {
     () => {
       player.close();
       replace(table);
+      showWarnings(warnings, []);
       verdict.textContent = '';
     },
   );
@@ -99,6 +103,7 @@ export function pathPanel(page: Page): HTMLElement {
       button(t.reset, () => form.put(NO_PATH)),
     ),
     verdict,
+    warnings,
     table,
     player.element,
   );

@@ -1,0 +1,193 @@
+"""Values that are read as they stand and are probably meant in another unit.
+
+A plain number is in the unit of its place. Where it is hardly an angle in rad (90), hardly one in
+degrees (1.5708) or hardly a length in m (300), it is read all the same, and a sentence says what
+was read and how to write what was probably meant.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from enum import Enum
+from statistics import median
+
+from dh_to_urdf.cells.expressions import Cell, Quantity
+
+TURN = 2 * math.pi
+SLICE = math.pi / 12
+ROUNDED = 2e-3
+"""Distance, rad, from a multiple of 15° below which an angle is meant in rad."""
+MOST_RADIANS = 48.5 * SLICE
+"""Digits of angles beyond two turns are not looked for."""
+FINE, COARSE = 6e-5, 6e-4
+"""Distances of digits from those of a multiple of 15° and of 90° in rad, written in degrees."""
+LIMIT, NO_LIMIT = 20.0, 1000.0
+"""Limits of an angle between these, rad, look like degrees; beyond, they stand for none."""
+LONG, LONG_TRAVEL = 20.0, 50.0
+"""Lengths and limits of slides beyond this, m, look like millimetres."""
+ODD, ODD_RATIO = 5.0, 20.0
+"""A length beyond both, in m and relative to the others, looks like millimetres."""
+SHORT = 5.0
+"""Lengths in mm of which none reaches this look like metres."""
+
+
+class Kind(Enum):
+    """What a value was probably meant as, though it was read in the other unit."""
+
+    DEGREES = "degrees"
+    RADIANS = "radians"
+    MILLIMETRES = "millimetres"
+    METRES = "metres"
+
+
+def is_like_degrees(angle: float) -> bool:
+    """Return whether an angle, rad, is over a turn and no multiple of 15°, as 90 is."""
+    if abs(angle) <= TURN + ROUNDED:
+        return False
+    return abs(math.remainder(angle, SLICE)) > ROUNDED
+
+
+def is_like_radians(angle: float) -> bool:
+    """Return whether an angle, degrees, has the digits of one in rad, as 1.5708 has."""
+    size = abs(angle)
+    if not SLICE / 2 < size < MOST_RADIANS:
+        return False
+    parts, hundredths = round(size / SLICE), size * 100
+    off = abs(size - parts * SLICE)
+    if abs(hundredths - round(hundredths)) < 1e-9:
+        return parts % 6 == 0 and off < 5e-3 and parts <= 24
+    return off < (COARSE if parts % 6 == 0 else FINE)
+
+
+def is_like_degree_limit(angle: float) -> bool:
+    """Return whether a limit, rad, is hardly one in rad, as 180 is."""
+    return LIMIT < abs(angle) < NO_LIMIT and is_like_degrees(angle)
+
+
+@dataclass(frozen=True, slots=True)
+class Remedies:
+    """What to write for what was probably meant, as the end of a sentence.
+
+    Attributes:
+        degrees: For angles in degrees that were read in rad.
+        radians: For angles in rad that were read in degrees.
+        millimetres: For lengths in mm that were read in m.
+        metres: For lengths in m that were read in mm.
+    """
+
+    degrees: str
+    radians: str
+    millimetres: str
+    metres: str
+
+
+IN_TABLE = Remedies(
+    "then give angle=deg (in JSON and YAML units: {angle: deg})",
+    "then give angle=rad (in JSON and YAML units: {angle: rad})",
+    "then give length=mm (in JSON and YAML units: {length: mm})",
+    "then give length=m (in JSON and YAML units: {length: m})",
+)
+
+
+@dataclass
+class Doubts:
+    """Collects doubtful values; one sentence a kind, the first of its values in full.
+
+    Attributes:
+        remedies: What to write instead.
+        found: Descriptions of the values, by kind.
+        lengths: Lengths, m, each with its description and whether it was read in mm.
+    """
+
+    remedies: Remedies = IN_TABLE
+    found: dict[Kind, list[str]] = field(default_factory=dict)
+    lengths: list[tuple[float, str, bool]] = field(default_factory=list)
+
+    def add(self, kind: Kind, value: str) -> None:
+        """Note a value, such as "alpha of joint j1 is 90 rad, 14 turns"."""
+        self.found.setdefault(kind, []).append(value)
+
+    def cell(self, cell: Cell, quantity: Quantity, what: str, *, limit: bool = False) -> None:
+        """Look at a cell that was read: its plain number says in which unit.
+
+        Args:
+            cell: The cell.
+            quantity: What it measures.
+            what: What it is, such as "alpha of joint j1".
+            limit: Whether it is a limit of a joint.
+        """
+        plain, value = cell.plain, cell.value
+        if plain == 0.0:
+            return
+        if quantity is Quantity.ANGLE:
+            if value == plain:
+                self.angle(value, what, limit=limit)
+            elif math.isclose(value, math.radians(plain), rel_tol=1e-12):
+                self.degrees(plain, what)
+        elif quantity is Quantity.LENGTH:
+            in_mm = math.isclose(value, plain / 1000, rel_tol=1e-12)
+            if value == plain or in_mm:
+                self.length(value, what, limit=limit, in_mm=in_mm)
+
+    def angle(self, value: float, what: str, *, limit: bool = False) -> None:
+        """Look at an angle that was read in rad."""
+        if is_like_degree_limit(value) if limit else is_like_degrees(value):
+            self.add(Kind.DEGREES, f"{what} is {in_turns(value)}")
+
+    def degrees(self, value: float, what: str) -> None:
+        """Look at an angle that was read in degrees."""
+        if is_like_radians(value):
+            self.add(Kind.RADIANS, f"{what} is {as_radians(value)}")
+
+    def length(self, value: float, what: str, *, limit: bool = False, in_mm: bool = False) -> None:
+        """Look at a length, m."""
+        if limit and not in_mm:
+            if LONG_TRAVEL < abs(value) < NO_LIMIT:
+                self.add(Kind.MILLIMETRES, f"{what} is {value:g} m")
+        elif not limit and value:
+            written = value * 1000 if in_mm else value
+            self.lengths.append((abs(value), f"{what} is {written:g}", in_mm))
+
+    def sentences(self) -> tuple[str, ...]:
+        """Return a sentence for each kind that was found."""
+        found = {kind: list(self.found.get(kind, ())) for kind in Kind}
+        for kind, values in _of_lengths(self.lengths):
+            found[kind][:0] = values
+        return tuple(self._sentence(kind, values) for kind, values in found.items() if values)
+
+    def _sentence(self, kind: Kind, values: list[str]) -> str:
+        more = f" (and {len(values) - 1} more like it)" if len(values) > 1 else ""
+        return f"{values[0]}{more}; {kind.value}? {getattr(self.remedies, kind.value)}"
+
+
+def in_turns(angle: float) -> str:
+    """Write an angle, rad, over a turn: "90 rad, which is 14 turns"."""
+    turns = abs(angle) / TURN
+    return f"{angle:g} rad, which is {turns:.{0 if turns >= 2 else 1}f} turns"
+
+
+def as_radians(angle: float) -> str:
+    """Write an angle, degrees, whose digits are those of one in rad."""
+    parts = round(angle / SLICE)
+    return f"{angle:g} degrees, the digits of {parts * 15}° in rad"
+
+
+def _of_lengths(lengths: Iterable[tuple[float, str, bool]]) -> Iterable[tuple[Kind, list[str]]]:
+    in_m = [(value, text) for value, text, in_mm in lengths if not in_mm]
+    in_mm = [(value * 1000, text) for value, text, in_mm in lengths if in_mm]
+    values = [value for value, _ in in_m]
+
+    def is_long(value: float) -> bool:
+        others = [one for one in values if one != value]
+        odd = bool(others) and value > ODD and value > ODD_RATIO * median(others)
+        return value > LONG or odd
+
+    yield Kind.MILLIMETRES, [f"{text} m" for value, text in in_m if is_long(value)]
+    if in_mm and max(value for value, _ in in_mm) < SHORT and not in_m:
+        yield Kind.METRES, [f"{text} mm" for _, text in in_mm]
+
+
+Note = Callable[[int, Cell], None]
+"""Takes each cell of a list with its place."""

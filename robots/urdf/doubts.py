@@ -1,0 +1,70 @@
+"""Values of a URDF that are read as they stand, rad and m, and are probably meant otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from dh_to_urdf.cells.doubts import Doubts, Remedies
+from dh_to_urdf.errors import quoted
+from robots.urdf.description import URDFJoint
+from robots.urdf.values import Element
+
+_REMEDIES = Remedies(
+    "a URDF is in rad: write 1.5707963267948966 for 90°",
+    "a URDF is in rad",
+    "a URDF is in m: write 0.3 for 300 mm",
+    "a URDF is in m",
+)
+_TOLD = 3
+"""Joints that a warning names."""
+
+
+def doubts_of(joints: Sequence[URDFJoint]) -> tuple[str, ...]:
+    """Return a warning for each kind of values of joints that looks wrong.
+
+    Args:
+        joints: The joints, as read.
+    """
+    doubts = Doubts(_REMEDIES)
+    for joint in joints:
+        where = f"joint {quoted(joint.name, 64)}"
+        for name, angle in zip(("roll", "pitch", "yaw"), joint.origin.rpy, strict=True):
+            doubts.angle(angle, f"{name} of {where}")
+        for name, length in zip("xyz", joint.origin.xyz, strict=True):
+            doubts.length(length, f"{name} of {where}")
+        for name, limit in (("lower", joint.lower), ("upper", joint.upper)):
+            if limit is None:
+                continue
+            if joint.type == "prismatic":
+                doubts.length(limit, f"{name} limit of {where}", limit=True)
+            else:
+                doubts.angle(limit, f"{name} limit of {where}", limit=True)
+    return doubts.sentences()
+
+
+def limits_left_out(joints: Sequence[URDFJoint], elements: Sequence[Element]) -> tuple[str, ...]:
+    """Return a warning that names the continuous joints whose limits are left out.
+
+    Args:
+        joints: The joints, as read.
+        elements: Their elements, in the same order.
+    """
+    found = []
+    for joint, element in zip(joints, elements, strict=True):
+        limit = element.find("limit")
+        if joint.type == "continuous" and limit is not None:
+            lower, upper = limit.get("lower"), limit.get("upper")
+            if (lower, upper) != (None, None) and not _no_range(lower, upper):
+                found.append(f"{quoted(joint.name, 64)} ({lower or 'none'} to {upper or 'none'})")
+    if not found:
+        return ()
+    more = f" and {len(found) - _TOLD} more" if len(found) > _TOLD else ""
+    return (
+        "lower and upper limits of continuous joints are left out, as URDF says:"
+        f" {', '.join(found[:_TOLD])}{more}; make them revolute to keep the limits",
+    )
+
+
+def _no_range(lower: str | None, upper: str | None) -> bool:
+    """Return whether limits say nothing: writers put zeros where there are none."""
+    return not set(f"{lower or ''}{upper or ''}") & set("123456789")
