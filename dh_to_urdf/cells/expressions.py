@@ -14,7 +14,7 @@ import re
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
-from dh_to_urdf.cells.arithmetic import CellError, Lookup, parse_sum, variable_of
+from dh_to_urdf.cells.arithmetic import CellError, Lookup, Sum, parse_sum, variable_of
 from dh_to_urdf.errors import quoted
 
 __all__ = ["Cell", "CellError", "Quantity", "parse_cell"]
@@ -159,11 +159,30 @@ def _parse_text(
         raise CellError(f"is {shown}, which {error}") from None
     except (OverflowError, RecursionError):
         raise CellError(f"is {shown}, which is not a finite number") from None
+    with_unit = _ANGLE_UNIT.search(raw) is not None
+    return _cell(total, quantity, unit, raw, with_unit=with_unit)
+
+
+def cell_of_sum(total: Sum, quantity: Quantity, unit: float, text: str) -> Cell:
+    """Return the cell of a number that is computed already.
+
+    Args:
+        total: The number.
+        quantity: What the cell measures.
+        unit: Value of one table unit in SI.
+        text: What messages show.
+
+    Raises:
+        CellError: It is not finite, too large or of another quantity.
+    """
+    return _checked(_cell(total, quantity, unit, text, with_unit=False), text)
+
+
+def _cell(total: Sum, quantity: Quantity, unit: float, raw: str, *, with_unit: bool) -> Cell:
+    shown = quoted(raw)
     if quantity is not Quantity.LENGTH and total.has_length:
         raise CellError(f"is {shown}, a length; {_NEEDED[quantity]} is needed")
-    of_angles = quantity is Quantity.ANGLE or (
-        quantity is Quantity.NUMBER and _ANGLE_UNIT.search(raw) is None
-    )
+    of_angles = quantity is Quantity.ANGLE or (quantity is Quantity.NUMBER and not with_unit)
     if total.has_angle and not of_angles:
         raise CellError(f"is {shown}, an angle; {_NEEDED[quantity]} is needed")
     if quantity is Quantity.ANGLE and unit != 1.0 and total.has_angle and total.plain != 0.0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from dh_to_urdf.cells.expressions import Cell, CellError, Quantity, parse_cell
+from dh_to_urdf.cells.expressions import Cell, CellError, Quantity, cell_of_sum, parse_cell
 from dh_to_urdf.cells.values import Values
 from dh_to_urdf.documents.checks import Report
 from dh_to_urdf.documents.rows import OWN_LETTERS
@@ -71,10 +71,13 @@ class CellReader:
         if len(cell.text) > MAX_RAW_CELL:
             self.add(k, cell, f"the cell is longer than {MAX_RAW_CELL} characters")
             return None
-        text = plain_cell(cell.text)
+        text = cell.text if cell.total is not None else plain_cell(cell.text)
         unit = cell.unit if cell.unit is not None else self._units[quantity]
         try:
-            parsed = parse_cell(text, quantity, unit, values, self._units[Quantity.ANGLE])
+            if cell.total is not None:
+                parsed = cell_of_sum(cell.total, quantity, unit, text)
+            else:
+                parsed = parse_cell(text, quantity, unit, values, self._units[Quantity.ANGLE])
         except CellError as error:
             shown = "" if text == cell.text.strip() else f"{quoted(cell.text)} "
             self.add(k, cell, f"{shown}{error}")
@@ -104,13 +107,16 @@ class CellReader:
         """Return the cell if it holds the variable that its column may have, else None."""
         if cell is None or len(cell.text) > MAX_RAW_CELL:
             return None
-        text = plain_cell(cell.text)
+        text = cell.text if cell.total is not None else plain_cell(cell.text)
         if text.lower() in ANY_VARIABLE:
             return Cell(0.0, "q", text=text)
         letters = OWN_LETTERS[column]
         quantity = Quantity.ANGLE if column == "theta" else Quantity.LENGTH
         try:
-            parsed = parse_cell(text, quantity, 1.0, self.values)
+            if cell.total is not None:
+                parsed = cell_of_sum(cell.total, quantity, 1.0, text)
+            else:
+                parsed = parse_cell(text, quantity, 1.0, self.values)
         except CellError:
             return None
         return parsed if parsed.variable in letters and parsed.index in (None, k + 1) else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.errors import DHError, quoted
 from dh_to_urdf.pasted.grids import Line, grid_lines
 from dh_to_urdf.pasted.headings import KNOWN, Heading, heading_problem, read_heading
@@ -20,12 +21,14 @@ class RawCell:
         column: Its heading or parameter, as written.
         line: Line of the text, from 1.
         unit: Factor of its plain numbers to rad or m, None for that of the table.
+        total: Its number where a program computed it; the text shows it then.
     """
 
     text: str
     column: str
     line: int
     unit: float | None = None
+    total: Sum | None = None
 
 
 @dataclass(frozen=True)
@@ -52,14 +55,12 @@ class RawTable:
         rows: The joints.
         typed: Whether rows without a type are revolute, as in the program of the text.
         name: Name of the robot, if the text has one.
-        assigned: Names and the texts of the numbers that the text gives them, in its order.
         warnings: What was assumed.
     """
 
     rows: list[RawRow]
     typed: bool = False
     name: str | None = None
-    assigned: list[tuple[str, str]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
 

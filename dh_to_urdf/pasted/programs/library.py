@@ -1,0 +1,32 @@
+"""Names of libraries that programs of robots use: functions, classes, constants."""
+
+from __future__ import annotations
+
+from dh_to_urdf.pasted.programs import bodies, links, numbers, poses, robots
+
+ARRAYS = frozenset(
+    "array asarray matrix mat Matrix eye zeros ones r_ concatenate vstack hstack horzcat vertcat"
+    " column_stack diag inv transpose atleast_2d reshape trinv dot matmul".split()
+)
+"""Functions that make arrays, and of matrices."""
+LISTS = frozenset(
+    "list tuple reversed range len enumerate zip fliplr flipud flip numel length deal isempty"
+    " cat size arange sum max min round int symbols symbol Symbol dict repmat numcols numrows"
+    " exist isa isinstance".split()
+)
+"""Functions of lists, and what else is read."""
+COPIES = frozenset(("copy", "deepcopy"))
+ONE_NUMBER = frozenset((*numbers.FUNCTIONS, *numbers.SAME, "abs", "fabs"))
+CONSTRUCTORS = frozenset((*links.CLASSES, *robots.CLASSES, *bodies.CLASSES))
+OTHER_ROBOTS = frozenset(
+    "ERobot Robot ETS ERobot2 Robot2 SerialLinkMDH URDF ELink Link2 PoERobot RobotArm importrobot"
+    " loadrobot CodeGenerator".split()
+)
+"""Classes of robots that are not made of D-H links."""
+KNOWN = frozenset(
+    (*CONSTRUCTORS, *ARRAYS, *LISTS, *COPIES, *ONE_NUMBER, *poses.NAMES, *OTHER_ROBOTS)
+    + ("atan2", "arctan2", "super", "object", "handle")
+)
+"""Names that stand for a function of a library where the program gives them no value."""
+PURE = frozenset((*ARRAYS, *LISTS, *COPIES, *ONE_NUMBER, *poses.NAMES, "atan2", "arctan2"))
+"""Functions that change nothing."""
