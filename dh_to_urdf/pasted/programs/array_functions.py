@@ -76,7 +76,7 @@ def of_arrays(
         case "eye", _:
             size = _size(arguments)
             assert size is not None
-            return of_matrix(np.eye(*size))
+            return of_matrix(np.eye(*size, dtype=np.float64))
         case "zeros" | "ones", _:
             value = float(name == "ones")
             if len(arguments) == 1 and not is_matlab and isinstance(arguments[0], Sum):
@@ -136,7 +136,7 @@ def inverse(value: Value) -> Value:
         T[:3, :3] = matrix[:3, :3].T
         T[:3, 3] = -matrix[:3, :3].T @ matrix[:3, 3]
         return Pose(T)
-    return of_matrix(found)
+    return of_matrix(np.asarray(found, dtype=np.float64))
 
 
 def of_array_method(

@@ -9,7 +9,6 @@ from dh_to_urdf.pasted.programs.indexing import (
     Key,
     Several,
     matlab_items_with,
-    python_key,
     with_element,
     without_items,
 )
@@ -63,7 +62,7 @@ def assign(machine: Statements, target: tree.Expression, value: Value, line: int
 def _unpack(
     machine: Statements, items: tuple[tree.Expression, ...], value: Value, line: int
 ) -> None:
-    if isinstance(value, Opaque) or len(items) == 1 and machine.is_matlab:
+    if isinstance(value, Opaque) or (len(items) == 1 and machine.is_matlab):
         values: list[Value] = [value] * len(items)
     else:
         values = machine.iterate(value)

@@ -39,9 +39,10 @@ from dh_to_urdf.pasted.programs.values import (
 if TYPE_CHECKING:
     from dh_to_urdf.pasted.programs.evaluation import Expressions
 
-_SE3_MEMBERS = frozenset(
-    "Rx Ry Rz Tx Ty Tz tx ty tz Trans transl RPY rpy Eul eul AngVec AngleAxis angvec Rt".split()
-)
+_SE3_MEMBERS_TEXT = """
+    Rx Ry Rz Tx Ty Tz tx ty tz Trans transl RPY rpy Eul eul AngVec AngleAxis angvec Rt
+"""
+_SE3_MEMBERS = frozenset(_SE3_MEMBERS_TEXT.split())
 
 
 def get(machine: Expressions, owner: Value, name: str, line: int, *, called: bool = False) -> Value:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from dh_to_urdf.cells.arithmetic import variable_of
+from dh_to_urdf.cells.arithmetic import Sum, variable_of
 from dh_to_urdf.pasted.programs import (
     array_functions,
     attributes,
@@ -196,9 +196,7 @@ def _symbols(text: str) -> Value:
     found: list[Value] = []
     for name in names:
         variable = variable_of(name.lower())
-        found.append(
-            numbers.Sum(coefficient=1.0, variable=variable) if variable else Unresolved(name)
-        )
+        found.append(Sum(coefficient=1.0, variable=variable) if variable else Unresolved(name))
     return found[0] if len(found) == 1 else Items(found, is_tuple=True)
 
 

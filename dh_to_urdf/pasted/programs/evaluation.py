@@ -40,6 +40,7 @@ from dh_to_urdf.pasted.programs.values import (
     is_part,
     number,
 )
+from dh_to_urdf.poses import Matrix
 
 MAX_STEPS = 60_000
 """Nodes that are evaluated."""
@@ -86,6 +87,22 @@ class Expressions:
         self._sizes: list[tuple[int, ...]] = []
         self._steps = 0
         self._nested = 0
+
+    def run_function(
+        self,
+        function: UserFunction,
+        arguments: list[Value],
+        keywords: dict[str, Value],
+        line: int,
+        wanted: int = 1,
+        instance: Instance | None = None,
+    ) -> Value:
+        """Return what a function of the program returns; statements know how."""
+        raise NotImplementedError
+
+    def class_attributes(self, of: UserClass, instance: Instance) -> None:
+        """Give an object what the body of its class sets; statements know how."""
+        raise NotImplementedError
 
     def step(self, line: int) -> None:
         """Count one node.
@@ -145,6 +162,9 @@ class Expressions:
                 return self.evaluate(yes if self.truth(self.evaluate(test)) else no)
             case tree.Comprehension():
                 return self._comprehension(node)
+            case tree.Unread(what="joined str"):
+                if not any(isinstance(part, tree.Apply) for part in tree.nodes_of(node)):
+                    return Opaque("a text with values in it", node.line)
         raise Unread(f"{getattr(node, 'what', 'an expression')} is not read")
 
     def look_up(self, name: str) -> Value:
@@ -295,9 +315,8 @@ class Expressions:
         if isinstance(value, Instance) and value.robot is not None:
             value = value.robot
         if isinstance(value, Function) and value.name == "r_":
-            return arrays.joined(
-                [[arrays.as_array(v) for v in map(self.evaluate, nodes)]], nodes[0].line
-            )
+            blocks = [[arrays.as_array(v) for v in map(self.evaluate, nodes)]]
+            return Array(arrays.joined(blocks, nodes[0].line).rows, flat=True)
         if isinstance(value, dict):
             key = self._key_name(nodes[0])
             if key not in value:
@@ -407,6 +426,8 @@ class Expressions:
         if isinstance(left, str) or isinstance(right, str):
             if symbol == "+" and isinstance(left, str) and isinstance(right, str):
                 return left[:300] + right[:300]
+            if isinstance(left, Opaque) or isinstance(right, Opaque):
+                return Opaque("a text with values in it", node.line)
             raise Unread("this operation on a text is not read")
         if isinstance(left, Items) or isinstance(right, Items):
             if not self.is_matlab and not isinstance(left, Array) and not isinstance(right, Array):
@@ -567,7 +588,7 @@ def _of_poses(symbol: str, left: Value, right: Value, *, is_matlab: bool) -> Val
     raise Unread(f"{symbol} of a pose and this value is not read")
 
 
-def _inverse(pose: Pose) -> arrays.Matrix:
+def _inverse(pose: Pose) -> Matrix:
     R, p = pose.matrix[:3, :3], pose.matrix[:3, 3]
     T = pose.matrix.copy()
     T[:3, :3], T[:3, 3] = R.T, -R.T @ p

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.pasted.programs import assignment, harmless, library, robots, tree
 from dh_to_urdf.pasted.programs.evaluation import Expressions
 from dh_to_urdf.pasted.programs.refusals import refused
@@ -11,7 +12,6 @@ from dh_to_urdf.pasted.programs.values import (
     Items,
     Opaque,
     Robot,
-    Sum,
     Tree,
     Unread,
     UserClass,
@@ -25,7 +25,7 @@ MAX_CALLS = 12
 """Calls of functions of the program within one another."""
 
 
-class _Returned(Exception):  # noqa: N818
+class _Returned(Exception):
     """A function returns."""
 
     def __init__(self, value: Value, line: int) -> None:
@@ -33,7 +33,7 @@ class _Returned(Exception):  # noqa: N818
         self.line = line
 
 
-class _Left(Exception):  # noqa: N818
+class _Left(Exception):
     """A loop is left, or goes on with its next run."""
 
     def __init__(self, word: str, line: int) -> None:
@@ -103,7 +103,7 @@ class Statements(Expressions):
             for part in target.items:
                 self._forget(part, why, line)
             return
-        root = target
+        root: tree.Expression = target
         while isinstance(root, (tree.Attribute, tree.Index, tree.Apply)):
             root = root.function if isinstance(root, tree.Apply) else root.owner
         if isinstance(root, tree.Name):
@@ -219,8 +219,9 @@ class Statements(Expressions):
             assignment.augment(self, targets[0], statement.symbol, statement.value, line)
             return
         target = targets[0]
-        empty = isinstance(statement.value, tree.Matrix) and not statement.value.rows
-        if self.is_matlab and empty and not statement.value.is_cell:
+        given = statement.value
+        empty = isinstance(given, tree.Matrix) and not given.rows and not given.is_cell
+        if self.is_matlab and empty:
             if isinstance(target, (tree.Apply, tree.Index)):
                 assignment.remove(self, target, line)
                 return

@@ -23,16 +23,19 @@ COLUMNS = re.compile(r"^[ \t]*(?:a|d|alpha|theta)s?[ \t]*=[ \t]*\[", re.MULTILIN
 PAIRS = re.compile(r"\balpha_?[01][ \t]*:[^\n]{0,200}\ba_?[01][ \t]*:")
 """A dictionary of D-H parameters."""
 _PYTHON = re.compile(
-    r"^[ \t]*(?:from[ \t]+[\w.]+[ \t]+import|import[ \t]+\w)|^[ \t]*(?:def|class)[ \t][^\n]*:[ \t]*$"
+    r"^[ \t]*(?:from[ \t]+[\w.]+[ \t]+import|import[ \t]+\w)"
+    r"|^[ \t]*(?:def|class)[ \t][^\n]*:[ \t]*$"
     r"|\b(?:RevoluteDH|PrismaticDH|DHRobot|DHLink)\b|\bnp\.|\bself\.\w+[ \t]*=[ \t]*\["
     r"|\(\s*(?:d|a|alpha|theta|offset)[ \t]*=|\b(?:True|False|None)\b|^[ \t]*#|\*\*|\[\[|\],[ \t]*$"
     r"|\b(?:append|extend|insert)\(|^>>> |\bSE3\.(?:Trans|T[xyz])\b|^[ \t]*del[ \t]",
     re.MULTILINE,
 )
 _MATLAB = re.compile(
-    r"\bSerialLink\b|\b(?:Link|Revolute|Prismatic)[ \t]*\(|\b(?:Revolute|Prismatic)MDH[ \t]*\([ \t]*'"
-    r"|\brigidBody|^[ \t]*%|[ \t]%|;[ \t]*$|\.\.\.[ \t]*$|^[ \t]*end\b|^[ \t]*(?:function|classdef|syms"
-    r"|clear|clc|close|hold|addpath)\b|^[ \t]*\w{1,40}\([\d:end+ ,]{1,40}\)[ \t]*=|\.[*/^]|\[[^\],\n\[]{0,60}\d[ \t]{1,20}[-\d]",
+    r"\bSerialLink\b|\b(?:Link|Revolute|Prismatic)[ \t]*\(|\brigidBody"
+    r"|\b(?:Revolute|Prismatic)MDH[ \t]*\([ \t]*'|^[ \t]*%|[ \t]%|;[ \t]*$|\.\.\.[ \t]*$"
+    r"|^[ \t]*end\b|^[ \t]*(?:function|classdef|syms|clear|clc|close|hold|addpath)\b"
+    r"|^[ \t]*\w{1,40}\([\d:end+ ,]{1,40}\)[ \t]*=|\.[*/^]"
+    r"|\[[^\],\n\[]{0,60}\d[ \t]{1,20}[-\d]",
     re.MULTILINE,
 )
 

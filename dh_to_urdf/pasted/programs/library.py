@@ -4,24 +4,27 @@ from __future__ import annotations
 
 from dh_to_urdf.pasted.programs import bodies, links, numbers, poses, robots
 
-ARRAYS = frozenset(
-    "array asarray matrix mat Matrix eye zeros ones r_ concatenate vstack hstack horzcat vertcat"
-    " column_stack diag inv transpose atleast_2d reshape trinv dot matmul".split()
-)
+_ARRAYS_TEXT = """
+    array asarray matrix mat Matrix eye zeros ones r_ concatenate vstack hstack horzcat vertcat
+    column_stack diag inv transpose atleast_2d reshape trinv dot matmul
+"""
+ARRAYS = frozenset(_ARRAYS_TEXT.split())
 """Functions that make arrays, and of matrices."""
-LISTS = frozenset(
-    "list tuple reversed range len enumerate zip fliplr flipud flip numel length deal isempty"
-    " cat size arange sum max min round int symbols symbol Symbol dict repmat numcols numrows"
-    " exist isa isinstance".split()
-)
+_LISTS_TEXT = """
+    list tuple reversed range len enumerate zip fliplr flipud flip numel length deal isempty cat
+    size arange sum max min round int symbols symbol Symbol dict repmat numcols numrows exist
+    isa isinstance
+"""
+LISTS = frozenset(_LISTS_TEXT.split())
 """Functions of lists, and what else is read."""
 COPIES = frozenset(("copy", "deepcopy"))
 ONE_NUMBER = frozenset((*numbers.FUNCTIONS, *numbers.SAME, "abs", "fabs"))
 CONSTRUCTORS = frozenset((*links.CLASSES, *robots.CLASSES, *bodies.CLASSES))
-OTHER_ROBOTS = frozenset(
-    "ERobot Robot ETS ERobot2 Robot2 SerialLinkMDH URDF ELink Link2 PoERobot RobotArm importrobot"
-    " loadrobot CodeGenerator".split()
-)
+_OTHER_ROBOTS_TEXT = """
+    ERobot Robot ETS ERobot2 Robot2 SerialLinkMDH URDF ELink Link2 PoERobot RobotArm importrobot
+    loadrobot CodeGenerator
+"""
+OTHER_ROBOTS = frozenset(_OTHER_ROBOTS_TEXT.split())
 """Classes of robots that are not made of D-H links."""
 KNOWN = frozenset(
     (*CONSTRUCTORS, *ARRAYS, *LISTS, *COPIES, *ONE_NUMBER, *poses.NAMES, *OTHER_ROBOTS)

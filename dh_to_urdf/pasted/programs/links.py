@@ -117,7 +117,7 @@ def make_link(
             raise refused(line, f"{key} of the link stands twice; keep one")
         _set(link, key, value, line, warnings)
         given.add(key)
-    return _settled(link, name, vector)
+    return _settled(link, vector)
 
 
 def shown(value: Value) -> str:
@@ -157,7 +157,7 @@ def from_vector(row: Sequence[Scalar], line: int, modified: bool | None) -> Link
     """Return the link that a row theta, d, a, alpha and perhaps sigma and offset makes."""
     link = Link(line, modified=modified)
     _fill(link, row, [])
-    return _settled(link, "Link", vector=True)
+    return _settled(link, vector=True)
 
 
 def _fill(link: Link, row: Sequence[Scalar], warnings: list[str]) -> None:
@@ -269,7 +269,7 @@ def limits_of(value: Value, line: int) -> tuple[Placed, Placed] | None:
     raise refused(line, f"qlim is {shown(value)}; write [lower upper]")
 
 
-def _settled(link: Link, name: str, vector: bool) -> Link:
+def _settled(link: Link, vector: bool) -> Link:
     """Return the link with the type as the Toolbox finds it: a given theta makes it prismatic."""
     numbers = link.numbers
     if link.type is None and "theta" in numbers and "d" in numbers and not vector:

@@ -187,7 +187,7 @@ FUNCTIONS: dict[str, Callable[[Sum], Sum]] = {
     **{name: _angle(math.asin) for name in ("asin", "arcsin")},
     **{name: _angle(math.acos) for name in ("acos", "arccos")},
     **{name: _angle(math.atan) for name in ("atan", "arctan")},
-    **{name: _radians for name in ("radians", "deg2rad", "rad", "degtorad")},
+    **dict.fromkeys(("radians", "deg2rad", "rad", "degtorad"), _radians),
     **{name: _plain(math.degrees) for name in ("degrees", "rad2deg", "radtodeg")},
     "sqrt": _plain(math.sqrt),
     "exp": _plain(math.exp),

@@ -226,10 +226,8 @@ class _Reader:
                     line, self.expression(owner, depth), (self.expression(key, depth),)
                 )
             case ast.Slice(lower=start, upper=stop, step=step):
-                start, stop, step = (
-                    self.expression(part, depth) if part else None for part in (start, stop, step)
-                )
-                return tree.Slice(line, start, stop, step)
+                bounds = [self.expression(p, depth) if p else None for p in (start, stop, step)]
+                return tree.Slice(line, *bounds)
             case ast.UnaryOp(op=op, operand=operand):
                 return tree.Unary(line, _OPERATORS[type(op)], self.expression(operand, depth))
             case ast.Starred(value=value):

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.cells.values import Values
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.pasted.placement_notes import placement_notes
@@ -26,7 +27,6 @@ from dh_to_urdf.pasted.programs.values import (
     Placed,
     Pose,
     Robot,
-    Sum,
     Unread,
 )
 from dh_to_urdf.pasted.raw_table import RawCell, RawRow, RawTable
@@ -68,7 +68,7 @@ def table_from_program(
     try:
         machine.follow(program)
         robot = selection.robot_of(machine, name)
-        if robot is None or columns is not None and not robot.links:
+        if robot is None or (columns is not None and not robot.links):
             found = tables.table_of(machine, program.comments, convention, columns)
             found.warnings += machine.warnings
             return found, _notes(machine, program.comments, length)

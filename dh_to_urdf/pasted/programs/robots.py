@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.errors import quoted
 from dh_to_urdf.pasted.programs.arrays import as_array
 from dh_to_urdf.pasted.programs.harmless import ROBOT_NOTES
@@ -19,7 +20,6 @@ from dh_to_urdf.pasted.programs.values import (
     Opaque,
     Placed,
     Robot,
-    Sum,
     Unread,
     Value,
 )
@@ -52,7 +52,7 @@ def make_robot(
     Raises:
         DHError: An argument that is not read.
     """
-    options: list[tuple[str, Value]] = [(key, value) for key, value in keywords.items()]
+    options: list[tuple[str, Value]] = list(keywords.items())
     waiting = list(arguments)
     first = [waiting.pop(0)] if waiting and not isinstance(waiting[0], str) else []
     while waiting:

@@ -18,6 +18,7 @@ from dh_to_urdf.pasted.programs.values import (
     Link,
     Opaque,
     Robot,
+    Tree,
     Unread,
     UserClass,
     UserFunction,
@@ -82,7 +83,7 @@ def _robots(machine: Statements) -> Iterator[Robot]:
         if found.bodies or rows:
             yield bodies.robot_of(found, rows)
     if rows and not trees:
-        yield bodies.robot_of(bodies.Tree(rows[0].line), rows)
+        yield bodies.robot_of(Tree(rows[0].line), rows)
 
 
 def _of_definitions(machine: Statements) -> Iterator[Robot]:
@@ -101,15 +102,16 @@ def _of_definitions(machine: Statements) -> Iterator[Robot]:
         yield from _named(found, value.definition.name)
     if classes:
         return
-    for value in {id(v): v for v in defined}.values():
-        if not isinstance(value, UserFunction) or not _makes(value.definition):
+    functions = {id(v): v for v in defined if isinstance(v, UserFunction)}
+    for function in functions.values():
+        if not _makes(function.definition):
             continue
-        line = value.definition.line
+        line = function.definition.line
         try:
-            found = machine.run_function(value, [], {}, line)
+            found = machine.run_function(function, [], {}, line)
         except Unread as error:
-            raise refused(line, f"function {value.definition.name}: {error}") from None
-        yield from _named(found, value.definition.name)
+            raise refused(line, f"function {function.definition.name}: {error}") from None
+        yield from _named(found, function.definition.name)
 
 
 def _makes(node: tree.Node) -> bool:

@@ -16,7 +16,7 @@ MAX_ITEMS = 4096
 """Items of a list and elements of an array that are held."""
 
 
-class Unread(Exception):  # noqa: N818
+class Unread(Exception):
     """An expression has no value here; the message says why."""
 
 
@@ -248,7 +248,6 @@ Value: TypeAlias = (
     Sum
     | bool
     | str
-    | None
     | Unresolved
     | Opaque
     | Function
@@ -265,6 +264,7 @@ Value: TypeAlias = (
     | Instance
     | Method
     | dict[str, "Value"]
+    | None
 )
 
 
