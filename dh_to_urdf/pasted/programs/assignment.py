@@ -66,6 +66,14 @@ def _unpack(
         values: list[Value] = [value] * len(items)
     else:
         values = machine.iterate(value)
+    rest = [k for k, part in enumerate(items) if isinstance(part, tree.Unary)]
+    if len(rest) == 1 and len(values) >= len(items) - 1:
+        k, after = rest[0], len(items) - rest[0] - 1
+        middle = Items(values[k : len(values) - after])
+        values = [*values[:k], middle, *values[len(values) - after :]]
+        star = items[k]
+        assert isinstance(star, tree.Unary)
+        items = (*items[:k], star.operand, *items[k + 1 :])
     if len(values) != len(items):
         raise Unread("unpacks another number of values")
     for part, item in zip(items, values, strict=True):
@@ -178,14 +186,17 @@ def _set_python(
 
 
 def _refuse_shared(machine: Statements, array: Array, line: int) -> None:
-    """Refuse to change an array that something else looks into.
+    """Refuse to change an array that a variable or a robot shares, or that is a slice.
 
     Raises:
-        DHError: A robot holds it, or a slice of it was taken.
+        DHError: It is.
     """
-    names = sum(value is array for scope in machine.scopes for value in scope.values())
-    held = any(array is other for robot in machine.robots for other in robot.held)
-    if array.shared or names > 1 or held:
+    bound = [value for scope in machine.scopes for value in scope.values()]
+    bound += [item for value in bound if isinstance(value, Items) for item in value.items]
+    names = sum(value is array for value in bound)
+    views = any(isinstance(value, Array) and value.view_of is array for value in bound)
+    held = any(array in (other, other.view_of) for r in machine.robots for other in r.held)
+    if array.view_of is not None or names > 1 or views or held:
         raise refused(
             line,
             "an array is changed that another variable, or the robot, shares; make it with its"
@@ -279,11 +290,11 @@ def augment(
                 raise refused(line, f"a list is extended by a value that is not known{why}")
             before.items += machine.iterate(value)
             return
-        if isinstance(before, Array):
+        if isinstance(before, Array) and not isinstance(target, tree.Index):
             _refuse_shared(machine, before, line)
     elif not machine.is_matlab:
         before = machine.evaluate(target)
-        if isinstance(before, Array):
+        if isinstance(before, Array) and not isinstance(target, tree.Index):
             _refuse_shared(machine, before, line)
         if isinstance(before, Items) and symbol == "*":
             raise Unread("*= of a list is not read")

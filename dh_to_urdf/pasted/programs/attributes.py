@@ -10,6 +10,7 @@ from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.errors import quoted
 from dh_to_urdf.pasted.programs import arrays, harmless
 from dh_to_urdf.pasted.programs.bodies import set_body
+from dh_to_urdf.pasted.programs.library import KNOWN
 from dh_to_urdf.pasted.programs.links import PARAMETERS, set_link
 from dh_to_urdf.pasted.programs.numbers import real
 from dh_to_urdf.pasted.programs.refusals import refused
@@ -61,6 +62,8 @@ def get(machine: Expressions, owner: Value, name: str, line: int, *, called: boo
     if isinstance(owner, Function):
         if owner.name == "SE3":
             return Function(f"SE3.{name}") if name in _SE3_MEMBERS else Unresolved(f"SE3.{name}")
+        if name in KNOWN:
+            return Function(name)
         return Method(owner, name) if called else Opaque(f"{owner.name}.{name}", line)
     if isinstance(owner, Unresolved):
         return machine.library_name(name)

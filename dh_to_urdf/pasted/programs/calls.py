@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -38,6 +39,7 @@ from dh_to_urdf.pasted.programs.values import (
     UserFunction,
     Value,
     is_part,
+    number,
 )
 
 if TYPE_CHECKING:
@@ -101,6 +103,8 @@ def _call_unknown(
     line: int,
 ) -> Value:
     """Return a value that is not known, for a function that nothing is known of."""
+    if name in library.REACHING and not _is_startup(arguments):
+        raise refused(line, f"{name}() may change any variable, and is not read")
     first = arguments[0] if arguments else None
     if isinstance(first, (Body, Joint, Tree, Robot, Link, Items)) and machine.is_matlab:
         if isinstance(first, (Body, Joint, Tree)) or name in ("copy",):
@@ -108,6 +112,11 @@ def _call_unknown(
     if _has_part(arguments, keywords) and name not in harmless.FUNCTIONS:
         raise refused(line, f"{name}() takes a link or robot, and what it does is not known")
     return Opaque(f"{name}() is not read", line)
+
+
+def _is_startup(arguments: list[Value]) -> bool:
+    """Return whether the one argument names the start file of the Toolbox."""
+    return any(isinstance(value, str) and "startup_rv" in value for value in arguments)
 
 
 def _call_library(
@@ -162,6 +171,11 @@ def _call_library(
     if name in ("atan2", "arctan2") and len(arguments) == 2:
         y, x = (numbers.as_scalar(value) for value in arguments)
         return numbers.atan2(y, x)
+    if name in ("hypot", "pow", "power") and len(arguments) == 2:
+        one, two = (numbers.as_scalar(value) for value in arguments)
+        if name != "hypot":
+            return numbers.combined("**", one, two)
+        return number(math.hypot(numbers.real(one), numbers.real(two)))
     if name in library.ONE_NUMBER and len(arguments) == 1:
         return array_functions.of_one(name, arguments[0])
     if name in library.ARRAYS:

@@ -492,7 +492,7 @@ class Expressions:
             try:
                 self.bind(node.target, value)
                 if all(self.truth(self.evaluate(test)) for test in node.tests):
-                    found.append(self.evaluate(node.item))
+                    found.extend(self._spread([node.item]))
             finally:
                 self.scopes.pop(0)
             if len(found) > MAX_ITEMS:

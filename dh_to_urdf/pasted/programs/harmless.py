@@ -28,6 +28,8 @@ _WORDS_TEXT = """
 """
 WORDS = frozenset(_WORDS_TEXT.split())
 """Bare words of MATLAB that are statements."""
+COMMANDS = WORDS | {"addpath", "colormap", "load", "run", "savepath"}
+"""Words of MATLAB that take words after them."""
 
 _ROBOT_NOTES_TEXT = """
     name manufacturer manuf comment plotopt plotopt3d gravity fast ikineType model3d faces

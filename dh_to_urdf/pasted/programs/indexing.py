@@ -99,9 +99,8 @@ def array_at(array: Array, keys: Sequence[Key], *, is_matlab: bool) -> Value:
     elif len(keys) == 1:
         key = keys[0]
         if isinstance(key, int):
-            array.shared = True
             line = array.lines[key] if key < len(array.lines) else array.line
-            return Array((array.rows[key],), flat=True, shared=True, line=line)
+            return Array((array.rows[key],), flat=True, view_of=array, line=line)
         keys = (key, Several(tuple(range(columns))))
     if len(keys) != 2:
         raise Unread("has too many indices")
@@ -113,12 +112,11 @@ def array_at(array: Array, keys: Sequence[Key], *, is_matlab: bool) -> Value:
     found = tuple(tuple(_element(array, r, c) for c in places) for r in lines)
     if is_matlab:
         return Array(found, line=array.line)
-    array.shared = True
     if isinstance(first, int) or array.flat:
-        return Array(found, flat=True, shared=True)
+        return Array(found, flat=True, view_of=array)
     if isinstance(second, int):
-        return Array((tuple(row[0] for row in found),), flat=True, shared=True)
-    return Array(found, shared=True, line=array.line)
+        return Array((tuple(row[0] for row in found),), flat=True, view_of=array)
+    return Array(found, view_of=array, line=array.line)
 
 
 def _element(array: Array, row: int, column: int) -> Scalar:

@@ -30,6 +30,12 @@ _PYTHON = re.compile(
     r"|\b(?:append|extend|insert)\(|^>>> |\bSE3\.(?:Trans|T[xyz])\b|^[ \t]*del[ \t]",
     re.MULTILINE,
 )
+_PYTHON_ALONE = re.compile(
+    r"^[ \t]*(?:from[ \t]+[\w.]+[ \t]+import|import[ \t]+\w|def[ \t]|class[ \t])|\bnp\."
+    r"|\b(?:DHRobot|RevoluteDH|PrismaticDH)\b",
+    re.MULTILINE,
+)
+"""What MATLAB never holds."""
 _MATLAB = re.compile(
     r"\bSerialLink\b|\b(?:Link|Revolute|Prismatic)[ \t]*\(|\brigidBody"
     r"|\b(?:Revolute|Prismatic)MDH[ \t]*\([ \t]*'|^[ \t]*%|[ \t]%|;[ \t]*$|\.\.\.[ \t]*$"
@@ -53,6 +59,8 @@ def read_program(text: str) -> Program:
     try:
         return readers[0](text)
     except DHSyntaxError as error:
+        if readers[0] is read_python and _PYTHON_ALONE.search(text):
+            raise
         try:
             return readers[1](text)
         except DHError:

@@ -28,8 +28,16 @@ OTHER_ROBOTS = frozenset(_OTHER_ROBOTS_TEXT.split())
 """Classes of robots that are not made of D-H links."""
 KNOWN = frozenset(
     (*CONSTRUCTORS, *ARRAYS, *LISTS, *COPIES, *ONE_NUMBER, *poses.NAMES, *OTHER_ROBOTS)
-    + ("atan2", "arctan2", "super", "object", "handle")
+    + ("atan2", "arctan2", "hypot", "pow", "power", "super", "object", "handle")
 )
 """Names that stand for a function of a library where the program gives them no value."""
-PURE = frozenset((*ARRAYS, *LISTS, *COPIES, *ONE_NUMBER, *poses.NAMES, "atan2", "arctan2"))
+_REACHING_TEXT = """
+    exec eval evalc evalin assignin feval globals locals setattr delattr getattr vars compile
+    __import__ load run source execfile inputname keyboard importlib cellfun arrayfun
+"""
+REACHING = frozenset(_REACHING_TEXT.split())
+"""Functions that reach variables by texts, or run other texts."""
+PURE = frozenset(
+    (*ARRAYS, *LISTS, *COPIES, *ONE_NUMBER, *poses.NAMES, "atan2", "arctan2", "hypot", "pow")
+)
 """Functions that change nothing."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dh_to_urdf.errors import quoted
 from dh_to_urdf.pasted.programs import tree
+from dh_to_urdf.pasted.programs.harmless import COMMANDS
 from dh_to_urdf.pasted.programs.matlab_expressions import MatlabExpressions
 from dh_to_urdf.pasted.programs.matlab_tokens import Token, matlab_tokens
 from dh_to_urdf.pasted.programs.tree import Expression, Program, Statement
@@ -126,6 +127,8 @@ class _MatlabStatements(MatlabExpressions):
             return tree.Unknown(token.line, "global", named)
         if token.text in ("import", "syms", "sym"):
             return tree.Import(token.line, ())
+        if token.text not in COMMANDS:
+            raise self.fail(f"{quoted(token.text)} with words after it is not read", token)
         function = tree.Name(token.line, token.text)
         return tree.Evaluate(token.line, tree.Apply(token.line, function, arguments))
 

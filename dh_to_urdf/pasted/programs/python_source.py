@@ -268,18 +268,27 @@ class _Reader:
                     self.expression(no, depth),
                 )
             case (
-                ast.ListComp(elt=item, generators=[only])
-                | ast.GeneratorExp(elt=item, generators=[only])
-            ) if not only.is_async:
-                return tree.Comprehension(
-                    line,
-                    self.expression(item, depth),
-                    self.expression(only.target, depth),
-                    self.expression(only.iter, depth),
-                    tuple(self.expression(test, depth) for test in only.ifs),
-                )
+                ast.ListComp(elt=item, generators=loops)
+                | ast.GeneratorExp(elt=item, generators=loops)
+            ) if len(loops) < 5 and not any(loop.is_async for loop in loops):
+                return self._comprehension(item, loops, line, depth)
         parts = self._parts(node, depth)
         return tree.Unread(line, _title(node), parts)  # type: ignore[arg-type]
+
+    def _comprehension(
+        self, item: ast.expr, loops: list[ast.comprehension], line: int, depth: int
+    ) -> Expression:
+        """Return a comprehension; further loops are comprehensions in it, spread out."""
+        found = self.expression(item, depth)
+        for k, loop in enumerate(reversed(loops)):
+            found = tree.Comprehension(
+                line,
+                tree.Unary(line, "*", found) if k else found,
+                self.expression(loop.target, depth),
+                self.expression(loop.iter, depth),
+                tuple(self.expression(test, depth) for test in loop.ifs),
+            )
+        return found
 
     def _binary(self, node: ast.BinOp, line: int, depth: int) -> Expression:
         """Return a sum or a product; long sums go left without depth."""

@@ -178,7 +178,8 @@ def set_robot(
         DHError: A property that moves the robot and is not read.
     """
     if key in ("base", "tool"):
-        matrix = placement(key, value, line)
+        nothing = value is None and key == "tool"
+        matrix = np.eye(4) if nothing else placement(key, value, line)
         if key == "base":
             robot.base = matrix
         else:

@@ -70,13 +70,13 @@ class Array:
         rows: The rows; an array of one dimension has one.
         flat: Whether it has one dimension.
         line: Where it is written.
-        shared: Whether other values look into it, as slices of NumPy do.
+        view_of: The array that it looks into, as slices of NumPy do.
     """
 
     rows: tuple[tuple[Scalar, ...], ...]
     flat: bool = False
     line: int = 0
-    shared: bool = False
+    view_of: Array | None = None
     lines: tuple[int, ...] = ()
     """Lines of the rows, where they are known."""
 
