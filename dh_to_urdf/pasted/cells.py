@@ -18,6 +18,8 @@ TURN: Final = 2 * math.pi
 """Bare angles of a table beyond this (rad) look like degrees."""
 LIMIT_TURNS: Final = 20.0
 """Bare limits beyond this (rad) look like degrees."""
+NO_LIMIT: Final = 36_000.0
+"""Bare limits from this on (rad) say that there is none, such as ±999999."""
 LONG: Final = 20.0
 """Bare lengths beyond this (m) look like millimetres."""
 ABSENT: Final = frozenset({"", "-", "–", "—", "−", "--", "---"})
@@ -43,6 +45,8 @@ class CellReader:
         self.values = values
         self.report = Report()
         self.warnings: list[str] = []
+        self.numbers = list(range(1, len(raw.rows) + 1))
+        """Number of the variable of each row; rows that do not move have none of their own."""
         self._angle = angle
         self._units = {
             Quantity.ANGLE: ANGLES[angle or "rad"],
@@ -83,7 +87,10 @@ class CellReader:
             self.add(k, cell, f"{shown}{error}")
             return None
         undecided = self._angle is None and cell.unit is None and quantity is Quantity.ANGLE
-        if undecided and bare is not None and abs(parsed.plain) > bare:
+        looks_like_degrees = bare is not None and bare < abs(parsed.plain)
+        if bare == LIMIT_TURNS and abs(parsed.plain) >= NO_LIMIT:
+            looks_like_degrees = False
+        if undecided and looks_like_degrees:
             self.add(
                 k,
                 cell,
@@ -100,7 +107,8 @@ class CellReader:
             )
             return None
         if quantity is Quantity.LENGTH and cell.unit is None and unit == 1.0:
-            self._warn_if_long(k, cell, parsed)
+            if bare != LIMIT_TURNS or abs(parsed.plain) < NO_LIMIT:
+                self._warn_if_long(k, cell, parsed)
         return parsed
 
     def variable(self, k: int, cell: RawCell | None, column: str) -> Cell | None:
@@ -119,7 +127,24 @@ class CellReader:
                 parsed = parse_cell(text, quantity, 1.0, self.values)
         except CellError:
             return None
-        return parsed if parsed.variable in letters and parsed.index in (None, k + 1) else None
+        return (
+            parsed
+            if parsed.variable in letters and parsed.index in (None, self.numbers[k])
+            else None
+        )
+
+    def any_variable(self, cell: RawCell, column: str) -> int | None:
+        """Return the number of the joint variable in a cell; None for none."""
+        try:
+            parsed = parse_cell(
+                plain_cell(cell.text),
+                Quantity.LENGTH if column in ("d", "r") else Quantity.ANGLE,
+                1.0,
+                self.values,
+            )
+        except CellError:
+            return None
+        return parsed.index if parsed.variable is not None else None
 
     def _warn_if_long(self, k: int, cell: RawCell, parsed: Cell) -> None:
         if abs(parsed.plain) > LONG and not any("length=mm" in text for text in self.warnings):
@@ -130,14 +155,14 @@ class CellReader:
             )
 
 
-def foreign_variable(cell: Cell, column: str, own: bool, k: int) -> str | None:
+def foreign_variable(cell: Cell, column: str, own: bool, number: int) -> str | None:
     """Say why a joint variable cannot stand in a cell; None where it can, or there is none.
 
     Args:
         cell: The cell.
         column: Its column.
         own: Whether the column is that of the joint's variable.
-        k: Number of the joint, from 0.
+        number: Number of the joint's variable, from 1.
     """
     if cell.variable is None:
         return None
@@ -146,6 +171,6 @@ def foreign_variable(cell: Cell, column: str, own: bool, k: int) -> str | None:
             f"{quoted(cell.text)} holds {cell.name}, which is not the joint variable of this"
             f" column; if it is a constant, give values {cell.name}:0.5"
         )
-    if cell.index not in (None, k + 1):
-        return f"{quoted(cell.text)} is the variable of joint {cell.index}, not {k + 1}"
+    if cell.index not in (None, number):
+        return f"{quoted(cell.text)} is the variable of joint {cell.index}, not {number}"
     return None

@@ -23,6 +23,7 @@ from dh_to_urdf.pasted.rows import document_rows
 from dh_to_urdf.table import DHTable
 
 MAX_PASTED_LENGTH = 100_000
+_CONTROL = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f]")
 
 
 def read_pasted(
@@ -41,7 +42,7 @@ def read_pasted(
     revolute joints from prismatic ones; so does a column ``type`` or ``σ``.
 
     Args:
-        text: The text, UTF-8 if bytes.
+        text: The text, UTF-8 (or Windows-1252) if bytes.
         convention: What the rows mean; required.
         name: Name of the robot, instead of one in the text.
         angle: Unit of angles without one: ``rad``, ``deg``, or None for rad where no angle looks
@@ -54,7 +55,7 @@ def read_pasted(
     Raises:
         DHError: With the line and column of each of the first ten faults.
     """
-    text = _decoded(text)
+    text, decoding = _decoded(text)
     meaning = CONVENTION_ALIASES.get(convention.strip().lower()) if convention else None
     if meaning is None or angle not in (None, *ANGLES) or length not in LENGTHS:
         units = {"angle": angle or "rad", "length": length}
@@ -87,16 +88,30 @@ def read_pasted(
     if robot_name:
         document["name"] = robot_name
     table = read_mapping(document, default_name)
-    warnings = (*table.warnings, *raw.warnings, *cells.warnings, *rounding_warnings(table))
+    warnings = (
+        *decoding,
+        *table.warnings,
+        *raw.warnings,
+        *cells.warnings,
+        *rounding_warnings(table),
+    )
     return replace(table, warnings=warnings)
 
 
-def _decoded(text: str | bytes) -> str:
+def _decoded(text: str | bytes) -> tuple[str, list[str]]:
+    """Return a text, and a warning where its bytes are those of Windows."""
     if len(text) > MAX_PASTED_LENGTH:
         raise DHError.single((), f"the text is longer than {MAX_PASTED_LENGTH} characters")
     if isinstance(text, str):
-        return text.lstrip("\ufeff")
+        return text.lstrip("\ufeff"), []
     try:
-        return text.decode("utf-8-sig")
+        return text.decode("utf-8-sig"), []
     except UnicodeDecodeError:
-        raise DHError.single((), "the text is not UTF-8") from None
+        pass
+    try:
+        found = text.decode("cp1252")
+    except UnicodeDecodeError:
+        found = "\0"
+    if _CONTROL.search(found):
+        raise DHError.single((), "the text is not UTF-8; save it as UTF-8")
+    return found, ["the text is not UTF-8 and was read as Windows-1252; save it as UTF-8"]

@@ -23,6 +23,7 @@ from dh_to_urdf.pasted.programs.values import (
     Scalar,
     Unread,
     Value,
+    is_part,
     number,
 )
 
@@ -87,6 +88,8 @@ def of_arrays(
             size = _size(arguments)
             assert size is not None
             return Array(((number(value),) * size[1],) * size[0])
+        case "horzcat", _ if _has_links(arguments):
+            return _side_by_side(arguments)
         case "horzcat", _:
             return arrays.joined([[as_array(value) for value in arguments]], 0)
         case "vertcat", _:
@@ -120,6 +123,18 @@ def of_arrays(
                 )
             )
     raise Unread(f"{name} with these arguments is not read")
+
+
+def _has_links(values: Sequence[Value]) -> bool:
+    return any(is_part(value) for value in values)
+
+
+def _side_by_side(values: Sequence[Value]) -> Value:
+    """Return links and rows of links as one row."""
+    found: list[Value] = []
+    for value in values:
+        found += value.items if isinstance(value, Items) else [value]
+    return Items(found)
 
 
 def inverse(value: Value) -> Value:
@@ -186,6 +201,13 @@ def of_lists(
             return _range(name, [whole(value) for value in arguments])
         case "len" | "numel" | "length" | "numrows" | "numcols", 1:
             return number(_length(first, name))
+        case "size", 1:
+            sizes: list[Value] = [number(_length(first, k)) for k in ("numrows", "numcols")]
+            return (
+                Items(sizes, is_tuple=True)
+                if isinstance(first, Items)
+                else Array((tuple(as_scalar(size) for size in sizes),))
+            )
         case "size", 2:
             return number(_length(first, "numrows" if whole(arguments[1]) == 1 else "numcols"))
         case "enumerate", 1 | 2:
@@ -200,8 +222,11 @@ def of_lists(
         case "zip", _:
             lists = [machine.iterate(value) for value in arguments]
             return Items([Items(list(row), is_tuple=True) for row in zip(*lists, strict=False)])
-        case "cat", 3:
-            return Items([*machine.iterate(arguments[1]), *machine.iterate(arguments[2])])
+        case "cat", 3 if whole(first) == 2 and _has_links(arguments[1:]):
+            return _side_by_side(arguments[1:])
+        case "struct", _ if len(arguments) % 2 == 0:
+            pairs = zip(arguments[::2], arguments[1::2], strict=True)
+            return {key: value for key, value in pairs if isinstance(key, str)}
         case "deal", _:
             return Items(list(arguments), is_tuple=True)
         case "isempty", 1:

@@ -13,7 +13,7 @@ ARRAYS = frozenset(_ARRAYS_TEXT.split())
 _LISTS_TEXT = """
     list tuple reversed range len enumerate zip fliplr flipud flip numel length deal isempty cat
     size arange sum max min round int symbols symbol Symbol dict repmat numcols numrows exist
-    isa isinstance
+    isa isinstance struct
 """
 LISTS = frozenset(_LISTS_TEXT.split())
 """Functions of lists, and what else is read."""

@@ -90,7 +90,13 @@ def _take(robot: Robot, value: Value, line: int, *, is_matlab: bool) -> None:
     elif isinstance(value, Link) and is_matlab:
         robot.links.append(value)
     elif isinstance(value, Robot) and is_matlab:
-        _join(robot, [value])
+        copied_robot = copy_of(value, line)
+        robot.links, robot.base, robot.tool = (
+            copied_robot.links,
+            copied_robot.base,
+            copied_robot.tool,
+        )
+        robot.name = value.name
     elif isinstance(value, Items):
         if is_matlab and value.items and all(isinstance(item, Robot) for item in value.items):
             _join(robot, [item for item in value.items if isinstance(item, Robot)])
