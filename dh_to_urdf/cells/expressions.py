@@ -1,6 +1,6 @@
 """Cells of a D-H table as people write them: ``pi/2``, ``-90deg``, ``0,4``, ``q2 - pi/2``.
 
-A cell is a number, or a short text with numbers, ``+ - * /``, parentheses, ``sqrt``, ``sin``,
+A cell is a number, or a short text with numbers, ``+ - * / **`` (or ``^``), parentheses, ``sqrt``, ``sin``,
 ``cos``, ``tan``, ``atan2``, ``pi`` (or ``π``), unit suffixes (``deg``, ``°``, ``rad``, ``m``,
 ``cm``, ``mm``), names with a given value, and at most one joint variable with coefficient ±1.
 A plain number is in the units of its table; ``pi`` and suffixed numbers carry their own unit
@@ -25,6 +25,7 @@ MAX_MAGNITUDE = 1e6
 _SIGNS = str.maketrans({"−": "-", "–": "-", "×": "*", "·": "*", "⋅": "*", "\u00a0": " "})
 _DECIMAL_COMMA = re.compile(r"(?<![\d.,])([0-9]+),([0-9]+)(?![\d.,])")
 _THOUSANDS = re.compile(r"(?<![\d.,])[1-9][0-9]{0,2},[0-9]{3}(?![\d.,])")
+_WITH_COMMA = re.compile(r"(atan2\s?\([^()]{0,40}(?:\([^()]{0,40}\)[^()]{0,40}){0,4}\))")
 _DATE = re.compile(r"\s*(?:[0-9]{4}-[0-9]{2}-[0-9]{2}|[0-9]{1,2}/[0-9]{1,2}/[0-9]{4})\s*")
 _MIDDLE_DOT = re.compile(r"[0-9]\s*·\s*[0-9]")
 _ANGLE_UNIT = re.compile(r"deg|°|rad", re.IGNORECASE)
@@ -119,9 +120,13 @@ def ascii_numbers(text: str) -> str:
     if _MIDDLE_DOT.search(text):
         raise CellError("has a · that is a decimal point or a product; write . or *")
     text = text.translate(_SIGNS)
-    if _THOUSANDS.search(text):
-        raise CellError("reads as two numbers; write a decimal point")
-    return _DECIMAL_COMMA.sub(r"\1.\2", text)
+    parts = _WITH_COMMA.split(text)
+    # The comma of atan2(1,0) parts its arguments.
+    for k in range(0, len(parts), 2):
+        if _THOUSANDS.search(parts[k]):
+            raise CellError("reads as two numbers; write a decimal point")
+        parts[k] = _DECIMAL_COMMA.sub(r"\1.\2", parts[k])
+    return "".join(parts)
 
 
 def _in_si(number: float, quantity: Quantity, unit: float) -> float:

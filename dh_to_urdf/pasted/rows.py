@@ -9,6 +9,7 @@ from dh_to_urdf.cells.expressions import Quantity
 from dh_to_urdf.documents.checks import NAME
 from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.rows import OWN_LETTERS
+from dh_to_urdf.errors import quoted
 from dh_to_urdf.pasted.cells import (
     ABSENT,
     ANY_VARIABLE,
@@ -77,6 +78,15 @@ def _row(cells: CellReader, k: int, row: RawRow, type_: JointType, z_column: str
                 f"{key} of a {type_} joint is ignored by the Robotics Toolbox; write 0 there,"
                 " and the constant as offset",
             )
+        if key == own and parsed.variable is not None and values is not cells.values:
+            cells.add(
+                k,
+                cell,
+                f"{quoted(cell.text)} is the variable of this joint, and values gives it a number;"
+                " a joint variable takes none: leave it out of values, or write the number in"
+                " the cell",
+            )
+            continue
         fault = foreign_variable(parsed, key, key == own, cells.numbers[k])
         if fault:
             cells.add(k, cell, fault)
