@@ -13,6 +13,7 @@ from robots.urdf.markup import parse
 from robots.urdf.mimics import read_mimics
 from robots.urdf.structure import check_structure
 from robots.urdf.text import decode
+from robots.urdf.tidy import tidy
 from robots.urdf.tree import check_names, check_tree
 from robots.urdf.values import Element, name_of
 
@@ -31,6 +32,7 @@ def read_urdf(text: str | bytes) -> URDFDescription:
         RobotTooLarge: More links, joints or shapes than are computed with.
     """
     source = parse(decode(text))
+    mended = tidy(source)
     left_out = check_structure(source)
     name = name_of(source, "the root element")
     link_elements, joint_elements = source.findall("link"), source.findall("joint")
@@ -53,7 +55,7 @@ def read_urdf(text: str | bytes) -> URDFDescription:
         joints=joints,
         root=root,
         canonical=_written(robot),
-        warnings=(*_left_out(left_out), *reader.warnings(), *mimics),
+        warnings=(*mended, *_left_out(left_out), *reader.warnings(), *mimics),
     )
 
 

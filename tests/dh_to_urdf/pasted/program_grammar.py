@@ -221,14 +221,18 @@ class _Python(_Writer):
         head = len(self.lines)
         wrap = self.dice.choice(["script", "script", "script", "class", "class", "function"])
         self.links()
-        self.noise(["q0 = np.zeros(3)", "print(L)", "count = len(L)", "for link in L:\n    print(link)"])
+        self.noise(
+            ["q0 = np.zeros(3)", "print(L)", "count = len(L)", "for link in L:\n    print(link)"]
+        )
         placed = self.arguments()
         name = self.dice.choice([", name='arm'", ', name="arm", manufacturer="us"', ""])
         made = f"{self.prefix}DHRobot(L{name}{placed})"
         if wrap == "class":
             self.add(f"super().__init__(L{name}{placed})")
             self.later("self")
-            self.noise(["self.qz = np.zeros(self.n)", "self.addconfiguration('qz', [0]*self.n)"], 0.4)
+            self.noise(
+                ["self.qz = np.zeros(self.n)", "self.addconfiguration('qz', [0]*self.n)"], 0.4
+            )
             body = [f"        {line}" for line in self.lines[head:]]
             self.lines = self.lines[:head]
             self.add(f"class Arm({self.prefix}DHRobot):", "    def __init__(self):", *body)
@@ -245,8 +249,12 @@ class _Python(_Writer):
             self.later("robot")
         if wrap != "class":
             self.noise(
-                ["print(robot)", "T = robot.fkine([0]*robot.n)", "robot.plot([0]*robot.n)",
-                 "q = np.zeros(robot.n)\nrobot.plot(q)\nJ = robot.jacob0(q)"],
+                [
+                    "print(robot)",
+                    "T = robot.fkine([0]*robot.n)",
+                    "robot.plot([0]*robot.n)",
+                    "q = np.zeros(robot.n)\nrobot.plot(q)\nJ = robot.jacob0(q)",
+                ],
                 0.5,
             )
         text = "\n".join(self.lines) + "\n"
@@ -303,7 +311,9 @@ class _Python(_Writer):
             self.add(f"L = [{', '.join([spare, *texts[1:]])}]", f"L[0] = {texts[0]}")
 
         def spread() -> None:
-            self.add(f"arm = [{texts[0]}]", f"wrist = ({', '.join(texts[1:])},)", "L = [*arm, *wrist]")
+            self.add(
+                f"arm = [{texts[0]}]", f"wrist = ({', '.join(texts[1:])},)", "L = [*arm, *wrist]"
+            )
 
         ways = [literal, literal, names, appended, inserted, joined, extended, added, reverse]
         if self.chance(0.15):
@@ -326,14 +336,19 @@ class _Python(_Writer):
         self.add(f"d = {d}", f"a = {a}", f"alpha = [{', '.join(alpha)}]")
         ways = [
             [f"L = [{name}(d=d[i], a=a[i], alpha=alpha[i]) for i in range({n})]"],
-            ["L = []", f"for i in range({n}):", f"    L.append({name}(d=d[i], a=a[i], alpha=alpha[i]))"],
+            [
+                "L = []",
+                f"for i in range({n}):",
+                f"    L.append({name}(d=d[i], a=a[i], alpha=alpha[i]))",
+            ],
             [f"L = [{name}(d=x, a=y, alpha=z) for x, y, z in zip(d, a, alpha)]"],
-            ["dh = np.array([d, a, alpha]).T", f"L = [{name}(d=r[0], a=r[1], alpha=r[2]) for r in dh]"],
+            [
+                "dh = np.array([d, a, alpha]).T",
+                f"L = [{name}(d=r[0], a=r[1], alpha=r[2]) for r in dh]",
+            ],
         ]
         self.add(*self.dice.choice(ways))
-        self.rows = [
-            Row(0, 0.0, d[k], a[k], turns[k] * math.pi / 2) for k in range(n)
-        ]
+        self.rows = [Row(0, 0.0, d[k], a[k], turns[k] * math.pi / 2) for k in range(n)]
 
     def set_later(self, owner: str) -> None:
         """Set properties of links after they are made."""
@@ -373,7 +388,10 @@ class _Python(_Writer):
             return f"SE3.R{'xyz'[axis]}({turn})", (_rx, _ry, _rz)[axis](t)
         if kind == 3:
             return self.dice.choice(
-                [("SE3.Rz(90, 'deg')", _rz(math.pi / 2)), ("SE3.Ry(30, unit='deg')", _ry(math.pi / 6))]
+                [
+                    ("SE3.Rz(90, 'deg')", _rz(math.pi / 2)),
+                    ("SE3.Ry(30, unit='deg')", _ry(math.pi / 6)),
+                ]
             )
         if kind == 4:
             return f"SE3([0, {text}, 0])", _t(0, x, 0)
@@ -470,7 +488,9 @@ class _Matlab(_Writer):
         return f"Link({', '.join(pairs)})", row
 
     def form(self) -> Form:
-        self.noise(["clear all; close all; clc", "%% The arm\nclc", "% a robot", "startup_rvc"], 0.5)
+        self.noise(
+            ["clear all; close all; clc", "%% The arm\nclc", "% a robot", "startup_rvc"], 0.5
+        )
         head = len(self.lines)
         wrap = self.dice.choice(["script", "script", "script", "function", "self"])
         robot = "self.model" if wrap == "self" else self.dice.choice(["robot", "arm", "r"])
@@ -480,7 +500,9 @@ class _Matlab(_Writer):
         else:
             self.noise(["disp(L)", "q0 = zeros(1, 3);", "n = length(L);"])
             placed = self.arguments()
-            name = self.dice.choice([", 'name', 'arm'", ", 'name', 'arm', 'manufacturer', 'us'", ""])
+            name = self.dice.choice(
+                [", 'name', 'arm'", ", 'name', 'arm', 'manufacturer', 'us'", ""]
+            )
             self.add(f"{robot} = SerialLink({self.what}{name}{placed});")
             self.later(robot)
         if wrap == "function":
@@ -491,8 +513,14 @@ class _Matlab(_Writer):
                 self.lines = ["a9 = make();", *self.lines]
         else:
             self.noise(
-                [f"{robot}.plot([0 0 0])", f"{robot}.teach", f"T = {robot}.fkine([0 0 0])",
-                 f"{robot}", f"plot({robot}, [0 0])", "figure(1); hold on; grid on"],
+                [
+                    f"{robot}.plot([0 0 0])",
+                    f"{robot}.teach",
+                    f"T = {robot}.fkine([0 0 0])",
+                    f"{robot}",
+                    f"plot({robot}, [0 0])",
+                    "figure(1); hold on; grid on",
+                ],
                 0.5,
             )
         text = "\n".join(self.lines) + "\n"
@@ -518,7 +546,9 @@ class _Matlab(_Writer):
 
         def names() -> None:
             self.add(*(f"L{k} = {text};" for k, text in enumerate(texts, 1)))
-            self.add(f"L = [{self.dice.choice([' ', ', ']).join(f'L{k}' for k in range(1, n + 1))}];")
+            self.add(
+                f"L = [{self.dice.choice([' ', ', ']).join(f'L{k}' for k in range(1, n + 1))}];"
+            )
 
         def grown() -> None:
             self.add("L = [];", *(f"L = [L {text}];" for text in texts))
@@ -559,8 +589,21 @@ class _Matlab(_Writer):
         def joined() -> None:
             self.add(f"A = [{texts[0]}];", f"B = [{' '.join(texts[1:])}];", "L = [A, B];")
 
-        self.pick(numbered, numbered, numbered, names, grown, at_end, reverse, sliced, removed,
-                  picked, cells, out_of_order, joined)
+        self.pick(
+            numbered,
+            numbered,
+            numbered,
+            names,
+            grown,
+            at_end,
+            reverse,
+            sliced,
+            removed,
+            picked,
+            cells,
+            out_of_order,
+            joined,
+        )
         self.rows = rows
         if self.what == "L":
             for k, row in enumerate(rows, 1):
@@ -606,9 +649,7 @@ class _Matlab(_Writer):
             ),
             "end",
         )
-        self.rows = [
-            Row(0, 0.0, d[k], a[k], turns[k] * math.pi / 2) for k in range(n)
-        ]
+        self.rows = [Row(0, 0.0, d[k], a[k], turns[k] * math.pi / 2) for k in range(n)]
 
     def set_one(self, target: str, row: Row) -> None:
         kind = self.dice.randrange(5)
