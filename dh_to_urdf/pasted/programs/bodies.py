@@ -68,14 +68,24 @@ def set_body(owner: Body | Joint | Tree, key: str, value: Value, line: int) -> N
     Raises:
         DHError: A property that is not read.
     """
+    _refuse_given(owner, line)
     if isinstance(owner, Body) and key == "Joint" and isinstance(value, Joint):
-        owner.joint = value
+        owner.joint = Joint(**vars(value))
+        value.given = True
     elif isinstance(owner, Joint) and key == "PositionLimits":
         owner.limits = limits_of(value, line)
     elif isinstance(owner, Joint) and key == "JointAxis":
         _set_axis(owner, value, line)
     elif key not in _NOTES:
         raise refused(line, f"{quoted(key)} of the {_kind(owner)} is set, which is not read")
+
+
+def _refuse_given(owner: Body | Joint | Tree, line: int) -> None:
+    """Refuse to change what a body or a robot has taken: whether it follows is not known."""
+    if not isinstance(owner, Tree) and owner.given:
+        raise refused(
+            line, f"the {_kind(owner)} is changed after it was given on; change it before"
+        )
 
 
 def _set_axis(joint: Joint, value: Value, line: int) -> None:
@@ -97,13 +107,14 @@ def call_on_body(
 ) -> bool:
     """Run a method that builds a robot; return False for one that is not known."""
     if isinstance(owner, Joint) and name == "setFixedTransform":
+        _refuse_given(owner, line)
         _set_row(owner, arguments, line)
         return True
     if isinstance(owner, Tree) and name == "addBody" and len(arguments) == 2:
         body, parent = arguments
         if not isinstance(body, Body) or not isinstance(parent, str):
             raise refused(line, "addBody needs a body and the name of its parent")
-        # addBody takes a copy: what is set on the body later does not reach the robot.
+        body.given = True
         joint = body.joint and Joint(**vars(body.joint))
         owner.bodies.append((Body(body.line, body.name, joint), parent))
         return True

@@ -15,7 +15,7 @@ from dh_to_urdf.pasted.programs.indexing import (
     matlab_key,
     python_key,
 )
-from dh_to_urdf.pasted.programs.library import KNOWN
+from dh_to_urdf.pasted.programs.library import CONSTRUCTORS, KNOWN
 from dh_to_urdf.pasted.programs.numbers import PI, as_scalar, combined, negated, real, whole
 from dh_to_urdf.pasted.programs.refusals import refused
 from dh_to_urdf.pasted.programs.robots import appended, multiplied
@@ -137,7 +137,7 @@ class Expressions:
             case tree.Text(value=text) | tree.Constant(value=text):
                 return text
             case tree.Name(name=name):
-                return self.look_up(name)
+                return self._called(self.look_up(name), node.line)
             case tree.Attribute(owner=owner, name=name):
                 return attributes.get(self, self.evaluate(owner), name, node.line)
             case tree.Apply():
@@ -166,6 +166,14 @@ class Expressions:
                 if not any(isinstance(part, tree.Apply) for part in tree.nodes_of(node)):
                     return Opaque("a text with values in it", node.line)
         raise Unread(f"{getattr(node, 'what', 'an expression')} is not read")
+
+    def _called(self, value: Value, line: int) -> Value:
+        """Return what a name of MATLAB stands for: a function without parentheses is called."""
+        if self.is_matlab and isinstance(value, (UserFunction, UserClass)):
+            return calls.call(self, value, [], {}, line)
+        if self.is_matlab and isinstance(value, Function) and value.name in CONSTRUCTORS:
+            return calls.call(self, value, [], {}, line)
+        return value
 
     def look_up(self, name: str) -> Value:
         """Return what a name stands for."""
@@ -351,7 +359,11 @@ class Expressions:
                 self, owner, node.function.name, node.line, called=True
             )
         else:
-            function = self.evaluate(node.function)
+            function = (
+                self.look_up(node.function.name)
+                if isinstance(node.function, tree.Name)
+                else self.evaluate(node.function)
+            )
         if not isinstance(function, (Function, Unresolved, UserFunction, UserClass, Method)):
             if self.is_matlab and not isinstance(function, Opaque):
                 return self.at(function, node.arguments)

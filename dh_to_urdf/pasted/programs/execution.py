@@ -128,6 +128,13 @@ class Statements(Expressions):
 
     def _only_looks(self, node: tree.Node) -> bool:
         """Return whether a node is an expression of functions that change nothing."""
+        if isinstance(node, (tree.Loop, tree.Branch)):
+            inside = node.body if isinstance(node, tree.Loop) else (*node.yes, *node.no)
+            head = node.source if isinstance(node, tree.Loop) else node.test
+            looks = self._only_looks(tree.Evaluate(node.line, head))
+            if isinstance(node, tree.Loop) and self.touches(node.target):
+                return False
+            return looks and all(self._only_looks(part) for part in inside)
         if not isinstance(node, (tree.Evaluate, tree.Assign)):
             return False
         if isinstance(node, tree.Assign):
@@ -191,7 +198,7 @@ class Statements(Expressions):
 
     def _class(self, statement: tree.DefineClass) -> None:
         parents = tuple(
-            self.evaluate(parent)
+            self.look_up(parent.name) if isinstance(parent, tree.Name) else self.evaluate(parent)
             for parent in statement.parents
             if isinstance(parent, (tree.Name, tree.Attribute))
         )
@@ -247,11 +254,10 @@ class Statements(Expressions):
 
     def _bare_word(self, node: tree.Name) -> None:
         """Follow a word of MATLAB alone: a function of the text, or a script that is not read."""
-        function = self.functions.get(node.name)
-        if function is not None:
+        if node.name in self.functions or node.name in library.CONSTRUCTORS:
             value = self.evaluate(node)
-            if isinstance(value, UserFunction):
-                self.run_function(value, [], {}, node.line)
+            if is_part(value):
+                self.loose.append(value)
             return
         if node.name in harmless.WORDS or node.name in harmless.FUNCTIONS:
             return

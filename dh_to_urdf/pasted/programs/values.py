@@ -163,6 +163,8 @@ class Body:
     line: int
     name: str
     joint: Joint | None = None
+    given: bool = False
+    """Whether a robot has taken it, as it was then."""
 
 
 @dataclass(eq=False)
@@ -177,6 +179,8 @@ class Joint:
     row_line: int = 0
     limits: tuple[Placed, Placed] | None = None
     flipped: bool = False
+    given: bool = False
+    """Whether a body has taken it, as it was then."""
 
 
 @dataclass(eq=False)
