@@ -1,7 +1,8 @@
 """Cells of a D-H table as people write them: ``pi/2``, ``-90deg``, ``0,4``, ``q2 - pi/2``.
 
-A cell is a number, or a short text with numbers, ``+ - * / **`` (or ``^``), parentheses, ``sqrt``, ``sin``,
-``cos``, ``tan``, ``atan2``, ``pi`` (or ``π``), unit suffixes (``deg``, ``°``, ``rad``, ``m``,
+A cell is a number, or a short text with numbers, ``+ - * / **`` (or ``^``), parentheses, ``sqrt``,
+``sin``, ``cos``, ``tan``, ``atan2``, ``pi`` (or ``π``), unit suffixes (``deg``, ``°``, ``rad``,
+``m``,
 ``cm``, ``mm``), names with a given value, and at most one joint variable with coefficient ±1.
 A plain number is in the units of its table; ``pi`` and suffixed numbers carry their own unit
 whatever the table says.

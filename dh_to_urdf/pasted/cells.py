@@ -106,9 +106,9 @@ class CellReader:
                 " the angle within ±360, or with its unit (900°) if it is meant",
             )
             return None
-        if quantity is Quantity.LENGTH and cell.unit is None and unit == 1.0:
-            if bare != LIMIT_TURNS or abs(parsed.plain) < NO_LIMIT:
-                self._warn_if_long(k, cell, parsed)
+        endless = bare == LIMIT_TURNS and abs(parsed.plain) >= NO_LIMIT
+        if quantity is Quantity.LENGTH and cell.unit is None and unit == 1.0 and not endless:
+            self._warn_if_long(k, cell, parsed)
         return parsed
 
     def variable(self, k: int, cell: RawCell | None, column: str) -> Cell | None:

@@ -72,7 +72,7 @@ def parse(text: str) -> etree._Element:
     try:
         root = etree.fromstring(text.encode(), parser)
     except etree.XMLSyntaxError as error:
-        declared = _with_prefixes(text) if error.code == _UNDEFINED_PREFIX else None
+        declared = _with_prefixes(text) if getattr(error, "code", 0) == _UNDEFINED_PREFIX else None
         if declared is None:
             raise InvalidURDF(f"the text is not well-formed XML: {_reason(error)}") from None
         try:

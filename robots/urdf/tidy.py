@@ -10,8 +10,6 @@ from __future__ import annotations
 import difflib
 import re
 
-from lxml import etree
-
 from dh_to_urdf.errors import quoted
 from dh_to_urdf.poses import from_xyz_quaternion, to_rpy
 from robots.errors import InvalidURDF
@@ -146,7 +144,7 @@ def _mend_inertial(link: Element, where: str, notes: dict[str, list[str]]) -> No
     for inertial in inertials if len(inertials) == 1 else ():
         mass, inertia = inertial.find("mass"), inertial.find("inertia")
         missing = [] if inertia is None else [k for k in _MOMENTS if inertia.get(k) is None]
-        slips = [] if inertia is None else [k for k in inertia.keys() if k not in _MOMENTS]
+        slips = [] if inertia is None else [k for k in inertia.attrib if k not in _MOMENTS]
         if (mass is None or inertia is None or missing) and not slips:
             link.remove(inertial)
             text = "its <inertial> is incomplete and is left out; kinematics does not use it"

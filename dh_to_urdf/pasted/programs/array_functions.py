@@ -194,7 +194,7 @@ def of_lists(
         case "dict", 0:
             return dict(keywords)
         case "reversed" | "fliplr" | "flip", 1 if isinstance(first, (Items, Array)):
-            return _reversed(first, machine, name)
+            return _reversed(first, name)
         case "flipud", 1 if isinstance(first, Array):
             return Array(first.rows[::-1])
         case "range" | "arange", 1 | 2 | 3:
@@ -254,7 +254,7 @@ def _range(name: str, bounds: list[int]) -> Value:
     return Items([number(k) for k in found])
 
 
-def _reversed(value: Items | Array, machine: Expressions, name: str) -> Value:
+def _reversed(value: Items | Array, name: str) -> Value:
     if isinstance(value, Items):
         return Items(value.items[::-1], value.is_tuple)
     if name == "fliplr" or value.shape[0] == 1:

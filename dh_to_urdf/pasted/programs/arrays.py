@@ -122,8 +122,10 @@ def joined(rows: Sequence[Sequence[Array]], line: int) -> Array:
         blocks = [block for block in row if block.elements]
         if len({block.shape[0] for block in blocks}) > 1:
             raise Unread("joins blocks of different heights")
-        for lines in zip(*(block.rows for block in blocks), strict=True):
-            found.append(tuple(element for part in lines for element in part))
+        found += [
+            tuple(element for part in lines for element in part)
+            for lines in zip(*(block.rows for block in blocks), strict=True)
+        ]
     return rectangle(found, line)
 
 

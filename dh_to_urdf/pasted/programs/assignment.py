@@ -43,7 +43,7 @@ def assign(machine: Statements, target: tree.Expression, value: Value, line: int
     """
     match target:
         case tree.Name(name=name):
-            machine.assigned(name, value, line)
+            machine.assigned(name, value)
         case tree.Listed(items=items):
             _unpack(machine, items, value, line)
         case tree.Attribute(owner=owner, name=name):
@@ -83,10 +83,13 @@ def _unpack(
 def _set_property(
     machine: Statements, owner: tree.Expression, name: str, value: Value, line: int
 ) -> None:
-    if isinstance(owner, tree.Name) and (machine.is_matlab or owner.name == "self"):
-        if not any(owner.name in scope for scope in machine.scopes):
-            # A structure of MATLAB, or a piece of a class without its head.
-            machine.scopes[0][owner.name] = Instance(_NOBODY)
+    if (
+        isinstance(owner, tree.Name)
+        and (machine.is_matlab or owner.name == "self")
+        and not any(owner.name in scope for scope in machine.scopes)
+    ):
+        # A structure of MATLAB, or a piece of a class without its head.
+        machine.scopes[0][owner.name] = Instance(_NOBODY)
     found = machine.evaluate(owner)
     if isinstance(found, Pose):
         if not machine.is_matlab:

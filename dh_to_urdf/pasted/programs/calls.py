@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from dh_to_urdf.cells.arithmetic import Sum, variable_of
 from dh_to_urdf.pasted.programs import (
     array_functions,
-    attributes,
     bodies,
     harmless,
     library,
@@ -19,6 +17,14 @@ from dh_to_urdf.pasted.programs import (
     poses,
     robots,
 )
+from dh_to_urdf.pasted.programs.instances import (
+    call_on_class,
+    call_on_instance,
+    call_on_robot,
+    has_part,
+    instantiate,
+)
+from dh_to_urdf.pasted.programs.operators import robot_of
 from dh_to_urdf.pasted.programs.refusals import refused
 from dh_to_urdf.pasted.programs.values import (
     Array,
@@ -44,8 +50,6 @@ from dh_to_urdf.pasted.programs.values import (
 
 if TYPE_CHECKING:
     from dh_to_urdf.pasted.programs.evaluation import Expressions
-
-_INITS = ("__init__",)
 
 
 def call(
@@ -74,25 +78,17 @@ def call(
         return machine.run_function(function, arguments, keywords, line, wanted)
     if isinstance(function, UserClass):
         return instantiate(machine, function, arguments, keywords, line)
-    arguments = [_robot_of(value) for value in arguments]
-    keywords = {key: _robot_of(value) for key, value in keywords.items()}
+    arguments = [robot_of(value) for value in arguments]
+    keywords = {key: robot_of(value) for key, value in keywords.items()}
     if isinstance(function, Method):
         return call_method(machine, function, arguments, keywords, line)
     if isinstance(function, Function):
         return _call_library(machine, function.name, arguments, keywords, line)
     if isinstance(function, Unresolved):
         return _call_unknown(machine, function.name, arguments, keywords, line)
-    if isinstance(function, Opaque) and not _has_part(arguments, keywords):
+    if isinstance(function, Opaque) and not has_part(arguments, keywords):
         return Opaque(function.why, function.line)
     raise Unread("a call of a value of this kind is not read")
-
-
-def _robot_of(value: Value) -> Value:
-    return value.robot if isinstance(value, Instance) and value.robot is not None else value
-
-
-def _has_part(arguments: Sequence[Value], keywords: dict[str, Value]) -> bool:
-    return any(is_part(value) for value in (*arguments, *keywords.values()))
 
 
 def _call_unknown(
@@ -106,10 +102,9 @@ def _call_unknown(
     if name in library.REACHING and not _is_startup(arguments):
         raise refused(line, f"{name}() may change any variable, and is not read")
     first = arguments[0] if arguments else None
-    if isinstance(first, (Body, Joint, Tree, Robot, Link, Items)) and machine.is_matlab:
-        if isinstance(first, (Body, Joint, Tree)) or name in ("copy",):
-            return call_method(machine, Method(first, name), arguments[1:], keywords, line)
-    if _has_part(arguments, keywords) and name not in harmless.FUNCTIONS:
+    if isinstance(first, (Body, Joint, Tree)):
+        return call_method(machine, Method(first, name), arguments[1:], keywords, line)
+    if has_part(arguments, keywords) and name not in harmless.FUNCTIONS:
         raise refused(line, f"{name}() takes a link or robot, and what it does is not known")
     return Opaque(f"{name}() is not read", line)
 
@@ -165,9 +160,9 @@ def _call_library(
             name, line, arguments, keywords, machine.is_matlab, machine.angle, machine.warnings
         )
         return poses.make_pose(found)
-    if name in ("symbols", "symbol", "Symbol", "sym") and arguments:
-        if isinstance(arguments[0], str):
-            return _symbols(arguments[0])
+    first = arguments[0] if arguments else None
+    if name in ("symbols", "symbol", "Symbol", "sym") and isinstance(first, str):
+        return _symbols(first)
     if name in ("atan2", "arctan2") and len(arguments) == 2:
         y, x = (numbers.as_scalar(value) for value in arguments)
         return numbers.atan2(y, x)
@@ -229,13 +224,13 @@ def call_method(
     """
     owner, name = function.owner, function.name
     if isinstance(owner, Instance):
-        return _call_on_instance(machine, function, arguments, keywords, line)
+        return call_on_instance(machine, function, arguments, keywords, line)
     if isinstance(owner, Function):
-        return _call_on_class(machine, owner, name, arguments, keywords, line)
+        return call_on_class(machine, owner, name, arguments, keywords, line)
     if isinstance(owner, Items):
         return list_methods.call(owner, name, arguments, keywords, line)
     if isinstance(owner, Robot):
-        return _call_on_robot(machine, owner, name, arguments, line)
+        return call_on_robot(machine, owner, name, arguments, line)
     if isinstance(owner, Link):
         if name == "copy":
             return robots.copied(owner)
@@ -256,7 +251,7 @@ def call_method(
         return array_functions.of_array_method(owner, name, arguments, keywords)
     if isinstance(owner, dict) and name in ("values", "keys", "get", "items"):
         return _of_dictionary(owner, name, arguments)
-    if _has_part(arguments, keywords):
+    if has_part(arguments, keywords):
         raise refused(line, f"{name}() takes a link or robot, and what it does is not known")
     return Opaque(f"{name}() is not read", line)
 
@@ -272,132 +267,3 @@ def _of_dictionary(owner: dict[str, Value], name: str, arguments: list[Value]) -
     if isinstance(key, str) and key in owner:
         return owner[key]
     raise Unread("a key is not there")
-
-
-def _call_on_robot(
-    machine: Expressions, robot: Robot, name: str, arguments: list[Value], line: int
-) -> Value:
-    if name in ("copy", "deepcopy") and not arguments and machine.is_matlab:
-        return _copy(machine, robot, deep=True, line=line)
-    if name in harmless.FUNCTIONS or name in harmless.ROBOT_NOTES:
-        return Opaque(f"{name}() of a robot", line)
-    raise refused(line, f"{name}() of the robot is not read")
-
-
-def _call_on_class(
-    machine: Expressions,
-    owner: Function,
-    name: str,
-    arguments: list[Value],
-    keywords: dict[str, Value],
-    line: int,
-) -> Value:
-    """Return what ``DHRobot.__init__(self, …)`` does, and ``Link.empty``."""
-    if owner.name in robots.CLASSES and name in _INITS and arguments:
-        first = arguments[0]
-        if isinstance(first, Instance):
-            return _init(machine, first, arguments[1:], keywords, line)
-    if owner.name in links.CLASSES and name == "empty":
-        return Items([])
-    if _has_part(arguments, keywords):
-        raise refused(line, f"{owner.name}.{name}() takes a link or robot, and is not read")
-    return Opaque(f"{owner.name}.{name}() is not read", line)
-
-
-def _init(
-    machine: Expressions,
-    instance: Instance,
-    arguments: list[Value],
-    keywords: dict[str, Value],
-    line: int,
-) -> Value:
-    """Make the robot of an object whose class is a robot's."""
-    arguments = [_robot_of(value) for value in arguments]
-    robot = robots.make_robot(
-        "DHRobot", line, arguments, keywords, machine.warnings, is_matlab=machine.is_matlab
-    )
-    machine.robots.append(robot)
-    instance.robot = robot
-    for key in ("base", "tool"):
-        instance.attributes.pop(key, None)
-    return None
-
-
-def _call_on_instance(
-    machine: Expressions,
-    function: Method,
-    arguments: list[Value],
-    keywords: dict[str, Value],
-    line: int,
-) -> Value:
-    owner, name = function.owner, function.name
-    assert isinstance(owner, Instance)
-    if name == "super":
-        raise Unread("super() alone is not read")
-    if function.of is not None:
-        return _call_super(machine, owner, function.of, name, arguments, keywords, line)
-    found = attributes.method(owner.of, name)
-    if found is not None:
-        given = arguments if machine.is_matlab and owner in arguments else [owner, *arguments]
-        return machine.run_function(found, given, keywords, line)
-    if owner.robot is not None:
-        return _call_on_robot(machine, owner.robot, name, arguments, line)
-    if is_part(owner) or _has_part(arguments, keywords):
-        if name not in harmless.FUNCTIONS:
-            raise refused(line, f"{name}() is not in the text, and what it does is not known")
-    return Opaque(f"{name}() is not read", line)
-
-
-def _call_super(
-    machine: Expressions,
-    owner: Instance,
-    of: UserClass,
-    name: str,
-    arguments: list[Value],
-    keywords: dict[str, Value],
-    line: int,
-) -> Value:
-    for parent in of.parents:
-        if isinstance(parent, UserClass):
-            found = attributes.method(parent, name)
-            if found is not None:
-                return machine.run_function(found, [owner, *arguments], keywords, line)
-        if isinstance(parent, Function) and parent.name in robots.CLASSES and name in _INITS:
-            return _init(machine, owner, arguments, keywords, line)
-    if is_part(owner) or _has_part(arguments, keywords):
-        raise refused(line, f"super().{name}() is not read")
-    return None
-
-
-def instantiate(
-    machine: Expressions,
-    of: UserClass,
-    arguments: list[Value],
-    keywords: dict[str, Value],
-    line: int,
-) -> Value:
-    """Return an object of a class of the program."""
-    of.used = True
-    instance = Instance(of)
-    machine.class_attributes(of, instance)
-    name = of.definition.name if machine.is_matlab else "__init__"
-    found = attributes.method(of, name)
-    if found is not None:
-        given = arguments if machine.is_matlab else [instance, *arguments]
-        machine.run_function(found, given, keywords, line, instance=instance)
-        return instance
-    if makes_robot(of):
-        return _init(machine, instance, arguments, keywords, line) or instance
-    if _has_part(arguments, keywords):
-        raise refused(line, f"{of.definition.name}() takes a link or robot, and is not read")
-    return instance
-
-
-def makes_robot(of: UserClass, depth: int = 0) -> bool:
-    """Return whether a class derives from a robot's class."""
-    for parent in of.parents:
-        if isinstance(parent, Function) and parent.name in robots.CLASSES:
-            return True
-        if isinstance(parent, UserClass) and depth < 8 and makes_robot(parent, depth + 1):
-            return True
-    return False

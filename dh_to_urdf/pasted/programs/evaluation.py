@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from dh_to_urdf.cells.arithmetic import Sum, variable_of
 from dh_to_urdf.cells.values import Values
-from dh_to_urdf.pasted.programs import arrays, attributes, calls, tree
+from dh_to_urdf.pasted.programs import arrays, attributes, calls, operators, tree
 from dh_to_urdf.pasted.programs.indexing import (
     Key,
     Several,
@@ -16,9 +16,9 @@ from dh_to_urdf.pasted.programs.indexing import (
     python_key,
 )
 from dh_to_urdf.pasted.programs.library import CONSTRUCTORS, KNOWN
-from dh_to_urdf.pasted.programs.numbers import PI, as_scalar, combined, negated, real, whole
+from dh_to_urdf.pasted.programs.numbers import PI, real, whole
+from dh_to_urdf.pasted.programs.operators import is_empty, robot_of
 from dh_to_urdf.pasted.programs.refusals import refused
-from dh_to_urdf.pasted.programs.robots import appended, multiplied
 from dh_to_urdf.pasted.programs.values import (
     MAX_ITEMS,
     Array,
@@ -40,7 +40,6 @@ from dh_to_urdf.pasted.programs.values import (
     is_part,
     number,
 )
-from dh_to_urdf.poses import Matrix
 
 MAX_STEPS = 60_000
 """Nodes that are evaluated."""
@@ -149,9 +148,9 @@ class Expressions:
             case tree.End():
                 return self._end()
             case tree.Unary():
-                return self._unary(node)
+                return operators.unary(self, node)
             case tree.Binary():
-                return self._binary(node)
+                return operators.binary(self, node)
             case tree.Listed(items=items, is_tuple=is_tuple):
                 return Items(list(self._spread(items)), is_tuple, line=node.line)
             case tree.Matrix():
@@ -403,89 +402,15 @@ class Expressions:
             return Items(list(value.items), value.is_tuple, line=value.line)
         return value
 
-    def _unary(self, node: tree.Unary) -> Value:
-        value = self.evaluate(node.operand)
-        if node.symbol == "not":
-            return not self.truth(value)
-        if node.symbol == "'":
-            if isinstance(value, Pose):
-                raise Unread("the transpose of a pose is not read")
-            if isinstance(value, Items) or not isinstance(value, Array):
-                return value
-            return arrays.transposed(value)
-        if node.symbol not in ("-", "+"):
-            raise Unread(f"{node.symbol} is not read")
-        if isinstance(value, (Array, Items)):
-            return arrays.elementwise("*", number(-1.0 if node.symbol == "-" else 1.0), value)
-        scalar = as_scalar(value)
-        return negated(scalar) if node.symbol == "-" else scalar
-
-    def _binary(self, node: tree.Binary) -> Value:
-        symbol = node.symbol
-        left = self.evaluate(node.left)
-        if symbol in ("and", "or"):
-            if self.truth(left) is (symbol == "or"):
-                return left
-            return self.evaluate(node.right)
-        right = self.evaluate(node.right)
-        left, right = _robot_of(left), _robot_of(right)
-        if symbol in ("==", "!=", "<", "<=", ">", ">=", "is", "is not", "in", "not in"):
-            return _compared(symbol, left, right)
-        if is_part(left) or is_part(right):
-            return self._of_parts(symbol, left, right, node.line)
-        if isinstance(left, Pose) or isinstance(right, Pose):
-            return _of_poses(symbol, left, right, is_matlab=self.is_matlab)
-        if isinstance(left, str) or isinstance(right, str):
-            if symbol == "+" and isinstance(left, str) and isinstance(right, str):
-                return left[:300] + right[:300]
-            if isinstance(left, Opaque) or isinstance(right, Opaque):
-                return Opaque("a text with values in it", node.line)
-            raise Unread("this operation on a text is not read")
-        if isinstance(left, Items) or isinstance(right, Items):
-            if not self.is_matlab and not isinstance(left, Array) and not isinstance(right, Array):
-                return _of_lists(symbol, left, right)
-        if isinstance(left, (Array, Items)) or isinstance(right, (Array, Items)):
-            return self._of_arrays(symbol, left, right)
-        if symbol == "^" and not self.is_matlab:
-            raise Unread("^ is no power in Python; write **")
-        return combined(symbol, as_scalar(left), as_scalar(right))
-
-    def _of_arrays(self, symbol: str, left: Value, right: Value) -> Value:
-        one, two = isinstance(left, (Array, Items)), isinstance(right, (Array, Items))
-        if symbol == "@" or (symbol == "*" and self.is_matlab and one and two):
-            return arrays.product(arrays.as_array(left), arrays.as_array(right))
-        if self.is_matlab and symbol in ("^", "\\", "/") and two:
-            raise Unread(f"{symbol} of matrices is not read")
-        if symbol == "^" and self.is_matlab:
-            raise Unread("a power of a matrix is not read; write .^")
-        return arrays.elementwise(symbol, left, right)
-
-    def _of_parts(self, symbol: str, left: Value, right: Value, line: int) -> Value:
-        """Return the sum of lists of links, or a robot with more links."""
-        if isinstance(left, Items) and isinstance(right, Items) and not self.is_matlab:
-            return _of_lists(symbol, left, right)
-        if isinstance(left, Items) and isinstance(right, (Sum, bool)) and symbol == "*":
-            return _of_lists(symbol, left, right)
-        if isinstance(left, Robot) and isinstance(right, (Robot, Link)):
-            made = None
-            if symbol == "+" and not self.is_matlab:
-                made = appended(left, right, line)
-            elif symbol == "*" and self.is_matlab and isinstance(right, Robot):
-                made = multiplied(left, right, line)
-            if made is not None:
-                self.robots.append(made)
-                return made
-        raise Unread(f"{symbol} of a link or robot is not read")
-
     def _matrix(self, node: tree.Matrix) -> Value:
         rows = [[self.evaluate(part) for part in row] for row in node.rows]
-        flat = [_robot_of(value) for row in rows for value in row]
+        flat = [robot_of(value) for row in rows for value in row]
         if node.is_cell or any(is_part(value) for value in flat):
             items: list[Value] = []
             for value in flat:
                 spread = isinstance(value, Items) and not node.is_cell
                 items += value.items if isinstance(value, Items) and spread else [value]
-            return Items([v for v in items if not _is_empty(v) or node.is_cell], line=node.line)
+            return Items([v for v in items if not is_empty(v) or node.is_cell], line=node.line)
         if flat and all(isinstance(value, str) for value in flat):
             return "".join(str(value) for value in flat)[:600]
         for value in flat:
@@ -525,14 +450,6 @@ class Expressions:
         raise Unread("the target of a loop is not read")
 
 
-def _robot_of(value: Value) -> Value:
-    return value.robot if isinstance(value, Instance) and value.robot is not None else value
-
-
-def _is_empty(value: Value) -> bool:
-    return isinstance(value, Array) and not value.elements
-
-
 def _block(value: Value) -> Array:
     found = arrays.as_array(value)
     return Array(found.rows)
@@ -548,60 +465,3 @@ def _sizes(value: Value, count: int) -> tuple[int, ...]:
             return (one_line,)
         return (value.shape[1],) if value.flat else value.shape
     return (1,)
-
-
-def _compared(symbol: str, left: Value, right: Value) -> bool:
-    if symbol in ("is", "is not"):
-        if right is None or isinstance(right, bool):
-            if isinstance(left, (Opaque, Unresolved)):
-                raise Unread("compares a value that is not known")
-            return (left is right) is (symbol == "is")
-        raise Unread("is between values is not read")
-    if symbol in ("in", "not in"):
-        if isinstance(right, (dict, str)) and isinstance(left, str):
-            return (left in right) is (symbol == "in")
-        raise Unread("in is not read here")
-    if isinstance(left, str) and isinstance(right, str) and symbol in ("==", "!="):
-        return (left == right) is (symbol == "==")
-    one, two = real(left), real(right)
-    return {
-        "==": one == two,
-        "!=": one != two,
-        "<": one < two,
-        "<=": one <= two,
-        ">": one > two,
-        ">=": one >= two,
-    }[symbol]
-
-
-def _of_lists(symbol: str, left: Value, right: Value) -> Value:
-    if symbol == "+" and isinstance(left, Items) and isinstance(right, Items):
-        if left.is_tuple == right.is_tuple:
-            return Items([*left.items, *right.items], left.is_tuple)
-    if symbol == "*":
-        items, times = (left, right) if isinstance(left, Items) else (right, left)
-        if isinstance(items, Items) and len(items.items) * whole(times) <= MAX_ITEMS:
-            return Items(items.items * whole(times), items.is_tuple)
-    raise Unread(f"{symbol} of these lists is not read")
-
-
-def _of_poses(symbol: str, left: Value, right: Value, *, is_matlab: bool) -> Value:
-    if symbol == "*" or (symbol == "@" and not is_matlab):
-        if isinstance(left, Pose) and isinstance(right, Pose):
-            return Pose(left.matrix @ right.matrix)
-        matrices = [v.matrix if isinstance(v, Pose) else v for v in (left, right)]
-        if is_matlab and all(isinstance(v, (Array, Pose)) for v in (left, right)):
-            one, two = (arrays.to_matrix(v) for v in (left, right))
-            if one.shape == two.shape == (4, 4):
-                return Pose(one @ two)
-        del matrices
-    if symbol == "/" and isinstance(left, Pose) and isinstance(right, Pose):
-        return Pose(left.matrix @ _inverse(right))
-    raise Unread(f"{symbol} of a pose and this value is not read")
-
-
-def _inverse(pose: Pose) -> Matrix:
-    R, p = pose.matrix[:3, :3], pose.matrix[:3, 3]
-    T = pose.matrix.copy()
-    T[:3, :3], T[:3, 3] = R.T, -R.T @ p
-    return T

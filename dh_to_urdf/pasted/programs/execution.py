@@ -228,10 +228,9 @@ class Statements(Expressions):
         target = targets[0]
         given = statement.value
         empty = isinstance(given, tree.Matrix) and not given.rows and not given.is_cell
-        if self.is_matlab and empty:
-            if isinstance(target, (tree.Apply, tree.Index)):
-                assignment.remove(self, target, line)
-                return
+        if self.is_matlab and empty and isinstance(target, (tree.Apply, tree.Index)):
+            assignment.remove(self, target, line)
+            return
         if isinstance(target, tree.Listed):
             self.wanted = len(target.items)
         try:
@@ -242,10 +241,13 @@ class Statements(Expressions):
             assignment.assign(self, place, value, line)
 
     def _evaluate_alone(self, node: tree.Expression) -> None:
-        if isinstance(node, tree.Name) and self.is_matlab:
-            if not any(node.name in scope for scope in self.scopes):
-                self._bare_word(node)
-                return
+        if (
+            isinstance(node, tree.Name)
+            and self.is_matlab
+            and not any(node.name in scope for scope in self.scopes)
+        ):
+            self._bare_word(node)
+            return
         if isinstance(node, tree.Text):
             return
         value = self.evaluate(node)
@@ -366,7 +368,7 @@ class Statements(Expressions):
             scope["nargin"] = number(len(arguments))
         return scope
 
-    def assigned(self, name: str, value: Value, line: int) -> None:
+    def assigned(self, name: str, value: Value) -> None:
         """Give a variable its value; a number that the user gives wins."""
         key = name.replace("_", "")
         if isinstance(value, Sum) and self.given.get(key) is not None:

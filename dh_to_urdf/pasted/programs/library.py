@@ -27,8 +27,23 @@ _OTHER_ROBOTS_TEXT = """
 OTHER_ROBOTS = frozenset(_OTHER_ROBOTS_TEXT.split())
 """Classes of robots that are not made of D-H links."""
 KNOWN = frozenset(
-    (*CONSTRUCTORS, *ARRAYS, *LISTS, *COPIES, *ONE_NUMBER, *poses.NAMES, *OTHER_ROBOTS)
-    + ("atan2", "arctan2", "hypot", "pow", "power", "super", "object", "handle")
+    {
+        *CONSTRUCTORS,
+        *ARRAYS,
+        *LISTS,
+        *COPIES,
+        *ONE_NUMBER,
+        *poses.NAMES,
+        *OTHER_ROBOTS,
+        "atan2",
+        "arctan2",
+        "hypot",
+        "pow",
+        "power",
+        "super",
+        "object",
+        "handle",
+    }
 )
 """Names that stand for a function of a library where the program gives them no value."""
 _REACHING_TEXT = """

@@ -81,14 +81,15 @@ def _parsed(text: str) -> ast.Module:
 
 
 def _comments(text: str) -> tuple[Comment, ...]:
-    found = []
     try:
-        for token in tokenize.generate_tokens(io.StringIO(text).readline):
-            if token.type == tokenize.COMMENT:
-                found.append(Comment(token.start[0], token.string.lstrip("# ")))
+        tokens = list(tokenize.generate_tokens(io.StringIO(text).readline))
     except (tokenize.TokenError, SyntaxError):
-        return tuple(found)
-    return tuple(found)
+        return ()
+    return tuple(
+        Comment(token.start[0], token.string.lstrip("# "))
+        for token in tokens
+        if token.type == tokenize.COMMENT
+    )
 
 
 class _Reader:

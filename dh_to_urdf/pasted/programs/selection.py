@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from dh_to_urdf.errors import DHError, quoted
-from dh_to_urdf.pasted.programs import bodies, calls, tree
+from dh_to_urdf.pasted.programs import bodies, instances, tree
 from dh_to_urdf.pasted.programs.execution import Statements
 from dh_to_urdf.pasted.programs.library import CONSTRUCTORS
 from dh_to_urdf.pasted.programs.refusals import refused
@@ -92,11 +92,11 @@ def _of_definitions(machine: Statements) -> Iterator[Robot]:
     classes = {id(v): v for v in defined if isinstance(v, UserClass) and not v.used}
     parents = {id(parent) for v in classes.values() for parent in v.parents}
     for key, value in classes.items():
-        if key in parents or not (calls.makes_robot(value) or _makes(value.definition)):
+        if key in parents or not (instances.makes_robot(value) or _makes(value.definition)):
             continue
         line = value.definition.line
         try:
-            found = calls.instantiate(machine, value, [], {}, line)
+            found = instances.instantiate(machine, value, [], {}, line)
         except Unread as error:
             raise refused(line, f"class {value.definition.name}: {error}") from None
         yield from _named(found, value.definition.name)

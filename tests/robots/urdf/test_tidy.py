@@ -1,4 +1,4 @@
-"""Faults that kinematics does not depend on: the robot is read, and the answer says what was odd."""
+"""Faults that kinematics does not depend on: the robot is read, and it is said what was odd."""
 
 import math
 
