@@ -2,9 +2,8 @@
 
 A cell is a number, or a short text with numbers, ``+ - * / **`` (or ``^``), parentheses, ``sqrt``,
 ``sin``, ``cos``, ``tan``, ``atan2``, ``pi`` (or ``π``), unit suffixes (``deg``, ``°``, ``rad``,
-``m``,
-``cm``, ``mm``), names with a given value, and at most one joint variable with coefficient ±1.
-A plain number is in the units of its table; ``pi`` and suffixed numbers carry their own unit
+``m``, ``cm``, ``mm``), names with a given value, and at most one joint variable with coefficient
+±1. A plain number is in the units of its table; ``pi`` and suffixed numbers carry their own unit
 whatever the table says.
 """
 

@@ -99,6 +99,8 @@ def _call_unknown(
     line: int,
 ) -> Value:
     """Return a value that is not known, for a function that nothing is known of."""
+    if name == "assignin" and len(arguments) == 3 and isinstance(arguments[1], str):
+        return _assign_in(machine, arguments[1], arguments[2], line)
     if name in library.REACHING and not _is_startup(arguments):
         raise refused(line, f"{name}() may change any variable, and is not read")
     first = arguments[0] if arguments else None
@@ -107,6 +109,20 @@ def _call_unknown(
     if has_part(arguments, keywords) and name not in harmless.FUNCTIONS:
         raise refused(line, f"{name}() takes a link or robot, and what it does is not known")
     return Opaque(f"{name}() is not read", line)
+
+
+def _assign_in(machine: Expressions, name: str, value: Value, line: int) -> Value:
+    """Set a variable of the workspace, as functions of models of MATLAB do.
+
+    Raises:
+        DHError: From a function that a function calls, whose variables are not those meant.
+    """
+    if len(machine.frames) > 1 or not name.isidentifier():
+        raise refused(line, "assignin() in a function that another one calls is not read")
+    if isinstance(value, Robot):
+        value.title = value.title or name
+    machine.workspace[name] = value
+    return None
 
 
 def _is_startup(arguments: list[Value]) -> bool:

@@ -76,6 +76,7 @@ class Expressions:
         self.scopes: list[dict[str, Value]] = [{}]
         self.imports: dict[str, str] = {}
         self.functions: dict[str, Value] = {}
+        self.workspace = self.scopes[0]
         self.warnings: list[str] = []
         self.robots: list[Robot] = []
         self.trees: list[Tree] = []

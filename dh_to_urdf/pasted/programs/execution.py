@@ -327,6 +327,8 @@ class Statements(Expressions):
         if len(self.frames) >= MAX_CALLS:
             raise refused(line, f"{definition.name}() calls itself too deeply")
         scope = self._bound(definition, arguments, keywords)
+        if self.is_matlab:
+            scope["nargout"] = number(wanted)
         if instance is not None and definition.outputs:
             scope[definition.outputs[0]] = instance
         outer = self.scopes

@@ -41,7 +41,7 @@ def robot_of(machine: Statements, name: str | None) -> Robot | None:
     """
     robots = list(_robots(machine))
     if not robots:
-        robots = list(_of_definitions(machine))
+        robots = list(_of_definitions(machine)) or list(_robots(machine))
     if len(robots) > 1 and name is not None:
         robots = [r for r in robots if name in (r.name, r.title)] or robots
     if len(robots) > 1:

@@ -70,6 +70,12 @@ CASES = {
         TIP,
     ),
     "function file": (f"function arm = make()\n{ARM_M}end", TIP),
+    "model function of the Toolbox": (
+        f"function r = mdl_arm()\n{M}robot = SerialLink(L, 'name', 'A/1');\nq = [0 0];\n"
+        "if nargin == 1\n r = robot;\nelseif nargin == 0\n assignin('caller', 'arm', robot);\n"
+        " assignin('caller', 'qz', q);\nend\nend\n",
+        TIP,
+    ),
     "class of MATLAB": (
         "classdef Arm < handle\n properties\n  model\n end\n methods\n  function self = Arm(base)\n"
         "   if nargin < 1\n    base = transl(0,0,0.5);\n   end\n   self.make();\n"

@@ -606,3 +606,95 @@ def test_comments_in_blocks_lists_of_links_and_a_name_like_base():
     ]
     text = "%{\nL(1)=Link('d',1);\n%}\nL(1)=Link('d',0.5);"
     assert [row.d for row in read_pasted(text, "dh").rows] == [0.5]
+
+
+def test_variables_may_count_the_rows_that_move():
+    text = (
+        "| i | type | α | a | d | θ |\n|-|-|-|-|-|-|\n| 0 | F | π | 0 | 0 | 0 |\n"
+        "| 1 | R | π/2 | 0 | -0.28 | q1 |\n| 2 | R | π/2 | 0 | -0.01 | q{}+π |\n"
+    )
+    table = read_pasted(text.format(2), "standard")
+    assert [row.type.value for row in table.rows] == ["fixed", "revolute", "revolute"]
+    assert table.rows[2].offset == math.pi
+    with pytest.raises(DHError, match="is the variable of joint 3, not 2"):
+        read_pasted(text.format(3), "standard")
+    rows = text.replace("q1", "q2").format(3)
+    assert read_pasted(rows, "standard").dof == 2
+
+
+@pytest.mark.parametrize("labels", ["i1 i2 i3", "0 1 2", "1 2 3"])
+def test_a_print_of_a_data_frame_has_labels_without_a_heading(labels):
+    first, second, third = labels.split()
+    text = (
+        "      θi        di   a(i-1)    α(i-1)\n"
+        f"{first}  0.00  0.089159  0.00000  0.000000\n"
+        f"{second} -1.57  0.000000  0.00000  1.570000\n"
+        f"{third}  0.00  0.000000 -0.42500  0.000000\n"
+    )
+    rows = read_pasted(text, "modified").rows
+    assert [(row.d, row.a, row.alpha) for row in rows] == [
+        (0.089159, 0, 0),
+        (0, 0, 1.57),
+        (0, -0.425, 0),
+    ]
+    if third.isdecimal():
+        with pytest.raises(DHError, match="5 cells under 4 columns"):
+            read_pasted(text.replace(f"\n{third} ", "\n7 "), "modified")
+
+
+@pytest.mark.parametrize("theta", "θϑΘϴӨөƟѲ𝜃")
+def test_letters_that_look_like_theta_are_read(theta):
+    text = f"| i | α i-1 | a i-1 | di | {theta} i |\n|-|-|-|-|-|\n| 1 | 0 | 0 | 0.34 | {theta}1 |\n"
+    assert read_pasted(text, "modified").rows[0].d == 0.34
+
+
+PRINT = """DHRobot: arm, 2 joints (RR), dynamics, standard DH parameters
+┌──────┬───────┬───────┬────────┐
+│  θⱼ  │  dⱼ   │  aⱼ   │   ⍺ⱼ   │
+├──────┼───────┼───────┼────────┤
+│  q1  │  0.4  │  0.3  │   0.0° │
+│  q2  │  0.0  │  0.2  │ 180.0° │
+└──────┴───────┴───────┴────────┘
+
+┌──────┬──────┬───────┐
+│ name │ q0   │ q1    │
+├──────┼──────┼───────┤
+│   qz │  0°  │  0°   │
+└──────┴──────┴───────┘
+"""
+
+
+def test_the_whole_print_of_a_robot_of_the_toolbox():
+    table = read_pasted(PRINT, "standard")
+    assert [(row.d, row.a) for row in table.rows] == [(0.4, 0.3), (0, 0.2)]
+    assert table.warnings == ("line 10: the box of named configurations is left out",)
+    tool = "\n┌──────┬──────────┐\n│ tool │ t = 0, 0 │\n└──────┴──────────┘\n"
+    with pytest.raises(DHError, match="line 16: the box with base and tool"):
+        read_pasted(PRINT + tool, "standard")
+
+
+def test_a_last_row_to_the_end_of_the_arm_does_not_move():
+    text = (
+        "Links | alpha(i-1) | a(i-1) | d(i) | theta(i)\n--- | --- | --- | --- | ---\n"
+        "0->1 | 0 | 0 | 0.75 | q1\n1->2 | - pi/2 | 0.35 | 0 | q2 - pi/2\n"
+        "{} | 0 | 1.25 | 0.303 | 0\n"
+    )
+    for last in ("2->EE", "2->G", "2 -> tool", "end-effector"):
+        table = read_pasted(text.format(last), "modified")
+        assert [row.type.value for row in table.rows] == ["revolute", "revolute", "fixed"]
+        assert "the last row has no joint variable" in table.warnings[0]
+    with pytest.raises(DHError, match="no cell holds the joint variable"):
+        read_pasted(text.format("2->3"), "modified")
+
+
+def test_a_number_for_a_joint_variable_is_refused():
+    with pytest.raises(DHError, match="'q1' is the variable of this joint, and values gives it"):
+        read_pasted("alpha a d theta\n0 0.3 0 q1\n", "dh", values={"q1": 0.4})
+    assert read_pasted("alpha a d theta\n0 a1 0 q1\n", "dh", values={"a1": 0.4}).rows[0].a == 0.4
+
+
+def test_powers_stand_in_cells():
+    for cell, value in (("0.5**2", 0.25), ("0.5^2", 0.25), ("sqrt(0.3**2+0.4**2)", 0.5)):
+        assert first_row({"a": cell}).a == value
+    assert first_row({"α": "atan2(1,0)"}).alpha == math.pi / 2
+    assert first_row({"a": "$0.5^{2}$"}).a == 0.25
