@@ -11,7 +11,7 @@ from dh_to_urdf.errors import quoted
 
 _NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _TOKEN = re.compile(
-    rf"\s*(?:(?P<number>{_NUMBER})|(?P<word>[^\W\d_]\w*)|(?P<symbol>[-+*/(),°]))", re.UNICODE
+    rf"\s*(?:(?P<number>{_NUMBER})|(?P<word>[^\W\d_]\w*)|(?P<symbol>\*\*|[-+*/(),°^]))", re.UNICODE
 )
 _VARIABLE = re.compile(r"(?P<letter>q|theta|th|t|θ|ϑ|d|r)_?(?P<index>[0-9]{0,6})")
 _ANGLE_UNITS = {"deg": math.pi / 180, "rad": 1.0}
@@ -120,6 +120,20 @@ class Lookup(Protocol):
         """Return the value of a name without underscores, or None."""
 
 
+def _power(base: Sum, exponent: Sum) -> Sum:
+    """Return a plain number to a plain power."""
+    if not base.is_plain or not exponent.is_plain:
+        raise CellError("takes a power of something that is not a plain number")
+    if exponent.plain == 0.0:
+        raise CellError("has the exponent 0, which may be a degree sign; write 90° or leave it out")
+    if base.plain == 0.0 and exponent.plain < 0.0:
+        raise CellError("divides by zero")
+    result = base.plain**exponent.plain
+    if isinstance(result, complex):
+        raise CellError("takes a root of a negative number")
+    return Sum(plain=float(result))
+
+
 class _Parser:
     """Recursive descent over one cell."""
 
@@ -203,7 +217,11 @@ class _Parser:
             return self.signed().scaled(-1.0)
         if self.take("+"):
             return self.signed()
-        return self.with_unit(self.atom())
+        base = self.with_unit(self.atom())
+        if not self.take("**", "^"):
+            return base
+        exponent = self.signed()
+        return _power(base, exponent)
 
     def with_unit(self, value: Sum) -> Sum:
         kind, text = self.peek()

@@ -1,9 +1,9 @@
 """Cells of a D-H table as people write them: ``pi/2``, ``-90deg``, ``0,4``, ``q2 - pi/2``.
 
-A cell is a number, or a short text with numbers, ``+ - * /``, parentheses, ``sqrt``, ``sin``,
-``cos``, ``tan``, ``atan2``, ``pi`` (or ``π``), unit suffixes (``deg``, ``°``, ``rad``, ``m``,
-``cm``, ``mm``), names with a given value, and at most one joint variable with coefficient ±1.
-A plain number is in the units of its table; ``pi`` and suffixed numbers carry their own unit
+A cell is a number, or a short text with numbers, ``+ - * / **`` (or ``^``), parentheses, ``sqrt``,
+``sin``, ``cos``, ``tan``, ``atan2``, ``pi`` (or ``π``), unit suffixes (``deg``, ``°``, ``rad``,
+``m``, ``cm``, ``mm``), names with a given value, and at most one joint variable with coefficient
+±1. A plain number is in the units of its table; ``pi`` and suffixed numbers carry their own unit
 whatever the table says.
 """
 
@@ -14,7 +14,7 @@ import re
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
-from dh_to_urdf.cells.arithmetic import CellError, Lookup, parse_sum, variable_of
+from dh_to_urdf.cells.arithmetic import CellError, Lookup, Sum, parse_sum, variable_of
 from dh_to_urdf.errors import quoted
 
 __all__ = ["Cell", "CellError", "Quantity", "parse_cell"]
@@ -25,6 +25,7 @@ MAX_MAGNITUDE = 1e6
 _SIGNS = str.maketrans({"−": "-", "–": "-", "×": "*", "·": "*", "⋅": "*", "\u00a0": " "})
 _DECIMAL_COMMA = re.compile(r"(?<![\d.,])([0-9]+),([0-9]+)(?![\d.,])")
 _THOUSANDS = re.compile(r"(?<![\d.,])[1-9][0-9]{0,2},[0-9]{3}(?![\d.,])")
+_WITH_COMMA = re.compile(r"(atan2\s?\([^()]{0,40}(?:\([^()]{0,40}\)[^()]{0,40}){0,4}\))")
 _DATE = re.compile(r"\s*(?:[0-9]{4}-[0-9]{2}-[0-9]{2}|[0-9]{1,2}/[0-9]{1,2}/[0-9]{4})\s*")
 _MIDDLE_DOT = re.compile(r"[0-9]\s*·\s*[0-9]")
 _ANGLE_UNIT = re.compile(r"deg|°|rad", re.IGNORECASE)
@@ -119,9 +120,13 @@ def ascii_numbers(text: str) -> str:
     if _MIDDLE_DOT.search(text):
         raise CellError("has a · that is a decimal point or a product; write . or *")
     text = text.translate(_SIGNS)
-    if _THOUSANDS.search(text):
-        raise CellError("reads as two numbers; write a decimal point")
-    return _DECIMAL_COMMA.sub(r"\1.\2", text)
+    parts = _WITH_COMMA.split(text)
+    # The comma of atan2(1,0) parts its arguments.
+    for k in range(0, len(parts), 2):
+        if _THOUSANDS.search(parts[k]):
+            raise CellError("reads as two numbers; write a decimal point")
+        parts[k] = _DECIMAL_COMMA.sub(r"\1.\2", parts[k])
+    return "".join(parts)
 
 
 def _in_si(number: float, quantity: Quantity, unit: float) -> float:
@@ -159,11 +164,30 @@ def _parse_text(
         raise CellError(f"is {shown}, which {error}") from None
     except (OverflowError, RecursionError):
         raise CellError(f"is {shown}, which is not a finite number") from None
+    with_unit = _ANGLE_UNIT.search(raw) is not None
+    return _cell(total, quantity, unit, raw, with_unit=with_unit)
+
+
+def cell_of_sum(total: Sum, quantity: Quantity, unit: float, text: str) -> Cell:
+    """Return the cell of a number that is computed already.
+
+    Args:
+        total: The number.
+        quantity: What the cell measures.
+        unit: Value of one table unit in SI.
+        text: What messages show.
+
+    Raises:
+        CellError: It is not finite, too large or of another quantity.
+    """
+    return _checked(_cell(total, quantity, unit, text, with_unit=False), text)
+
+
+def _cell(total: Sum, quantity: Quantity, unit: float, raw: str, *, with_unit: bool) -> Cell:
+    shown = quoted(raw)
     if quantity is not Quantity.LENGTH and total.has_length:
         raise CellError(f"is {shown}, a length; {_NEEDED[quantity]} is needed")
-    of_angles = quantity is Quantity.ANGLE or (
-        quantity is Quantity.NUMBER and _ANGLE_UNIT.search(raw) is None
-    )
+    of_angles = quantity is Quantity.ANGLE or (quantity is Quantity.NUMBER and not with_unit)
     if total.has_angle and not of_angles:
         raise CellError(f"is {shown}, an angle; {_NEEDED[quantity]} is needed")
     if quantity is Quantity.ANGLE and unit != 1.0 and total.has_angle and total.plain != 0.0:

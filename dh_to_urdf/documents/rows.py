@@ -234,10 +234,9 @@ class RowReader:
                     item.at("mu"), f"{item.label}: mu is {quoted(raw)}; give 1 (moved) or 0"
                 )
             elif mu == 0 and type_ is not JointType.FIXED:
-                self.report.add(
-                    item.at("mu"),
-                    f"{item.label}: mu = 0 is a passive joint, which belongs to a closed loop;"
-                    " closed loops are not computed. Give mu = 1 to treat the joint as independent",
+                self.report.warnings.append(
+                    f"{item.label}: mu = 0 is a passive joint; a table without closed loops has"
+                    " none, and the joint is taken as independent (mu = 1)"
                 )
         if "ant" not in item.fields:
             return item.k

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from dh_to_urdf.cells.expressions import Cell, CellError, Quantity, parse_cell
+from dh_to_urdf.cells.expressions import Cell, CellError, Quantity, cell_of_sum, parse_cell
 from dh_to_urdf.cells.values import Values
 from dh_to_urdf.documents.checks import Report
 from dh_to_urdf.documents.rows import OWN_LETTERS
@@ -18,6 +18,8 @@ TURN: Final = 2 * math.pi
 """Bare angles of a table beyond this (rad) look like degrees."""
 LIMIT_TURNS: Final = 20.0
 """Bare limits beyond this (rad) look like degrees."""
+NO_LIMIT: Final = 36_000.0
+"""Bare limits from this on (rad) say that there is none, such as ±999999."""
 ABSENT: Final = frozenset({"", "-", "–", "—", "−", "--", "---"})
 """Texts of cells that hold nothing."""
 ANY_VARIABLE: Final = frozenset({"*", "var", "var.", "variable"})
@@ -41,6 +43,8 @@ class CellReader:
         self.values = values
         self.report = Report()
         self.warnings: list[str] = []
+        self.numbers = list(range(1, len(raw.rows) + 1))
+        """Number of the variable of each row; rows that do not move have none of their own."""
         self._angle = angle
         self._units = {
             Quantity.ANGLE: ANGLES[angle or "rad"],
@@ -69,16 +73,22 @@ class CellReader:
         if len(cell.text) > MAX_RAW_CELL:
             self.add(k, cell, f"the cell is longer than {MAX_RAW_CELL} characters")
             return None
-        text = plain_cell(cell.text)
+        text = cell.text if cell.total is not None else plain_cell(cell.text)
         unit = cell.unit if cell.unit is not None else self._units[quantity]
         try:
-            parsed = parse_cell(text, quantity, unit, values, self._units[Quantity.ANGLE])
+            if cell.total is not None:
+                parsed = cell_of_sum(cell.total, quantity, unit, text)
+            else:
+                parsed = parse_cell(text, quantity, unit, values, self._units[Quantity.ANGLE])
         except CellError as error:
             shown = "" if text == cell.text.strip() else f"{quoted(cell.text)} "
             self.add(k, cell, f"{shown}{error}")
             return None
         undecided = self._angle is None and cell.unit is None and quantity is Quantity.ANGLE
-        if undecided and bare is not None and abs(parsed.plain) > bare:
+        looks_like_degrees = bare is not None and bare < abs(parsed.plain)
+        if bare == LIMIT_TURNS and abs(parsed.plain) >= NO_LIMIT:
+            looks_like_degrees = False
+        if undecided and looks_like_degrees:
             self.add(
                 k,
                 cell,
@@ -100,26 +110,46 @@ class CellReader:
         """Return the cell if it holds the variable that its column may have, else None."""
         if cell is None or len(cell.text) > MAX_RAW_CELL:
             return None
-        text = plain_cell(cell.text)
+        text = cell.text if cell.total is not None else plain_cell(cell.text)
         if text.lower() in ANY_VARIABLE:
             return Cell(0.0, "q", text=text)
         letters = OWN_LETTERS[column]
         quantity = Quantity.ANGLE if column == "theta" else Quantity.LENGTH
         try:
-            parsed = parse_cell(text, quantity, 1.0, self.values)
+            if cell.total is not None:
+                parsed = cell_of_sum(cell.total, quantity, 1.0, text)
+            else:
+                parsed = parse_cell(text, quantity, 1.0, self.values)
         except CellError:
             return None
-        return parsed if parsed.variable in letters and parsed.index in (None, k + 1) else None
+        return (
+            parsed
+            if parsed.variable in letters and parsed.index in (None, self.numbers[k])
+            else None
+        )
+
+    def any_variable(self, cell: RawCell, column: str) -> int | None:
+        """Return the number of the joint variable in a cell; None for none."""
+        try:
+            parsed = parse_cell(
+                plain_cell(cell.text),
+                Quantity.LENGTH if column in ("d", "r") else Quantity.ANGLE,
+                1.0,
+                self.values,
+            )
+        except CellError:
+            return None
+        return parsed.index if parsed.variable is not None else None
 
 
-def foreign_variable(cell: Cell, column: str, own: bool, k: int) -> str | None:
+def foreign_variable(cell: Cell, column: str, own: bool, number: int) -> str | None:
     """Say why a joint variable cannot stand in a cell; None where it can, or there is none.
 
     Args:
         cell: The cell.
         column: Its column.
         own: Whether the column is that of the joint's variable.
-        k: Number of the joint, from 0.
+        number: Number of the joint's variable, from 1.
     """
     if cell.variable is None:
         return None
@@ -128,6 +158,6 @@ def foreign_variable(cell: Cell, column: str, own: bool, k: int) -> str | None:
             f"{quoted(cell.text)} holds {cell.name}, which is not the joint variable of this"
             f" column; if it is a constant, give values {cell.name}:0.5"
         )
-    if cell.index not in (None, k + 1):
-        return f"{quoted(cell.text)} is the variable of joint {cell.index}, not {k + 1}"
+    if cell.index not in (None, number):
+        return f"{quoted(cell.text)} is the variable of joint {cell.index}, not {number}"
     return None

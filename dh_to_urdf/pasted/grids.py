@@ -193,4 +193,6 @@ def _aligned(numbered: list[tuple[int, str]]) -> list[Line]:
     narrow = [Line(number, tuple(line.split())) for number, line in numbered]
     if len({len(line.cells) for line in narrow}) == 1 or len(wide[0].cells) < 3:
         return narrow
+    if {len(line.cells) for line in narrow[1:]} == {len(narrow[0].cells) + 1}:
+        return narrow  # rows with a label, as pandas prints them
     return wide

@@ -12,7 +12,8 @@ from dh_to_urdf.pasted.latex import plain_cell
 
 MAX_HEADING = 100
 _SPELLINGS = {
-    "index": "i j k n # no nr no. nr. num joint link axis row frame liaison articulation axe corps"
+    "index": "i j k n # no nr no. nr. num joint link axis row frame liaison links joints axes"
+    " articulation axe corps"
     " gelenk",
     "name": "name nom jointname",
     "type": "type sigma σ jointtype kind",

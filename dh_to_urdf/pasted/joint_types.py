@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from dh_to_urdf.cells.arithmetic import variable_of
 from dh_to_urdf.documents.joint_types import TYPE_ALIASES
 from dh_to_urdf.errors import quoted
@@ -16,6 +18,9 @@ _SPELLINGS = {
     " prismatique",
     JointType.FIXED: "2 fixe",
 }
+_TIP = re.compile(
+    r"(?:^|[^\w])(?:ee|e|g|t|tcp|tool|tip|hand|gripper|flange|end[ -]?effector)$", re.IGNORECASE
+)
 _TYPES = {
     spelling: type_ for type_, listed in _SPELLINGS.items() for spelling in listed.split()
 } | TYPE_ALIASES
@@ -32,6 +37,7 @@ def joint_types(cells: CellReader, z_column: str) -> list[JointType]:
         DHError: A type cannot be read or is open.
     """
     raw = cells.raw
+    cells.numbers = _variable_numbers(cells, z_column)
     named = {
         column
         for k, row in enumerate(raw.rows)
@@ -41,6 +47,12 @@ def joint_types(cells: CellReader, z_column: str) -> list[JointType]:
     types = [_type(cells, k, row, z_column, named) for k, row in enumerate(raw.rows)]
     cells.report.raise_if_any()
     unknown = [k for k, type_ in enumerate(types) if type_ is None]
+    if unknown == [len(types) - 1] and named and _ends_chain(raw.rows[-1]):
+        types[-1], unknown = JointType.FIXED, []
+        cells.warnings.append(
+            f"joint {len(types)} (line {raw.rows[-1].line}): the last row has no joint variable"
+            " and is read as one that does not move"
+        )
     if unknown and len(unknown) < len(types):
         for k in unknown:
             cells.add(
@@ -57,6 +69,43 @@ def joint_types(cells: CellReader, z_column: str) -> list[JointType]:
             " as revolute"
         )
     return [type_ or JointType.REVOLUTE for type_ in types]
+
+
+def _variable_numbers(cells: CellReader, z_column: str) -> list[int]:
+    """Return the number of the variable of each row, from 1.
+
+    Rows that a column says are fixed count only if the variables of the others count them.
+    """
+    rows = cells.raw.rows
+    fixed = [_is_fixed(row) for row in rows]
+    if not any(fixed):
+        return list(range(1, len(rows) + 1))
+    moving = [sum(not f for f in fixed[: k + 1]) for k in range(len(rows))]
+    for k, row in enumerate(rows):
+        if fixed[k] or moving[k] == k + 1:
+            continue
+        for column in ("theta", z_column, "variable"):
+            cell = row.cells.get(column)
+            if cell is None or len(cell.text) > MAX_RAW_CELL:
+                continue
+            found = cells.any_variable(cell, column)
+            if found is not None and found == moving[k]:
+                return moving
+    return list(range(1, len(rows) + 1))
+
+
+def _is_fixed(row: RawRow) -> bool:
+    cell = row.cells.get("type")
+    if cell is None:
+        return False
+    word = plain_cell(cell.text[:MAX_RAW_CELL]).strip("().").lower()
+    return _TYPES.get(word) is JointType.FIXED
+
+
+def _ends_chain(row: RawRow) -> bool:
+    """Return whether the first column names the end of the arm, as ``6->EE`` does."""
+    cell = row.cells.get("index") or row.cells.get("name")
+    return cell is not None and _TIP.search(plain_cell(cell.text[:MAX_RAW_CELL])) is not None
 
 
 def _type(
@@ -109,7 +158,8 @@ def _by_variable(cells: CellReader, k: int, cell: RawCell) -> JointType | None:
     """Return the type by a variable in a column of its own; None for q, which says none."""
     text = plain_cell(cell.text[:MAX_RAW_CELL])
     letter, index = variable_of(text.lower()) or ("", None)
-    if not letter or index not in (None, k + 1):
-        cells.add(k, cell, f"{quoted(cell.text)} is not the variable of joint {k + 1}")
+    number = cells.numbers[k]
+    if not letter or index not in (None, number):
+        cells.add(k, cell, f"{quoted(cell.text)} is not the variable of joint {number}")
         return JointType.FIXED
     return {"theta": JointType.REVOLUTE, "q": None}.get(letter, JointType.PRISMATIC)

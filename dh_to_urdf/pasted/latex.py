@@ -47,7 +47,8 @@ _CHARACTERS = {
     ord("⍺"): "α",
     ord("∗"): "*",
     ord("π"): "pi",
-    ord("ϑ"): "θ",
+    **dict.fromkeys(map(ord, "ϑϴΘƟɵӨөѲѳꝊꝋ"), "θ"),
+    **dict.fromkeys(map(ord, "ɑ∝"), "α"),
     ord("√"): "sqrt",
 }
 _STARRED = re.compile(r"((?:theta|th|θ|q|d|r|t)_?\d*)\s*\*(?=\s*(?:$|[-+−)]))")

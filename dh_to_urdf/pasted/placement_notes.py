@@ -13,16 +13,14 @@ _NOTE = re.compile(
     r"(base|tool)[ \t]{0,20}[=:][ \t]{0,20}(?=\S)",
     re.IGNORECASE | re.MULTILINE,
 )
-_NUMBER = re.compile(r"[-+]?[\d.][\w. \t*/+\-]{0,60}(?=[;,%#\n]|$)")
 _REST = re.compile(r"[ \t;>|\-]{0,20}$", re.MULTILINE)
 
 
-def placement_notes(text: str, *, program: bool = False) -> tuple[str, dict[str, Any]]:
+def placement_notes(text: str) -> tuple[str, dict[str, Any]]:
     """Extract ``base = [4x4]`` and ``tool = [4x4]`` from a text.
 
     Args:
         text: The text.
-        program: Whether ``base = 0.3`` may give a number a name that is used further on.
 
     Returns:
         The text with these lines blanked, and the fields of the document.
@@ -37,8 +35,6 @@ def placement_notes(text: str, *, program: bool = False) -> tuple[str, dict[str,
         if match.start() < kept:
             continue
         key, line = match[1].lower(), text.count("\n", 0, match.start()) + 1
-        if program and _names_a_number(text, match):
-            continue
         if key in placements:
             raise DHError.single((key,), f"line {line}: {key} stands twice; keep one")
         rows, end = _matrix(text, match.end())
@@ -57,10 +53,14 @@ def placement_notes(text: str, *, program: bool = False) -> tuple[str, dict[str,
     return "".join(parts), placements
 
 
-def _names_a_number(text: str, match: re.Match[str]) -> bool:
-    used = re.compile(rf"[=,\[(*+\-][ \t]{{0,20}}{match[1]}\b(?![ \t]*=)")
-    number = _NUMBER.match(text, match.end()) and match[0].lstrip().startswith(match[1])
-    return bool(number) and used.search(text, match.end()) is not None
+def without_notes(text: str) -> str:
+    """Return a text without what :func:`placement_notes` extracts, faults passed over."""
+    parts, kept = [], 0
+    for match in _NOTE.finditer(text):
+        if match.start() >= kept:
+            parts.append(text[kept : match.start()])
+            kept = _matrix(text, match.end())[1]
+    return "".join([*parts, text[kept:]])
 
 
 def _matrix(text: str, start: int) -> tuple[list[list[str]], int]:

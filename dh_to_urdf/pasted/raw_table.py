@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from dh_to_urdf.cells.arithmetic import Sum
+from dh_to_urdf.documents.checks import NAME
 from dh_to_urdf.errors import DHError, quoted
+from dh_to_urdf.pasted.boxes import table_box
 from dh_to_urdf.pasted.grids import Line, grid_lines
 from dh_to_urdf.pasted.headings import KNOWN, Heading, heading_problem, read_heading
 from dh_to_urdf.table import Convention
@@ -20,12 +23,14 @@ class RawCell:
         column: Its heading or parameter, as written.
         line: Line of the text, from 1.
         unit: Factor of its plain numbers to rad or m, None for that of the table.
+        total: Its number where a program computed it; the text shows it then.
     """
 
     text: str
     column: str
     line: int
     unit: float | None = None
+    total: Sum | None = None
 
 
 @dataclass(frozen=True)
@@ -52,14 +57,12 @@ class RawTable:
         rows: The joints.
         typed: Whether rows without a type are revolute, as in the program of the text.
         name: Name of the robot, if the text has one.
-        assigned: Names and the texts of the numbers that the text gives them, in its order.
         warnings: What was assumed.
     """
 
     rows: list[RawRow]
     typed: bool = False
     name: str | None = None
-    assigned: list[tuple[str, str]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
 
@@ -74,6 +77,7 @@ def table_from_grid(text: str, convention: Convention, columns: Sequence[str] | 
     Raises:
         DHError: No table, no heading, an unknown column, or rows of unequal lengths.
     """
+    text, passed = table_box(text)
     lines = _without_blank_columns(grid_lines(text))
     if not lines:
         raise DHError.single((), "the text holds no table; paste its heading and its rows")
@@ -86,8 +90,11 @@ def table_from_grid(text: str, convention: Convention, columns: Sequence[str] | 
     problem, warning = heading_problem(headings, convention.value)
     if problem:
         raise DHError.single((), problem)
+    if _has_index(lines, headings):
+        headings = [Heading("index", ""), *headings]
     table = RawTable(
-        [_row(line, headings) for line in lines], warnings=[warning] if warning else []
+        [_row(line, headings) for line in lines],
+        warnings=[*([warning] if warning else []), *passed],
     )
     _check_index(table)
     return table
@@ -141,6 +148,21 @@ def _without_blank_columns(lines: list[Line]) -> list[Line]:
     while width and not any("".join(line.cells[width - 1 :]).strip() for line in lines):
         width -= 1
     return [Line(line.number, line.cells[:width]) for line in lines]
+
+
+def _has_index(lines: list[Line], headings: list[Heading]) -> bool:
+    """Return whether each row begins with a label that the heading leaves out, as pandas does."""
+    if {"index", "name"} & {heading.key for heading in headings} or len(lines) < 2:
+        return False
+    if any(len(line.cells) != len(headings) + 1 for line in lines):
+        return False
+    labels = [line.cells[0].strip() for line in lines]
+    if all(label.isdecimal() and len(label) < 5 for label in labels):
+        start = int(labels[0])
+        return start < 2 and [int(label) for label in labels] == list(
+            range(start, start + len(labels))
+        )
+    return all(NAME.fullmatch(label) and not label.isdecimal() for label in labels)
 
 
 def _row(line: Line, headings: list[Heading]) -> RawRow:

@@ -6,22 +6,24 @@ Every fault names the line and the column of the text.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from dh_to_urdf.cells.notation import rounding_warnings
-from dh_to_urdf.cells.values import Values, read_values
+from dh_to_urdf.cells.values import read_values
 from dh_to_urdf.documents.mapping import CONVENTION_ALIASES, DEFAULT_NAME, MAX_ROWS, read_mapping
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.pasted.cells import ANGLES, LENGTHS, CellReader
 from dh_to_urdf.pasted.placement_notes import placement_notes
-from dh_to_urdf.pasted.program import is_program, table_from_program
+from dh_to_urdf.pasted.programs.language import is_program
+from dh_to_urdf.pasted.programs.reader import table_from_program
 from dh_to_urdf.pasted.raw_table import table_from_grid
 from dh_to_urdf.pasted.rows import document_rows
 from dh_to_urdf.table import DHTable
 
 MAX_PASTED_LENGTH = 100_000
+_CONTROL = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f]")
 
 
 def read_pasted(
@@ -40,7 +42,7 @@ def read_pasted(
     revolute joints from prismatic ones; so does a column ``type`` or ``σ``.
 
     Args:
-        text: The text, UTF-8 if bytes.
+        text: The text, UTF-8 (or Windows-1252) if bytes.
         convention: What the rows mean; required.
         name: Name of the robot, instead of one in the text.
         angle: Unit of angles without one: ``rad``, ``deg``, or None for rad where no angle looks
@@ -53,7 +55,7 @@ def read_pasted(
     Raises:
         DHError: With the line and column of each of the first ten faults.
     """
-    text = _decoded(text)
+    text, decoding = _decoded(text)
     meaning = CONVENTION_ALIASES.get(convention.strip().lower()) if convention else None
     if meaning is None or angle not in (None, *ANGLES) or length not in LENGTHS:
         units = {"angle": angle or "rad", "length": length}
@@ -62,17 +64,19 @@ def read_pasted(
             empty["convention"] = convention
         read_mapping(empty)
         raise DHError.single((), "the table cannot be read")
-    text, placements = placement_notes(text, program=is_program(text))
     listed = [part for part in re.split(r"[,\s]+", columns) if part] if columns else None
-    raw = (
-        table_from_program(text, meaning, listed)
-        if is_program(text)
-        else table_from_grid(text, meaning, listed)
-    )
+    given = read_values(values)
+    placements: dict[str, Any]
+    if is_program(text):
+        raw, placements = table_from_program(
+            text, meaning, listed, given, angle, LENGTHS[length], name
+        )
+    else:
+        text, placements = placement_notes(text)
+        raw = table_from_grid(text, meaning, listed)
     if len(raw.rows) > MAX_ROWS:
         raise DHError.single((), f"the text has {len(raw.rows)} rows; at most {MAX_ROWS} are read")
-    given = read_values(values)
-    cells = CellReader(raw, angle, length, _with_assigned(given, raw.assigned))
+    cells = CellReader(raw, angle, length, given)
     rows = document_rows(cells, meaning)
     document: dict[str, Any] = {
         "convention": convention,
@@ -84,38 +88,30 @@ def read_pasted(
     if robot_name:
         document["name"] = robot_name
     table = read_mapping(document, default_name)
-    warnings = (*table.warnings, *raw.warnings, *cells.warnings, *rounding_warnings(table))
+    warnings = (
+        *decoding,
+        *table.warnings,
+        *raw.warnings,
+        *cells.warnings,
+        *rounding_warnings(table),
+    )
     return replace(table, warnings=warnings)
 
 
-def _decoded(text: str | bytes) -> str:
+def _decoded(text: str | bytes) -> tuple[str, list[str]]:
+    """Return a text, and a warning where its bytes are those of Windows."""
     if len(text) > MAX_PASTED_LENGTH:
         raise DHError.single((), f"the text is longer than {MAX_PASTED_LENGTH} characters")
     if isinstance(text, str):
-        return text.lstrip("\ufeff")
+        return text.lstrip("\ufeff"), []
     try:
-        return text.decode("utf-8-sig")
+        return text.decode("utf-8-sig"), []
     except UnicodeDecodeError:
-        raise DHError.single((), "the text is not UTF-8") from None
-
-
-def _with_assigned(given: Values, assigned: Sequence[tuple[str, str]]) -> Values:
-    """Return the values and those that the text itself gives; the former win.
-
-    A name with two values in the text has none: which one applies where is unknown.
-    """
-    values, doubtful = given, set[str]()
-    for name, text in assigned:
-        key = name.replace("_", "")
-        if key in given or key in doubtful:
-            continue
-        try:
-            sums = read_values({name: text}, values)
-        except DHError:
-            sums = None
-        if key in values and (sums is None or sums.get(key) != values.get(key)):
-            doubtful.add(key)
-            values = values.without(key)
-        else:
-            values = sums or values
-    return values
+        pass
+    try:
+        found = text.decode("cp1252")
+    except UnicodeDecodeError:
+        found = "\0"
+    if _CONTROL.search(found):
+        raise DHError.single((), "the text is not UTF-8; save it as UTF-8")
+    return found, ["the text is not UTF-8 and was read as Windows-1252; save it as UTF-8"]

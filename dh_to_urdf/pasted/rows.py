@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from dh_to_urdf.cells.expressions import Quantity
 from dh_to_urdf.documents.checks import NAME
 from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.rows import OWN_LETTERS
+from dh_to_urdf.errors import quoted
 from dh_to_urdf.pasted.cells import (
     ABSENT,
     ANY_VARIABLE,
@@ -64,7 +66,7 @@ def _row(cells: CellReader, k: int, row: RawRow, type_: JointType, z_column: str
         quantity = Quantity.NUMBER if key == "effort" else quantity
         values = cells.values
         if key == own:
-            values = values.without_variable(OWN_LETTERS[key], k + 1)
+            values = values.without_variable(OWN_LETTERS[key], cells.numbers[k])
         bare = LIMIT_TURNS if key in LIMIT_FIELDS else TURN
         parsed = cells.read(k, cell, quantity, values, bare)
         if parsed is None:
@@ -76,13 +78,23 @@ def _row(cells: CellReader, k: int, row: RawRow, type_: JointType, z_column: str
                 f"{key} of a {type_} joint is ignored by the Robotics Toolbox; write 0 there,"
                 " and the constant as offset",
             )
-        fault = foreign_variable(parsed, key, key == own, k)
+        if key == own and parsed.variable is not None and values is not cells.values:
+            cells.add(
+                k,
+                cell,
+                f"{quoted(cell.text)} is the variable of this joint, and values gives it a number;"
+                " a joint variable takes none: leave it out of values, or write the number in"
+                " the cell",
+            )
+            continue
+        fault = foreign_variable(parsed, key, key == own, cells.numbers[k])
         if fault:
             cells.add(k, cell, fault)
         elif key in LIMIT_FIELDS:
             limits[key] = parsed
         else:
-            item[key] = parsed
+            # Its number is checked; a document counts the rows that do not move, too.
+            item[key] = replace(parsed, index=None)
     if limits:
         item["limits"] = limits
     return item

@@ -6,6 +6,7 @@ Every digit is written. Inertias are not; base and tool are written beside the t
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from functools import partial
@@ -16,6 +17,7 @@ import numpy as np
 from dh_to_urdf.cells.notation import angle_text, in_degrees, number_text, variable_text
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.par.writer import table_to_par
+from dh_to_urdf.pasted.cells import LIMIT_TURNS, NO_LIMIT
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow, DHTable, JointType
 
@@ -133,10 +135,22 @@ def _link(row: DHRow, modified: bool) -> list[str]:
     if offset != "0":
         parts.append(f"'offset', {offset}")
     if row.limits.lower is not None and row.limits.upper is not None:
-        parts.append(f"'qlim', [{number_text(row.limits.lower)} {number_text(row.limits.upper)}]")
+        write = _wide_angle if is_revolute else number_text
+        parts.append(f"'qlim', [{write(row.limits.lower)} {write(row.limits.upper)}]")
     if row.sign < 0:
         parts.append("'flip'")
     return [*parts, *(["'modified'"] if modified else [])]
+
+
+def _wide_angle(limit: float) -> str:
+    """Write a limit of a joint that turns; one that looks like degrees as a multiple of pi."""
+    if not LIMIT_TURNS < abs(limit) < NO_LIMIT:
+        return number_text(limit)
+    near = limit / math.pi
+    for factor in (near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
+        if factor * math.pi == limit:
+            return f"{number_text(factor)}*pi"
+    return number_text(limit)
 
 
 def _grid(table: DHTable, degrees: bool) -> list[list[str]]:

@@ -9,6 +9,11 @@ from lxml import etree
 from robots.errors import InvalidURDF, RobotTooLarge
 from robots.urdf.limits import MAX_ATTRIBUTES, MAX_ELEMENTS
 
+UNDECLARED = "urn:undeclared:"
+"""Namespaces of prefixes that a text does not declare begin so."""
+_PREFIXED = re.compile(r"[<\s/]([A-Za-z_][\w.-]{0,31}):[A-Za-z_]")
+_ROOT = re.compile(r"<robot(?=[\s>])")
+_UNDEFINED_PREFIX = etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE
 _REASONS = {
     "ERR_DOCUMENT_EMPTY": "there is no element",
     "ERR_DOCUMENT_END": "something stands after the root element",
@@ -67,7 +72,13 @@ def parse(text: str) -> etree._Element:
     try:
         root = etree.fromstring(text.encode(), parser)
     except etree.XMLSyntaxError as error:
-        raise InvalidURDF(f"the text is not well-formed XML: {_reason(error)}") from None
+        declared = _with_prefixes(text) if getattr(error, "code", 0) == _UNDEFINED_PREFIX else None
+        if declared is None:
+            raise InvalidURDF(f"the text is not well-formed XML: {_reason(error)}") from None
+        try:
+            root = etree.fromstring(declared.encode(), parser)
+        except etree.XMLSyntaxError as other:
+            raise InvalidURDF(f"the text is not well-formed XML: {_reason(other)}") from None
     if root.getroottree().docinfo.internalDTD is not None:
         raise InvalidURDF("the URDF has a DOCTYPE or entities; remove them")
     elements = root.xpath("count(//*)")
@@ -84,6 +95,17 @@ def parse(text: str) -> etree._Element:
             )
     _drop_default_namespace(root)
     return root
+
+
+def _with_prefixes(text: str) -> str | None:
+    """Declare prefixes such as ``drake:`` that a text uses without; None for xacro."""
+    found = dict.fromkeys(_PREFIXED.findall(text))
+    names = [name for name in found if name not in ("xml", "xmlns") and f"xmlns:{name}" not in text]
+    root = _ROOT.search(text)
+    if root is None or not names or len(names) > 16 or "xacro" in names:
+        return None
+    declarations = "".join(f' xmlns:{name}="{UNDECLARED}{name}"' for name in names)
+    return text[: root.end()] + declarations + text[root.end() :]
 
 
 def _drop_default_namespace(root: etree._Element) -> None:

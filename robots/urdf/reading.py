@@ -15,6 +15,7 @@ from robots.urdf.markup import parse
 from robots.urdf.mimics import read_mimics
 from robots.urdf.structure import check_structure
 from robots.urdf.text import decode
+from robots.urdf.tidy import tidy
 from robots.urdf.tree import check_names, check_tree
 from robots.urdf.values import Element, name_of
 
@@ -33,6 +34,7 @@ def read_urdf(text: str | bytes) -> URDFDescription:
         RobotTooLarge: More links, joints or shapes than are computed with.
     """
     source = parse(decode(text))
+    mended = tidy(source)
     left_out = check_structure(source)
     name = name_of(source, "the root element")
     link_elements, joint_elements = source.findall("link"), source.findall("joint")
@@ -51,6 +53,7 @@ def read_urdf(text: str | bytes) -> URDFDescription:
         raise InvalidURDF("the robot has no joint that moves; give it one")
     doubts = doubts_of(joints)
     unused = (
+        *mended,
         *limits_left_out(joints, joint_elements),
         *reader.warnings(),
         *_left_out(left_out),

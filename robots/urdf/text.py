@@ -28,7 +28,7 @@ _ENCODINGS = {
 }
 _BLANKS = " \t\r\n"
 _DECLARATION = re.compile(
-    r"""<\?xml[ \t\r\n]+version[ \t\r\n]*=[ \t\r\n]*(?:"1\.0"|'1\.0')"""
+    r"""<\?xml[ \t\r\n]+version[ \t\r\n]*=[ \t\r\n]*(?:"[01]\.0"|'[01]\.0')"""
     r"""(?:[ \t\r\n]+encoding[ \t\r\n]*=[ \t\r\n]*(?:"([^"<>]{1,200})"|'([^'<>]{1,200})'))?"""
     r"""(?:[ \t\r\n]+standalone[ \t\r\n]*=[ \t\r\n]*(?:"(?:yes|no)"|'(?:yes|no)'))?"""
     r"""[ \t\r\n]*\?>"""

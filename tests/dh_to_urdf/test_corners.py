@@ -83,10 +83,11 @@ def test_a_fixed_row_does_not_lose_its_offset_in_silence():
     assert "offset is ignored" in table.warnings[0]
 
 
-def test_mu_0_is_refused_with_a_type_too():
+def test_a_passive_joint_of_a_chain_is_read_with_a_warning():
     row = {"type": "R", "mu": 0, "alpha": 0, "d": 0, "theta": 0, "r": 0}
-    with pytest.raises(DHError, match="passive"):
-        read_mapping({"convention": "khalil", "joints": [row]})
+    table = read_mapping({"convention": "khalil", "joints": [row]})
+    assert table.dof == 1
+    assert "mu = 0 is a passive joint" in table.warnings[0]
 
 
 URDF = (

@@ -378,7 +378,6 @@ J2, J3 = "joint 2 (j2)", "joint 3 (j3)"
             "joints/1/sigma",
             (J2, "sigma says prismatic but type says revolute"),
         ),
-        (TREE, "joints/1/mu", 0, "", (J2, "passive joint", "closed loop", "Give mu = 1")),
         (TREE, "joints/1/mu", 2, "", (J2, "mu is 2", "give 1 (moved) or 0")),
         (TREE, "joints/1/ant", 2, "", (J2, "ant is the joint itself", "closed loops")),
         (TREE, "joints/1/ant", 3, "", (J2, "ant is 3, a later row", "after its antecedent")),

@@ -95,9 +95,9 @@ Some words before it.
     "numpy": """import numpy as np   # alpha, a, d, theta, sigma
         dh = np.array([[0, 0, 0.4, 0, 0], [-np.pi/2, 0, 0, -np.pi/2, 0],
                        [np.radians(90), 0.3, 0, 0, 1]])""",
-    "links": """deg = pi/180; L = 0.3;  % lengths in m
+    "links": """deg = pi/180; reach = 0.3;  % lengths in m
         L(1) = Link('d', 0.4, 'a', 0, 'alpha', 0, 'modified');
-        L(3) = Link('prismatic', 'theta', 0, 'a', L, 'alpha', pi/2, 'modified');
+        L(3) = Link('prismatic', 'theta', 0, 'a', reach, 'alpha', pi/2, 'modified');
         L(2) = Link('d', 0, 'alpha', -90*deg, 'offset', -pi/2, 'modified');
         robot = SerialLink(L, 'name', 'arm');
         robot.plot([0 0 0])""",
@@ -177,7 +177,7 @@ def test_base_and_tool_stand_beside_the_table():
     nested = "[[1, 0, 0, 0.2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"
     for text in (
         f"{TEXTS['markdown']}\ntool = {matrix}\nbase: {nested}\n",
-        f"{TEXTS['links']}\nrobot.tool = {matrix};\nrobot.base = {nested};",
+        f"{TEXTS['links']}\nrobot.tool = {matrix};\nrobot.base = transl(0.2, 0, 0);",
         f"{LATEX}\n% tool = {matrix}\n% base = {nested}",
     ):
         table = read_pasted(text, "mdh")
@@ -283,7 +283,11 @@ GOOD = HEAD + "|1|0|0|0.4|q1|\n|2|0.3|0|0|q2|\n"
         ("hello world, this is\nno table", "dh", ("names no columns", "columns=theta,d,a,alpha")),
         ("0 0.4 0 pi/2\n0 0 0.3 0\n", "dh", ("line 1", "names no columns")),
         ("A = [0 0.4 0 pi/2; 0 0 0.3 0]", "dh", ("names no columns", "% theta d a alpha")),
-        ("% theta d a alpha\n[0 0.4 0 pi/2; 0 0 0.3]", "dh", ("row 2 of the matrix", "3 elements")),
+        (
+            "% theta d a alpha\n[0 0.4 0 pi/2; 0 0 0.3]",
+            "dh",
+            ("line 2: row 2 of the matrix", "3 el"),
+        ),
         ("[1 2 3; 1 2 3]\n[1 2 3; 1 2 3]", "dh", ("2 matrices",)),
         (
             "Link('d', 0.4, 'alpha', pi/2)",
@@ -299,16 +303,10 @@ GOOD = HEAD + "|1|0|0|0.4|q1|\n|2|0.3|0|0|q2|\n"
         ("Link([0.5 0.4 0 0])", "dh", ("theta of a revolute joint is ignored", "offset")),
         ("Link([0 0.4 0])", "dh", ("4 to 6 numbers",)),
         ("Link('d', 0, 'qlim', 3)", "dh", ("qlim is '3'", "[lower upper]")),
-        ("L(1) = Link('d', 0);\nL(1).offset = pi/2;", "dh", ("line 2", "'L(1).offset'")),
-        ("L(1) = Link('d', 0);\nL(3) = Link('d', 0);", "dh", ("line 2", "link 3", "2 is due")),
-        ("L(1) = Link('d', 0);\nL(1) = Link('d', 0);", "dh", ("'L(1)' is made twice",)),
-        (
-            "A = Link('d', 0);\n\ufeffB = Link('d', 0);\n\ufeffB = Link('d', 0)",
-            "dh",
-            ("line 3", r"'\ufeffB' is made twice"),
-        ),
+        ("L(1) = Link('d', 0);\nL(3) = Link('d', 0);", "dh", ("link 2 of L is missing",)),
+        ("L(2) = Link('d', 0);", "dh", ("link 1 of L is missing",)),
+        ("A = Link('d', 0);\n\ufeffB = Link('d', 0)", "dh", ("line 2", r"'\ufeff' is not")),
         ("A = Link('d', 0); SerialLink([A B])", "dh", ("'B'", "not made")),
-        ("A = Link('d', 0); SerialLink(A, 'tool', transl(0,0,1))", "dh", ("line of its own",)),
         ("Link('d', 0", "dh", ("line 1", "never closed")),
         (LATEX + LATEX, "mdh", ("two LaTeX tables",)),
         (
@@ -552,27 +550,43 @@ NUMBERS = "% theta d a alpha\nDH = [0 1 0 0; 0 0 1 0; 0 0 0 1; 0 2 0 0]"
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (NUMBERS + "';", '"\'" after the matrix'),
-        (NUMBERS + "*0.1;", "'*' after the matrix"),
-        (NUMBERS.replace("[", "deg2rad([") + ")", "'deg2rad' before the matrix"),
-        (NUMBERS + ";\nDH(:,2:3) = DH(:,2:3)/1000;", "line 3: 'DH' is set more than once"),
-        (NUMBERS + "\nDH[:, 1:3] *= 1e-3", "line 3: 'DH' is set more than once"),
-        (NUMBERS + "\nDH = DH*1e-3", "line 3: 'DH' is set more than once"),
-        (NUMBERS + "\noffset = [pi/2 0 0 0]", "line 3: 'offset' beside the matrix"),
-        ("# theta d a alpha\nDH = np.array([[0, 1, 0, 0], [0, 0, 1, 0]]).T", "after the matrix"),
-        ("for i=1:3\nL(i) = Link('d',0.1,'a',0.2);\nend", "line 1: a loop"),
-        ("DHRobot([RevoluteDH(a=0.2) for i in range(3)])", "a loop"),
-        ("DHRobot([RevoluteDH(a=0.2)]*3)", r"'\*' after the list"),
+        (NUMBERS.replace("[", "deg2rad([") + ")", "an angle; a length is needed"),
+        (NUMBERS + "\nDH[:, 1:3] *= 1e-3", "line 3"),
+        (NUMBERS + "\noffset = [pi/2 0 0 0]", "'offset' beside the matrix"),
+        ("# theta d a alpha\nDH = np.array([[0, 1, 0, 0], [0, 0, 1, 0]]).T", "no table"),
+        ("while x\nL(1) = Link('d',0.1,'a',0.2);\nend", "line 1: while is not read"),
+        ("for i=1:n\nL(i) = Link('d',0.1,'a',0.2);\nend", "line 1: a loop is not run"),
+        ("if x\nL(1) = Link('d',0.1,'a',0.2);\nend", "line 1: whether this if holds"),
+        ("DHRobot([RevoluteDH(a=0.2)]*3)", "one link stands twice"),
         ("L1=Link('d',0); L2=Link('d',1);\nSerialLink(L1); SerialLink(L2)", "2 robots"),
-        ("L2 = Link('d', 0)\nL3 = Link('d', 1)\nA = [L2 L3]; B = [L3 L2];", "two lists of links"),
-        ("L(2) = Link('d', 0);", "link 1 is missing"),
-        ("a=1;\nL(1)=Link('d',0,'a',a);\na=2;\nL(2)=Link('d',0,'a',a);", "unknown name 'a'"),
-        ("l=1\nl += 1\nL1 = RevoluteDH(a=l)", "unknown name 'l'"),
+        (
+            "L2 = Link('d', 0)\nL3 = Link('d', 1)\nA = [L2 L3]; B = [L3 L2];",
+            "several lists of links",
+        ),
+        ("L2 = Link('d', 0);", "link 1 is missing"),
     ],
 )
-def test_what_a_program_would_do_with_its_numbers_is_refused(text, words):
+def test_what_a_program_does_with_its_numbers_is_refused_where_it_is_not_read(text, words):
     with pytest.raises(DHError, match=words):
         read_pasted(text, "dh")
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "numbers"),
+    [
+        (NUMBERS + ";\nDH(:,2:3) = DH(:,2:3)/1000;", "d", [1e-3, 0, 0, 2e-3]),
+        (NUMBERS + "\nDH = DH*1e-3", "d", [1e-3, 0, 0, 2e-3]),
+        (NUMBERS + "'", "d", [0, 0, 1, 0]),
+        ("for i=1:3\nL(i) = Link('d',i/10,'a',0.2);\nend", "d", [0.1, 0.2, 3 / 10]),
+        ("DHRobot([RevoluteDH(a=k/10) for k in range(1, 4)])", "a", [0.1, 0.2, 3 / 10]),
+        ("a=1;\nL(1)=Link('d',0,'a',a);\na=2;\nL(2)=Link('d',0,'a',a);", "a", [1, 2]),
+        ("l=1\nl += 1\nL1 = RevoluteDH(a=l)", "a", [2]),
+        ("L(1) = Link('d', 0);\nL(1) = Link('d', 0.5);", "d", [0.5]),
+        ("L(1) = Link('d', 0);\nL(1).offset = pi/2;", "offset", [math.pi / 2]),
+    ],
+)
+def test_what_a_program_does_with_its_numbers_is_read(text, column, numbers):
+    assert [getattr(row, column) for row in read_pasted(text, "dh").rows] == numbers
 
 
 def test_comments_in_blocks_lists_of_links_and_a_name_like_base():
@@ -592,3 +606,95 @@ def test_comments_in_blocks_lists_of_links_and_a_name_like_base():
     ]
     text = "%{\nL(1)=Link('d',1);\n%}\nL(1)=Link('d',0.5);"
     assert [row.d for row in read_pasted(text, "dh").rows] == [0.5]
+
+
+def test_variables_may_count_the_rows_that_move():
+    text = (
+        "| i | type | α | a | d | θ |\n|-|-|-|-|-|-|\n| 0 | F | π | 0 | 0 | 0 |\n"
+        "| 1 | R | π/2 | 0 | -0.28 | q1 |\n| 2 | R | π/2 | 0 | -0.01 | q{}+π |\n"
+    )
+    table = read_pasted(text.format(2), "standard")
+    assert [row.type.value for row in table.rows] == ["fixed", "revolute", "revolute"]
+    assert table.rows[2].offset == math.pi
+    with pytest.raises(DHError, match="is the variable of joint 3, not 2"):
+        read_pasted(text.format(3), "standard")
+    rows = text.replace("q1", "q2").format(3)
+    assert read_pasted(rows, "standard").dof == 2
+
+
+@pytest.mark.parametrize("labels", ["i1 i2 i3", "0 1 2", "1 2 3"])
+def test_a_print_of_a_data_frame_has_labels_without_a_heading(labels):
+    first, second, third = labels.split()
+    text = (
+        "      θi        di   a(i-1)    α(i-1)\n"
+        f"{first}  0.00  0.089159  0.00000  0.000000\n"
+        f"{second} -1.57  0.000000  0.00000  1.570000\n"
+        f"{third}  0.00  0.000000 -0.42500  0.000000\n"
+    )
+    rows = read_pasted(text, "modified").rows
+    assert [(row.d, row.a, row.alpha) for row in rows] == [
+        (0.089159, 0, 0),
+        (0, 0, 1.57),
+        (0, -0.425, 0),
+    ]
+    if third.isdecimal():
+        with pytest.raises(DHError, match="5 cells under 4 columns"):
+            read_pasted(text.replace(f"\n{third} ", "\n7 "), "modified")
+
+
+@pytest.mark.parametrize("theta", "θϑΘϴӨөƟѲ𝜃")
+def test_letters_that_look_like_theta_are_read(theta):
+    text = f"| i | α i-1 | a i-1 | di | {theta} i |\n|-|-|-|-|-|\n| 1 | 0 | 0 | 0.34 | {theta}1 |\n"
+    assert read_pasted(text, "modified").rows[0].d == 0.34
+
+
+PRINT = """DHRobot: arm, 2 joints (RR), dynamics, standard DH parameters
+┌──────┬───────┬───────┬────────┐
+│  θⱼ  │  dⱼ   │  aⱼ   │   ⍺ⱼ   │
+├──────┼───────┼───────┼────────┤
+│  q1  │  0.4  │  0.3  │   0.0° │
+│  q2  │  0.0  │  0.2  │ 180.0° │
+└──────┴───────┴───────┴────────┘
+
+┌──────┬──────┬───────┐
+│ name │ q0   │ q1    │
+├──────┼──────┼───────┤
+│   qz │  0°  │  0°   │
+└──────┴──────┴───────┘
+"""
+
+
+def test_the_whole_print_of_a_robot_of_the_toolbox():
+    table = read_pasted(PRINT, "standard")
+    assert [(row.d, row.a) for row in table.rows] == [(0.4, 0.3), (0, 0.2)]
+    assert table.warnings == ("line 10: the box of named configurations is left out",)
+    tool = "\n┌──────┬──────────┐\n│ tool │ t = 0, 0 │\n└──────┴──────────┘\n"
+    with pytest.raises(DHError, match="line 16: the box with base and tool"):
+        read_pasted(PRINT + tool, "standard")
+
+
+def test_a_last_row_to_the_end_of_the_arm_does_not_move():
+    text = (
+        "Links | alpha(i-1) | a(i-1) | d(i) | theta(i)\n--- | --- | --- | --- | ---\n"
+        "0->1 | 0 | 0 | 0.75 | q1\n1->2 | - pi/2 | 0.35 | 0 | q2 - pi/2\n"
+        "{} | 0 | 1.25 | 0.303 | 0\n"
+    )
+    for last in ("2->EE", "2->G", "2 -> tool", "end-effector"):
+        table = read_pasted(text.format(last), "modified")
+        assert [row.type.value for row in table.rows] == ["revolute", "revolute", "fixed"]
+        assert "the last row has no joint variable" in table.warnings[0]
+    with pytest.raises(DHError, match="no cell holds the joint variable"):
+        read_pasted(text.format("2->3"), "modified")
+
+
+def test_a_number_for_a_joint_variable_is_refused():
+    with pytest.raises(DHError, match="'q1' is the variable of this joint, and values gives it"):
+        read_pasted("alpha a d theta\n0 0.3 0 q1\n", "dh", values={"q1": 0.4})
+    assert read_pasted("alpha a d theta\n0 a1 0 q1\n", "dh", values={"a1": 0.4}).rows[0].a == 0.4
+
+
+def test_powers_stand_in_cells():
+    for cell, value in (("0.5**2", 0.25), ("0.5^2", 0.25), ("sqrt(0.3**2+0.4**2)", 0.5)):
+        assert first_row({"a": cell}).a == value
+    assert first_row({"α": "atan2(1,0)"}).alpha == math.pi / 2
+    assert first_row({"a": "$0.5^{2}$"}).a == 0.25

@@ -104,3 +104,13 @@ def test_a_tree_is_no_robot_of_the_toolbox():
     table = read_mapping({"convention": "khalil", "joints": [row, row, row | {"ant": 1}]})
     with pytest.raises(DHError, match=r"joint 3 .* branches"):
         TABLE_TEXTS["matlab"].write(table)
+
+
+@pytest.mark.parametrize("limit", [1.5, 25.0, 100.0, 12345.678, 999999.0])
+def test_limits_of_the_toolbox_s_form_are_read_back_exactly(limit):
+    row = {"type": "R", "alpha": 0, "a": 0.3, "d": 0}
+    row["limits"] = {"lower": -limit, "upper": limit}
+    slide = {"type": "P", "alpha": 0, "a": 0, "theta": 0, "limits": {"lower": -limit, "upper": 1}}
+    table = read_mapping({"convention": "standard", "joints": [row, slide]})
+    again = read_pasted(TABLE_TEXTS["matlab"].write(table), "standard")
+    assert [r.limits for r in again.rows] == [r.limits for r in table.rows]

@@ -135,7 +135,6 @@ def test_torn_bytes_are_refused(start, rest):
         ("<inertial>", "<inertial/><inertial>", ("link 'turret' has two <inertial>",)),
         ("<geometry>", "<geometry/><geometry>", ("two <geometry> in <visual>",)),
         ("<cylinder", '<box size="1 1 1"/><cylinder', ("link 'turret'", "two geometries")),
-        ('<cylinder radius="0.1" length="0.4"/>', "<gazebo/>", ("<collision> has no geometry",)),
         ("<axis", "<dynamics><joint/></dynamics><axis", ("<dynamics> holds a <joint>",)),
         (
             '<link name="boom"/>',
@@ -186,7 +185,6 @@ def test_torn_bytes_are_refused(start, rest):
         ('lower="-1.5"', 'lower="-1e308"', ("joint 'grip'", "lower of <limit>", "beyond ±1e+20")),
         ('velocity="2"', 'velocity="1e21"', ("velocity of <limit>", "beyond ±1e+20")),
         ('<axis xyz="1 1 0"/>', '<axis xyz="1e-320 0 0"/>', ("joint 'grip'", "axis is zero")),
-        ('ixx="0.1" ', "", ("link 'turret': ixx of <inertia> is missing",)),
         ('ixx="0.1"', 'ixx="-0.1"', ("link 'turret'", "moment of inertia", "negative")),
         ('filename="package://arm/turret.stl"', "", ("link 'turret'", "filename of <mesh>")),
         ('name="turn"', 'name="tu&#10;rn"', ("joint", "'tu\\nrn'", "cannot be seen")),

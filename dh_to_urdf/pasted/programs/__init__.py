@@ -1,0 +1,1 @@
+"""Python and MATLAB programs that make robots, read by their syntax trees; none is run."""

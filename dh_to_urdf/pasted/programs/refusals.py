@@ -1,0 +1,10 @@
+"""How a program is refused, with its line."""
+
+from __future__ import annotations
+
+from dh_to_urdf.errors import DHError
+
+
+def refused(line: int, words: str) -> DHError:
+    """Return the error for a statement that is not read."""
+    return DHError.single((), f"line {line}: {words}")

@@ -1,0 +1,227 @@
+"""Tables that a program writes as a matrix, as one list a column, or as a dictionary."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
+from dh_to_urdf.pasted.grids import MAX_COLUMNS
+from dh_to_urdf.pasted.headings import Heading, heading_problem, read_heading
+from dh_to_urdf.pasted.programs.arrays import as_array
+from dh_to_urdf.pasted.programs.cells import raw_cell
+from dh_to_urdf.pasted.programs.execution import Statements
+from dh_to_urdf.pasted.programs.tree import Comment
+from dh_to_urdf.pasted.programs.values import Array, Items, Placed, Unread, Value
+from dh_to_urdf.pasted.raw_table import RawRow, RawTable, headings_of
+from dh_to_urdf.table import Convention
+
+_LISTS = ("a", "d", "alpha", "theta", "offset", "type", "r", "gamma", "b", "ant")
+_COLUMN_NAME = re.compile(r"(?:dh_?|link_?)?(a|d|r|alpha|theta|offset|sigma|type|gamma|b)s?")
+_KEY = re.compile(r"(alpha|theta|q|a|d|r)_?([0-9]{1,3})")
+_PASTE = "paste the table with its numbers as they are used"
+
+
+def table_of(
+    machine: Statements,
+    comments: Sequence[Comment],
+    convention: Convention,
+    columns: Sequence[str] | None,
+) -> RawTable:
+    """Return the table of a program that makes no robot.
+
+    Args:
+        machine: The program at its end.
+        comments: Its comments, one of which may name the columns.
+        convention: What the rows mean.
+        columns: Order of the columns of a matrix, as the user says it.
+
+    Raises:
+        DHError: There is none, or several, or it cannot be read.
+    """
+    arrays = _arrays(machine)
+    wide = [(name, a) for name, a in arrays if not a.flat and a.shape[1] >= 3 and a.elements]
+    several = [(name, a) for name, a in wide if a.shape[0] > 1] or wide
+    if not several:
+        found = _of_dictionary(machine, convention) or _of_lists(arrays, convention)
+        if found is not None:
+            return found
+        raise DHSyntaxError.single(
+            (),
+            "the text holds no table: no link, and no matrix of three columns or more"
+            + _passed(machine),
+        )
+    if len(several) > 1:
+        raise DHError.single(
+            (), f"the text holds {len(several)} matrices; paste the one with the table"
+        )
+    ((name, array),) = several
+    beside = next((n for n, _ in arrays if "offset" in n.lower() and n != name), None)
+    if beside is not None:
+        raise DHError.single(
+            (), f"{quoted(beside)} beside the matrix is not read; write it as a column offset"
+        )
+    return _of_matrix(array, comments, convention, columns)
+
+
+def _arrays(machine: Statements) -> list[tuple[str, Array]]:
+    """Return the arrays of numbers that variables hold or that stand alone."""
+    found: dict[int, tuple[str, Array]] = {}
+    named = [*machine.scopes[-1].items(), *(("", value) for value in machine.loose)]
+    for name, value in named:
+        if isinstance(value, (Array, Items)) and id(value) not in found:
+            try:
+                array = as_array(value)
+            except Unread:
+                continue
+            if isinstance(value, Items):
+                lines = tuple(_line(item, value.line) for item in value.items)
+                array = Array(array.rows, array.flat, value.line, lines=lines)
+            found[id(value)] = (name, array)
+    return list(found.values())
+
+
+def _line(value: Value, line: int) -> int:
+    return getattr(value, "line", 0) or line
+
+
+def _passed(machine: Statements) -> str:
+    """Return why the first statement with a matrix was passed over."""
+    for line, why in machine.passed:
+        if "matrix" in why:
+            return f" (line {line}: {why})"
+    for line, why in machine.passed[:1]:
+        return f" (line {line}: {why})"
+    return ""
+
+
+def _of_matrix(
+    array: Array,
+    comments: Sequence[Comment],
+    convention: Convention,
+    columns: Sequence[str] | None,
+) -> RawTable:
+    if array.shape[1] > MAX_COLUMNS:
+        raise DHError.single((), f"a row has over {MAX_COLUMNS} elements")
+    headings = _headings(comments, convention, columns)
+    problem, warning = heading_problem(headings, convention.value)
+    if problem:
+        raise DHError.single((), problem)
+    table = RawTable([], warnings=[warning] if warning else [])
+    for k, row in enumerate(array.rows):
+        line = array.lines[k] if k < len(array.lines) else array.line
+        if len(row) != len(headings):
+            raise DHError.single(
+                ("joints", k),
+                f"row {k + 1} of the matrix (line {line}) has {len(row)} elements under"
+                f" {len(headings)} columns ({', '.join(h.text for h in headings)})",
+            )
+        cells = {
+            heading.key: raw_cell(Placed(element, line), heading.text, heading.unit)
+            for heading, element in zip(headings, row, strict=True)
+        }
+        table.rows.append(RawRow(line, cells))
+    return table
+
+
+def _headings(
+    comments: Sequence[Comment], convention: Convention, columns: Sequence[str] | None
+) -> list[Heading]:
+    """Return the columns as given, or as a comment names them."""
+    if columns is not None:
+        return headings_of(columns, convention, "columns")
+    khalil = convention is Convention.KHALIL
+    for comment in comments:
+        if len(comment.text) > 300:
+            continue
+        text = comment.text.lstrip("%# \t[").rstrip("] ")
+        words = [word for word in re.split(r"[\s,|;&]+", text) if word]
+        found = [read_heading(word, khalil=khalil) for word in words]
+        if len(words) >= 3 and all(found):
+            return headings_of(words, convention, f"line {comment.line}")
+    raise DHError.single(
+        (),
+        "the matrix names no columns; write them in a comment above it, such as"
+        " % theta d a alpha, or give columns=theta,d,a,alpha",
+    )
+
+
+def _of_lists(arrays: Sequence[tuple[str, Array]], convention: Convention) -> RawTable | None:
+    """Return a table of lists ``a = […]``, ``d = […]``, ``alpha = […]``; None for none."""
+    found: dict[str, tuple[str, Array]] = {}
+    for name, array in arrays:
+        match = _COLUMN_NAME.fullmatch(name.lower())
+        key = "type" if match and match[1] == "sigma" else match[1] if match else ""
+        if not key or 1 not in array.shape:
+            continue
+        if key in found:
+            raise DHError.single((), f"{found[key][0]} and {name} both look like the column {key}")
+        found[key] = (name, array)
+    x_column = "d" if convention is Convention.KHALIL else "a"
+    if "alpha" not in found or x_column not in found:
+        return None
+    sizes = {len(array.elements) for _, array in found.values()}
+    if len(sizes) > 1:
+        shown = ", ".join(f"{name} {len(a.elements)}" for name, a in found.values())
+        raise DHError.single((), f"the lists of the columns differ in length: {shown}")
+    table = RawTable([])
+    for k in range(sizes.pop()):
+        cells = {
+            key: raw_cell(Placed(array.elements[k], array.line or 1), name)
+            for key, (name, array) in found.items()
+        }
+        table.rows.append(RawRow(k + 1, cells))
+    if "type" not in found and "theta" not in found:
+        table.typed = True
+    return table
+
+
+def _of_dictionary(machine: Statements, convention: Convention) -> RawTable | None:
+    """Return the table of ``{alpha0: 0, a0: 0, d1: 0.75, q1: q1, …}`` of sympy; None for none."""
+    tables = []
+    for value in machine.scopes[-1].values():
+        if isinstance(value, dict):
+            keys = {key: match for key in value if (match := _KEY.fullmatch(key))}
+            if len(keys) >= 4:
+                tables.append((value, keys))
+    if len(tables) > 1:
+        raise DHError.single((), f"the text holds {len(tables)} tables; paste one")
+    if not tables:
+        return None
+    values, keys = tables[0]
+    first = {match[1]: 10**6 for match in keys.values()}
+    for match in keys.values():
+        first[match[1]] = min(first[match[1]], int(match[2]))
+    own = "theta" if "theta" in first else "q"
+    if "alpha" not in first or "a" not in first or own not in first or "d" not in first:
+        return None
+    before = first["alpha"] == 0
+    if first["a"] != first["alpha"] or first["d"] != 1 or first[own] != 1:
+        raise DHError.single((), "the numbers of alpha, a, d and q do not count up from the first")
+    if before and convention is Convention.STANDARD:
+        raise DHError.single(
+            ("convention",),
+            "alpha0 and a0 are of the modified convention, but convention says standard; give"
+            " convention=modified",
+        )
+    table = RawTable([])
+    for k in range(1, sum(match[1] == own for match in keys.values()) + 1):
+        cells = {}
+        for key, name in (
+            ("alpha", f"alpha{k - before}"),
+            ("a", f"a{k - before}"),
+            ("d", f"d{k}"),
+            ("theta", f"{own}{k}"),
+        ):
+            found = next((n for n in (name, name[:-1]) if n in values), None)
+            matching = [n for n in keys if n.replace("_", "") == name]
+            if not matching:
+                raise DHError.single((), f"{name} is not in the table")
+            del found
+            element = values[matching[0]]
+            try:
+                cells[key] = raw_cell(Placed(as_array(element).elements[0], 1), matching[0])
+            except (Unread, IndexError):
+                raise DHError.single((), f"{name} is no number") from None
+        table.rows.append(RawRow(k, cells))
+    return table
