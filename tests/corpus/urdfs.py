@@ -186,17 +186,14 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "mass nan": ('value="2"', 'value="nan"', ("upper", "'nan'")),
     "mass negative": ('value="2"', 'value="-2"', ("upper", "mass", "negative")),
     "mass 1e308": ('value="2"', 'value="1e308"', ("upper", "beyond")),
-    "mass missing": ('<mass value="2"/>', "", ("upper", "<mass>")),
     "mass empty": ('value="2"', 'value=""', ("upper", "<mass>")),
     "inertia nan": ('ixx="0.1"', 'ixx="nan"', ("upper", "'nan'")),
     "inertia negative": ('ixx="0.1"', 'ixx="-1"', ("upper", "negative")),
-    "inertia missing": ('ixx="0.1" ', "", ("upper", "ixx")),
     "inertial twice": ("<inertial>", "<inertial/><inertial>", ("upper", "two <inertial>")),
     "radius negative": ('radius="0.1"', 'radius="-0.1"', ("upper", "radius", "negative")),
     "radius nan": ('radius="0.1"', 'radius="nan"', ("upper", "'nan'")),
     "length missing": (' length="0.4"', "", ("upper", "length")),
     "box of two": ('<cylinder radius="0.1" length="0.4"/>', '<box size="1 1"/>', ("upper", "3")),
-    "cone": ('<cylinder radius="0.1" length="0.4"/>', "<cone/>", ("upper", "<cone>")),
     "no geometry": (
         '<geometry><cylinder radius="0.1" length="0.4"/></geometry>',
         "",
@@ -209,7 +206,6 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
         ("upper", "filename"),
     ),
     "mesh scale nan": ('upper.stl"', 'upper.stl" scale="nan 1 1"', ("upper", "'nan'")),
-    "mesh scale of one": ('upper.stl"', 'upper.stl" scale="1"', ("upper", "3 numbers")),
     "colour of three": ('rgba="0.5 0.5 0.5 1"', 'rgba="1 0 0"', ("grey", "4 numbers")),
     # Mimic.
     "mimic of none": ('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><mimic/>', ("<mimic>", "joint=")),
@@ -427,6 +423,24 @@ MESH_FILES = {
 """Files that take down or fill the memory of programs that read meshes."""
 ODD_BUT_RIGHT: dict[str, tuple[bytes, tuple[str, ...]]] = {
     "as it is": (ARM.encode(), ()),
+    "mass missing": (ARM.replace('<mass value="2"/>', "").encode(), ("<inertial> is incomplete",)),
+    "inertia missing": (ARM.replace('ixx="0.1" ', "").encode(), ("<inertial> is incomplete",)),
+    "cone": (
+        ARM.replace('<cylinder radius="0.1" length="0.4"/>', "<cone/>").encode(),
+        ("<cone> in <geometry> is no shape",),
+    ),
+    "mesh scale of one": (
+        ARM.replace('upper.stl"', 'upper.stl" scale="1"').encode(),
+        ("one scale, which is taken for x, y, z",),
+    ),
+    "two materials": (
+        ARM.replace(
+            '<material name="grey"/>', '<material name="grey"/><material name="b"/>', 1
+        ).encode(),
+        ("2 materials",),
+    ),
+    "an undeclared prefix": (ARM.replace("<axis", '<axis drake:a="1"', 1).encode(), ("drake:",)),
+    "XML 0.0": (ARM.replace('"1.0"', '"0.0"', 1).encode(), ()),
     "UTF-8 with a mark": (b"\xef\xbb\xbf" + ARM.encode(), ()),
     "UTF-16": (ARM.encode("utf-16"), ()),
     "CRLF": (ARM.replace("\n", "\r\n").encode(), ()),
