@@ -20,6 +20,7 @@ from tests.recorded.compare import differences
 from tests.recorded.exchange import Session
 from tests.recorded.fixture import SETUP, Recorded, records
 from tests.recorded.intended import adapted, is_accepted_now, is_refused_now
+from tests.torture.exchange import Sent
 
 
 @dataclass
@@ -97,7 +98,7 @@ def replay(address: str, chosen: Iterable[Recorded]) -> Report:
                 continue
             if one.answer.status == 422 and new.status < 300 and is_accepted_now(asked):
                 if new.status == 201:
-                    session.clear()
+                    session.connection.send(Sent("DELETE", new.headers["location"]))
                 continue
             found = differences(one.answer, new)
             if found:
