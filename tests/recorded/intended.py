@@ -222,7 +222,8 @@ def _with_recorded_warnings(old: Answer, text: str) -> str:
     """A text with the warnings of the recorded one: what is doubtful was not told then."""
     if text[:1] != "{":
         before = _WARNINGS.search(old.text or "")
-        return _WARNINGS.sub(lambda _: before[0] if before else "", text)
+        told = before[0] if before else ""
+        return _WARNINGS.sub(lambda _: told, text) if _WARNINGS.search(text) else text + told
     payload: dict[str, Any] = orjson.loads(text)
     if not isinstance(payload.get("warnings"), list):
         return text
@@ -257,7 +258,9 @@ def _without(key: str) -> Callable[[Answer, str], str]:
 
 def _is_lost(text: str) -> bool:
     """Whether a path, or one of several, is not followed."""
-    return any(word in text for word in ('"success":false', "success: no", "  no  ", ",false,"))
+    words = ('"success":false', "success: no", "  no  ", ",false,")
+    row = re.search(r"^\s*success\s.*\bno\b", text, re.MULTILINE)
+    return row is not None or any(word in text for word in words)
 
 
 INTENDED: list[Intended] = [
