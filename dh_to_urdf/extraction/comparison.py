@@ -15,6 +15,7 @@ import numpy as np
 
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.extraction.axes import SerialChain
+from dh_to_urdf.extraction.compared_dependences import compared
 from dh_to_urdf.extraction.comparison_result import (
     Comparison,
     Difference,
@@ -60,6 +61,13 @@ def compare(
     for name, tolerance in (("length", length), ("angle", angle)):
         if not 0.0 < tolerance <= 1.0:
             raise DHError.single(("tolerance", name), f"{name} is {tolerance:g}; give 0 to 1")
+    return compared(_compare_mechanisms(first, second, length, angle), first, second, angle)
+
+
+def _compare_mechanisms(
+    first: SerialChain, second: SerialChain, length: float, angle: float
+) -> Comparison:
+    """Compare two chains whose joints are taken as free."""
     found = _compare_tilted(first, second, length, angle)
     if found.verdict is not Verdict.DIFFERENT or found.residual is None:
         return found

@@ -57,7 +57,14 @@ class CellReader:
         self.report.add(("joints", k), f"joint {k + 1} (line {line}{column}): {message}")
 
     def read(
-        self, k: int, cell: RawCell, quantity: Quantity, values: Values, bare: float | None = None
+        self,
+        k: int,
+        cell: RawCell,
+        quantity: Quantity,
+        values: Values,
+        bare: float | None = None,
+        *,
+        coupled: bool = False,
     ) -> Cell | None:
         """Read one cell; return None after reporting why not.
 
@@ -67,6 +74,7 @@ class CellReader:
             quantity: What it measures.
             values: What names in it stand for.
             bare: An angle without unit beyond this is refused, rad; None for no check.
+            coupled: Whether there may be several joint variables, with any coefficients.
         """
         if len(cell.text) > MAX_RAW_CELL:
             self.add(k, cell, f"the cell is longer than {MAX_RAW_CELL} characters")
@@ -74,7 +82,9 @@ class CellReader:
         text = plain_cell(cell.text)
         unit = cell.unit if cell.unit is not None else self._units[quantity]
         try:
-            parsed = parse_cell(text, quantity, unit, values, self._units[Quantity.ANGLE])
+            parsed = parse_cell(
+                text, quantity, unit, values, self._units[Quantity.ANGLE], coupled=coupled
+            )
         except CellError as error:
             shown = "" if text == cell.text.strip() else f"{quoted(cell.text)} "
             self.add(k, cell, f"{shown}{error}")
@@ -101,7 +111,7 @@ class CellReader:
         return parsed
 
     def variable(self, k: int, cell: RawCell | None, column: str) -> Cell | None:
-        """Return the cell if it holds the variable that its column may have, else None."""
+        """Return the cell if it holds a variable that its column may have, else None."""
         if cell is None or len(cell.text) > MAX_RAW_CELL:
             return None
         text = plain_cell(cell.text)
@@ -110,10 +120,17 @@ class CellReader:
         letters = OWN_LETTERS[column]
         quantity = Quantity.ANGLE if column == "theta" else Quantity.LENGTH
         try:
-            parsed = parse_cell(text, quantity, 1.0, self.values)
+            parsed = parse_cell(text, quantity, 1.0, self.values, coupled=True)
         except CellError:
             return None
-        return parsed if parsed.variable in letters and parsed.index in (None, k + 1) else None
+        mine = [(v, c) for v, c in parsed.terms if v[1] in (None, k + 1)]
+        if any(letter not in letters or abs(c) != 1.0 for (letter, _), c in mine):
+            return None
+        known = all(
+            index is None or 1 <= index <= len(self.raw.rows) for (_, index), _ in parsed.terms
+        )
+        found = any(letter in letters for (letter, _), _ in parsed.terms)
+        return parsed if found and known else None
 
     def _warn_if_long(self, k: int, cell: RawCell, parsed: Cell) -> None:
         if abs(parsed.plain) > LONG and not any("length=mm" in text for text in self.warnings):
@@ -135,11 +152,13 @@ def foreign_variable(cell: Cell, column: str, own: bool, k: int) -> str | None:
     """
     if cell.variable is None:
         return None
-    if not own or cell.variable not in OWN_LETTERS[column]:
+    letters = OWN_LETTERS[column] if own else ()
+    mine = [(letter, c) for (letter, index), c in cell.terms if index in (None, k + 1)]
+    if not own or any(letter not in letters for letter, _ in mine):
         return (
             f"{quoted(cell.text)} holds {cell.name}, which is not the joint variable of this"
             f" column; if it is a constant, give values {cell.name}:0.5"
         )
-    if cell.index not in (None, k + 1):
-        return f"{quoted(cell.text)} is the variable of joint {cell.index}, not {k + 1}"
+    if any(abs(c) != 1.0 for _, c in mine):
+        return f"is {quoted(cell.text)}; the joint variable must have coefficient +1 or -1"
     return None

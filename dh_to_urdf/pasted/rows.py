@@ -66,7 +66,7 @@ def _row(cells: CellReader, k: int, row: RawRow, type_: JointType, z_column: str
         if key == own:
             values = values.without_variable(OWN_LETTERS[key], k + 1)
         bare = LIMIT_TURNS if key in LIMIT_FIELDS else TURN
-        parsed = cells.read(k, cell, quantity, values, bare)
+        parsed = cells.read(k, cell, quantity, values, bare, coupled=key == own)
         if parsed is None:
             continue
         if key == own and not row.own_constant and parsed.value != 0.0:
