@@ -43,8 +43,8 @@ def read_urdf(text: str | bytes) -> URDFDescription:
     known = frozenset(links)
     joints = tuple(read_joint(element, robot, known) for element in joint_elements)
     check_names("joint", [joint.name for joint in joints])
-    mimics = read_mimics(joints, joint_elements)
     root = check_tree(links, joints)
+    joints = read_mimics(joints, joint_elements, robot)
     if not any(joint.type != "fixed" for joint in joints):
         raise InvalidURDF("the robot has no joint that moves; give it one")
     return URDFDescription(
@@ -53,7 +53,7 @@ def read_urdf(text: str | bytes) -> URDFDescription:
         joints=joints,
         root=root,
         canonical=_written(robot),
-        warnings=(*_left_out(left_out), *reader.warnings(), *mimics),
+        warnings=(*_left_out(left_out), *reader.warnings()),
     )
 
 
