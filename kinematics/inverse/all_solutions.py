@@ -120,24 +120,29 @@ def all_solutions(
 def _closed_form(
     robot: Robot, chain: Chain, target: FloatArray, task: Task, start: FloatArray
 ) -> IKSolutions | None:
-    form = closed_form_of(chain)
+    if chain.is_coupled and chain.inverse is None:
+        return None
+    # Where joints are coupled, the closed form is that of their values, which q follows from.
+    form = closed_form_of(chain.mechanism)
     if form is None or task.name not in form.tasks:
         return None
     redundant = form.kind == "srs"
     swivels: Iterable[float] = (0.0,)
-    given = start[chain.columns]
+    given = chain.values(start[chain.columns])
     if redundant:
         own = swivel_of(form, given)
         swivels = own + np.arange(SWIVELS) * (TURN / SWIVELS)
-    names = [robot.joints[int(column)].name for column in chain.columns]
+    names = chain.names
     collected = []
     for swivel in swivels:
         angle = float((swivel + np.pi) % TURN - np.pi)
-        branch = solutions(form, chain, target, task=task, given=given, swivel=angle)
+        branch = solutions(form, chain.mechanism, target, task=task, given=given, swivel=angle)
         postures = branch.postures(form)
         for k, values in enumerate(branch.q):
             q = start.copy()
-            q[chain.columns] = values
+            q[chain.columns] = (
+                values if chain.inverse is None else chain.inverse @ (values - chain.offset)
+            )
             q = turned(robot, q, start, chain)
             collected.append(
                 IKSolution(
@@ -201,7 +206,7 @@ def turned(robot: Robot, q: FloatArray, reference: FloatArray, chain: Chain) -> 
         chain: Whose joints are turned.
     """
     q = q.copy()
-    for column in chain.columns[chain.is_revolute]:
+    for column in chain.columns[chain.is_periodic]:
         nearest = q[column] + TURN * np.round((reference[column] - q[column]) / TURN)
         # A limit met to rounding counts as met.
         lower, upper = robot.lower[column] - 1e-12, robot.upper[column] + 1e-12
@@ -246,5 +251,5 @@ def _within(robot: Robot, q: FloatArray) -> bool:
 
 def _same(robot: Robot, q: FloatArray, other: FloatArray) -> bool:
     difference = q - other
-    difference = np.where(robot.is_revolute, (difference + np.pi) % TURN - np.pi, difference)
+    difference = np.where(robot.is_periodic, (difference + np.pi) % TURN - np.pi, difference)
     return bool(np.abs(difference).max() < SAME)

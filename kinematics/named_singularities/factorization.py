@@ -77,6 +77,11 @@ def factorization(
     chain = chain_of(robot, frame)
     q = configuration(robot, q)
     batch = np.atleast_2d(q)
+    if chain.is_coupled:
+        return _none(
+            "joints of this chain depend on others; factors are known of chains whose joints are"
+            " all free"
+        )
     axes = relations_of(chain)
     found = _product(chain, axes, batch, task) if axes is not None else None
     if axes is None or found is None:

@@ -104,12 +104,13 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
         names.append(f"link {shape.link}")
         parts.append(_part(arm, carrier, shape, capsule))
     meshes = {carriers[s.link] for s in shapes if s.kind == "mesh"}
-    for k in range(arm.K):
+    for k in range(arm.chain.length):
         if k in meshes or k not in known:
             rows.append(bones.rows[k])
             names.append(f"segment {k + 1}")
             radius = float(bones.rows[k, 2])
-            parts.append(Part(f"segment {k + 1}", arm.names[k], "segment", radius, None, 0.0))
+            joint = arm.chain.names[k]
+            parts.append(Part(f"segment {k + 1}", joint, "segment", radius, None, 0.0))
     return LinkGeometry(
         Links(np.array(rows), tuple(names)),
         tuple(parts),
@@ -135,7 +136,7 @@ def too_near(geometry: LinkGeometry, obstacles: FloatArray, d_safe: float) -> tu
 
 def _part(arm: Arm, carrier: int, shape: Shape, capsule: BoundingCapsule) -> Part:
     length = float(np.linalg.norm(capsule.end - capsule.start))
-    joint = arm.names[carrier]
+    joint = arm.chain.names[carrier]
     return Part(shape.link, joint, shape.kind, capsule.radius, length, capsule.excess)
 
 
@@ -151,7 +152,7 @@ def _placements(
     base = robot.frame_id(robot.base_frame)
     to_base = data.oMf[base].homogeneous
     to_base = np.linalg.inv(to_base)
-    ids = [int(model.getJointId(name)) for name in arm.names]
+    ids = [int(model.getJointId(name)) for name in arm.chain.names]
     order = {joint: k for k, joint in enumerate(ids)}
     base_path = _ancestors(model, int(model.frames[base].parentJoint))
     poses, carriers = {}, {}
@@ -173,9 +174,9 @@ def _ancestors(model: pin.Model, joint: int) -> frozenset[int]:
 
 def _carriers(arm: Arm, start: FloatArray) -> list[FloatArray]:
     """Return the pose of each joint of the chain in base axes, 4x4."""
-    chain, q, poses = arm.chain, arm.reduced(start), []
-    T = _square(chain.placements[0])
-    for k in range(arm.K):
+    chain, poses = arm.chain, []
+    q, T = chain.values(arm.reduced(start)), _square(chain.placements[0])
+    for k in range(chain.length):
         M = np.eye(4)
         if chain.is_revolute[k]:
             c, s = math.cos(q[k]), math.sin(q[k])
@@ -206,12 +207,12 @@ def _warnings(
     found = []
     if meshes:
         found.append(f"meshes are not read, those of {_listed(meshes)}; {instead}")
-    bare = sorted(set(range(arm.K)) - {carriers[shape.link] for shape in moved})
+    bare = sorted(set(range(arm.chain.length)) - {carriers[shape.link] for shape in moved})
     if bare:
-        joints = _listed([arm.names[k] for k in bare])
+        joints = _listed([arm.chain.names[k] for k in bare])
         found.append(f"nothing that moves with {joints} alone has a shape; {instead}")
     kept = {carriers[s.link] for s in moved if s.kind == "mesh"} | set(bare)
-    if kept and max(radii[k] for k in kept) == 0.0:
+    if kept and max(radii[arm.chain.leaders[k]] for k in kept) == 0.0:
         found.append("link_radius is 0: these segments are lines without thickness; give one")
     return tuple(found)
 

@@ -41,9 +41,12 @@ def skeleton(arm: Arm, radii: FloatArray | float) -> Links:
 
     Args:
         arm: The arm.
-        radii: Of each segment, m; shape (K,), or one for all.
+        radii: Of each entry of q, m; shape (K,), or one for all. A segment after a follower has
+            that of the joint that it follows.
     """
-    K = arm.K
+    K = arm.chain.length
+    if np.ndim(radii):
+        radii = np.asarray(radii)[arm.chain.leaders]
     rows = np.zeros((K, COLUMNS))
     rows[:, 0], rows[:, 1] = np.arange(K), np.arange(1, K + 1)
     rows[:, RADIUS] = radii
