@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, Any, TypeAlias, TypedDict
+from typing import Annotated, Any, NotRequired, TypeAlias, TypedDict
 
 import msgspec
 
@@ -19,6 +19,7 @@ from app.fields.numbers import within_query
 from app.fields.targets import OptionalTarget, TargetList
 from app.http.negotiation import NDJSON
 from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.operations.joint_values import joint_values_view
 from app.operations.operation import ARRAY_FORMS, LIGHT_DOF, Answer, Context, Operation
 from app.operations.shapes import (
     AnswerUnits,
@@ -139,6 +140,7 @@ class IKAnswer(TypedDict):
     units: AnswerUnits
     status: EachStatus
     q: EachVector
+    joint_values: NotRequired[dict[str, EachNumber]]
     position_error: EachNumber
     orientation_error: EachNumber
     iterations: EachInteger
@@ -247,6 +249,7 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
         "units": context.units.named,
         "status": statuses,
         "q": q,
+        **joint_values_view(robot, batch.q, context.units),
         "position_error": batch.position_error,
         "orientation_error": batch.orientation_error,
         "iterations": batch.iterations,
@@ -344,6 +347,7 @@ def _single(robot: Robot, request: IKRequest, context: Context, result: IKResult
         "units": context.units.named,
         "status": result.status.value,
         "q": q,
+        **joint_values_view(robot, result.q, context.units),
         "position_error": result.position_error,
         "orientation_error": result.orientation_error,
         "iterations": result.iterations,

@@ -124,7 +124,32 @@ def _without_guide(text: str) -> str:
     return orjson.dumps(payload).decode() if payload else text
 
 
+_DEPENDENCES = re.compile(r"^(?:followers|couplings): \(none\)\n", re.MULTILINE)
+_WITH_FOLLOWERS = ("baxter", "panda_urdf", "pr2", "romeo", "talos", "talos_arm", "tiago_pro")
+
+
+def _without_dependences(text: str) -> str:
+    """A record of a robot whose joints are all free, without the lists that say so."""
+    return _DEPENDENCES.sub("", text.replace('"followers":[],"couplings":[],', ""))
+
+
+def _has_followers(asked: Asked) -> bool:
+    """Whether a request is about a robot with joints that follow others, or its q has such."""
+    told = f"{asked.sent.path} {asked.sent.query} {asked.sent.body!r}"
+    return "<mimic" in told or any(f"{name}" in told for name in _WITH_FOLLOWERS)
+
+
 INTENDED: list[Intended] = [
+    Intended(
+        "a record lists followers and couplings",
+        lambda asked, answer: answer.status < 300,
+        lambda old, text: _without_dependences(text),
+    ),
+    Intended(
+        "a joint that mimics another is no entry of q",
+        lambda asked, answer: _has_followers(asked),
+        lambda old, text: text if old.text is None else old.text,
+    ),
     Intended(
         "warnings is a field of every JSON answer of a computation, and a line of its text",
         _is_answer,
