@@ -29,7 +29,7 @@ export interface components {
         };
         /**
          * RobotView
-         * @description A robot.
+         * @description A robot. ``joints`` are the entries of q.
          */
         RobotView: {
             id: string;
@@ -45,6 +45,8 @@ export interface components {
                 [key: string]: string;
             };
             joints: components["schemas"]["JointView"][];
+            followers: components["schemas"]["FollowerView"][];
+            couplings: components["schemas"]["CouplingView"][];
             base_frame: string;
             tip_frame: string;
             frames: string[];
@@ -62,6 +64,28 @@ export interface components {
             upper: number | null;
             velocity: number | null;
             effort: number | null;
+        };
+        /**
+         * FollowerView
+         * @description A joint that is no entry of q: its value is multiplier * (that of ``joint``) + offset.
+         */
+        FollowerView: {
+            name: string;
+            /** @enum {unknown} */
+            type: "continuous" | "prismatic" | "revolute";
+            joint: string;
+            multiplier: number;
+            offset: number;
+        };
+        /**
+         * CouplingView
+         * @description A joint whose geometry is moved by others besides: by their values times coefficients.
+         */
+        CouplingView: {
+            name: string;
+            joints: {
+                [key: string]: number;
+            };
         };
         /**
          * RobotList
@@ -2187,6 +2211,9 @@ export interface components {
          * @description Poses by frame name.
          */
         FKAnswer: {
+            joint_values: {
+                [key: string]: number;
+            };
             poses: {
                 [key: string]: components["schemas"]["PoseView"];
             };
@@ -2244,6 +2271,9 @@ export interface components {
             elapsed_ms: number;
             frame: string;
             iterations: number;
+            joint_values: {
+                [key: string]: number;
+            };
             max_iterations: number;
             max_restarts: number;
             orientation_error: number;
@@ -2449,6 +2479,9 @@ export interface components {
             drift: number[] | null;
             first_lost: number | null;
             frame: string;
+            joint_values: {
+                [key: string]: number;
+            };
             links: components["schemas"]["LinkPart"][] | null;
             message: string;
             method: string;
@@ -2893,6 +2926,9 @@ export interface components {
          * @description Poses by frame name.
          */
         FKAnswerBatch: {
+            joint_values: {
+                [key: string]: number[];
+            };
             poses: {
                 [key: string]: components["schemas"]["PoseViewBatch"];
             };
@@ -2950,6 +2986,9 @@ export interface components {
             elapsed_ms: number[];
             frame: string;
             iterations: number[];
+            joint_values: {
+                [key: string]: number[];
+            };
             max_iterations: number;
             max_restarts: number;
             orientation_error: number[];
@@ -3068,6 +3107,59 @@ export interface components {
             units: {
                 [key: string]: string;
             };
+            warnings: string[];
+        };
+        /**
+         * PathAnswerBatch
+         * @description The followed path, and whether the task was done.
+         *
+         *         ``success`` is measured: errors, limits, clearance (swept) and speeds hold at every sample, to
+         *         the end. Otherwise ``reason`` names what stands in the way: singular_start, singular,
+         *         unreachable, diverged, infeasible, collision, clearance, limits, velocity, tracking or timeout.
+         *         ``tracked`` is the part of the path, 0 to 1, that was followed within the tolerance. Lists have
+         *         a leading axis over the samples that were computed. ``clearance_swept`` belongs to a sample
+         *         and the next one, a lower bound. Errors are in m and rad; speeds come from differences of the
+         *         samples. ``links`` lists the capsules of the URDF where those are asked for.
+         */
+        PathAnswerBatch: {
+            acceleration: number[][];
+            clearance: number[] | null;
+            clearance_swept: number[] | null;
+            closed: boolean;
+            columns: string[];
+            drift: number[] | null;
+            first_lost: number | null;
+            frame: string;
+            joint_values: {
+                [key: string]: number[];
+            };
+            links: components["schemas"]["LinkPart"][] | null;
+            message: string;
+            method: string;
+            orientation_error: number[];
+            position_error: number[];
+            q: number[][];
+            r: number[];
+            reason: string | null;
+            retimed: components["schemas"]["RetimedMotion"] | null;
+            samples: number;
+            samples_done: number;
+            success: boolean;
+            summary: {
+                [key: string]: number | null;
+            };
+            t: number[];
+            task: string;
+            tf: number;
+            time_law: string;
+            tracked: number;
+            /** @description Units of the answer: {"angle": …, "length": "m"}. */
+            units: {
+                [key: string]: string;
+            };
+            velocity: number[][];
+            velocity_limits_respected: boolean;
+            violations: string[];
             warnings: string[];
         };
         /**
@@ -3262,6 +3354,16 @@ export interface components {
                 };
                 inertial?: Record<string, never>;
                 visual?: boolean;
+                /** @description What a follower follows; it is no entry of q. As a text: "-2*q1 + 0.1". */
+                mimic?: string | {
+                    joint: string;
+                    multiplier?: components["schemas"]["DHCell"];
+                    offset?: components["schemas"]["DHCell"];
+                };
+                /** @description Other joints that move this one too, and coefficients. As a text: "q2". */
+                coupling?: string | {
+                    [key: string]: components["schemas"]["DHCell"];
+                };
             }[];
             /** @description In answers: largest deviation of the table's FK from its source over random q, m and rad (or deg). Not read. */
             residual?: Record<string, never>;
