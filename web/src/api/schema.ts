@@ -2208,10 +2208,10 @@ export interface components {
         };
         /**
          * FKAnswer
-         * @description Poses by frame name.
+         * @description Poses by frame name; of a robot whose joints depend on others, the values of all of them.
          */
         FKAnswer: {
-            joint_values: {
+            joint_values?: {
                 [key: string]: number;
             };
             poses: {
@@ -2271,7 +2271,7 @@ export interface components {
             elapsed_ms: number;
             frame: string;
             iterations: number;
-            joint_values: {
+            joint_values?: {
                 [key: string]: number;
             };
             max_iterations: number;
@@ -2479,8 +2479,8 @@ export interface components {
             drift: number[] | null;
             first_lost: number | null;
             frame: string;
-            joint_values: {
-                [key: string]: number;
+            joint_values?: {
+                [key: string]: number[];
             };
             links: components["schemas"]["LinkPart"][] | null;
             message: string;
@@ -2923,10 +2923,10 @@ export interface components {
         };
         /**
          * FKAnswerBatch
-         * @description Poses by frame name.
+         * @description Poses by frame name; of a robot whose joints depend on others, the values of all of them.
          */
         FKAnswerBatch: {
-            joint_values: {
+            joint_values?: {
                 [key: string]: number[];
             };
             poses: {
@@ -2986,7 +2986,7 @@ export interface components {
             elapsed_ms: number[];
             frame: string;
             iterations: number[];
-            joint_values: {
+            joint_values?: {
                 [key: string]: number[];
             };
             max_iterations: number;
@@ -3107,59 +3107,6 @@ export interface components {
             units: {
                 [key: string]: string;
             };
-            warnings: string[];
-        };
-        /**
-         * PathAnswerBatch
-         * @description The followed path, and whether the task was done.
-         *
-         *         ``success`` is measured: errors, limits, clearance (swept) and speeds hold at every sample, to
-         *         the end. Otherwise ``reason`` names what stands in the way: singular_start, singular,
-         *         unreachable, diverged, infeasible, collision, clearance, limits, velocity, tracking or timeout.
-         *         ``tracked`` is the part of the path, 0 to 1, that was followed within the tolerance. Lists have
-         *         a leading axis over the samples that were computed. ``clearance_swept`` belongs to a sample
-         *         and the next one, a lower bound. Errors are in m and rad; speeds come from differences of the
-         *         samples. ``links`` lists the capsules of the URDF where those are asked for.
-         */
-        PathAnswerBatch: {
-            acceleration: number[][];
-            clearance: number[] | null;
-            clearance_swept: number[] | null;
-            closed: boolean;
-            columns: string[];
-            drift: number[] | null;
-            first_lost: number | null;
-            frame: string;
-            joint_values: {
-                [key: string]: number[];
-            };
-            links: components["schemas"]["LinkPart"][] | null;
-            message: string;
-            method: string;
-            orientation_error: number[];
-            position_error: number[];
-            q: number[][];
-            r: number[];
-            reason: string | null;
-            retimed: components["schemas"]["RetimedMotion"] | null;
-            samples: number;
-            samples_done: number;
-            success: boolean;
-            summary: {
-                [key: string]: number | null;
-            };
-            t: number[];
-            task: string;
-            tf: number;
-            time_law: string;
-            tracked: number;
-            /** @description Units of the answer: {"angle": …, "length": "m"}. */
-            units: {
-                [key: string]: string;
-            };
-            velocity: number[][];
-            velocity_limits_respected: boolean;
-            violations: string[];
             warnings: string[];
         };
         /**
