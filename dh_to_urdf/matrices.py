@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dh_to_urdf.couplings import joint_map, moving_joints
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow, DHTable, JointType
 
@@ -71,6 +72,8 @@ def branch_matrix(row: DHRow) -> Matrix:
 def joint_variables(table: DHTable, q: ArrayLike) -> Matrix:
     """Return ``v = sign*q + offset`` of every row, 0 for fixed rows, rad and m.
 
+    Followers and coupled joints have their value in the place of q.
+
     Args:
         table: The table.
         q: Shape (..., dof), rad or m.
@@ -85,6 +88,9 @@ def joint_variables(table: DHTable, q: ArrayLike) -> Matrix:
     if q.ndim == 0 or q.shape[-1] != table.dof:
         raise ValueError(f"q must hold {table.dof} values, one a joint")
     v = np.zeros((*q.shape[:-1], len(table.rows)))
+    if table.is_coupled:
+        found = joint_map(*moving_joints(table))
+        q = q @ found.matrix.T + found.offset
     for column, k in enumerate(table.moving_rows):
         v[..., k] = table.rows[k].sign * q[..., column] + table.rows[k].offset
     return v

@@ -76,11 +76,28 @@ class Inertial:
 
 
 @dataclass(frozen=True, slots=True)
+class Mimic:
+    """What a follower follows: its coordinate is ``multiplier * (that of the other) + offset``.
+
+    Attributes:
+        joint: Name of the other joint.
+        multiplier: Units of this joint, rad or m, in one of the other.
+        offset: rad or m.
+    """
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class DHRow:
     """One row: the placement of frame k in its parent frame.
 
     The joint variable ``v = sign*q + offset`` stands for θ (revolute, continuous) or d
-    (prismatic); the constant of that column is part of ``offset`` and stored as 0.
+    (prismatic); the constant of that column is part of ``offset`` and stored as 0. In the place
+    of q, a follower has the coordinate that its ``mimic`` says, and a coupled joint its q plus
+    the coordinates of others; see :mod:`dh_to_urdf.couplings`.
 
     Attributes:
         name: Name of the joint.
@@ -98,6 +115,8 @@ class DHRow:
             the k-th row.
         inertial: Mass properties, if known.
         visual: False to draw nothing for this row.
+        mimic: What the joint follows; None where it is a coordinate of q.
+        coupling: Names of other joints and the coefficients by which they move this one too.
     """
 
     name: str
@@ -114,6 +133,8 @@ class DHRow:
     b: float = 0.0
     inertial: Inertial | None = None
     visual: bool = True
+    mimic: Mimic | None = None
+    coupling: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -140,13 +161,23 @@ class DHTable:
 
     @property
     def moving_rows(self) -> tuple[int, ...]:
-        """Return the indices of the rows that have a joint variable, in the order of q."""
+        """Return the indices of the rows that move: free ones and followers."""
         return tuple(k for k, row in enumerate(self.rows) if row.type is not JointType.FIXED)
 
     @property
+    def free_rows(self) -> tuple[int, ...]:
+        """Return the indices of the rows that are coordinates of q, in its order."""
+        return tuple(k for k in self.moving_rows if self.rows[k].mimic is None)
+
+    @property
+    def is_coupled(self) -> bool:
+        """Return whether a joint follows another, or is coupled with one."""
+        return any(row.mimic is not None or row.coupling for row in self.rows)
+
+    @property
     def dof(self) -> int:
-        """Return the number of joint variables."""
-        return len(self.moving_rows)
+        """Return the number of entries of q."""
+        return len(self.free_rows)
 
     @property
     def tip_row(self) -> int:

@@ -5,15 +5,21 @@ Modified and khalil: the joint of row k has origin ``D_k = A_k(v = offset)`` and
 ``C_k = A_k(v = offset)``, so the moving link ``link_k`` sits on z_{k-1} and a fixed child
 ``frame_k`` with origin C_k carries 0A_k. ``base_link`` -base-> ``frame_0``;
 the last frame -tool-> ``tool``.
+
+Followers have ``<mimic>``, of the free joint that they follow at last. The joint of a coupled row
+comes after one joint more for each other joint that moves it, on the same axis, with ``<mimic>`` of
+that one and a link without mass between; so the file is exact wherever mimic is read.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from dh_to_urdf.couplings import JointMap, joint_map, moving_joints
 from dh_to_urdf.matrices import branch_matrix, link_matrix
 from dh_to_urdf.poses import Matrix, from_xyz_rpy, to_rpy
 from dh_to_urdf.table import Convention, DHRow, DHTable, JointType, Limits
@@ -53,6 +59,10 @@ class _Writer:
         self.standard = table.convention is Convention.STANDARD
         self.radius = self._radius()
         self.joint_names = {row.name for row in table.rows}
+        self.links = {BASE_LINK, TOOL_LINK}
+        for k in range(len(table.rows) + 1):
+            self.links |= {frame_name(k), f"link_{k}"}
+        self.couplings = _Couplings.of(table) if table.is_coupled else None
 
     def write(self) -> str:
         for label, rgba in _COLOURS.items():
@@ -119,6 +129,10 @@ class _Writer:
 
     def _joint(self, row: DHRow, parent: str, child: str, T: Matrix) -> None:
         type_ = urdf_joint_type(row)
+        if self.couplings is not None and row.type is not JointType.FIXED:
+            type_ = self.couplings.type_of(row)
+            for name, coefficient in row.coupling:
+                parent, T = self._coupled(row, name, coefficient, parent, T), np.eye(4)
         joint = ET.SubElement(self.robot, "joint", name=row.name, type=type_.value)
         ET.SubElement(joint, "parent", link=parent)
         ET.SubElement(joint, "child", link=child)
@@ -127,6 +141,30 @@ class _Writer:
             return
         ET.SubElement(joint, "axis", xyz=f"0 0 {row.sign}")
         _limit(joint, type_, row.limits)
+        if self.couplings is not None and row.mimic is not None:
+            _mimic(joint, *self.couplings.followed(row.name, 1.0))
+
+    def _coupled(self, row: DHRow, other: str, coefficient: float, parent: str, T: Matrix) -> str:
+        """Write a joint on a row's axis that another joint moves; return its link."""
+        assert self.couplings is not None
+        name, link = f"{row.name}_by_{other}", f"{row.name}_by_{other}"
+        while name in self.joint_names:
+            name += "_"
+        while link in self.links:
+            link += "_"
+        self.joint_names.add(name)
+        self.links.add(link)
+        self._link(link)
+        slides = row.type is JointType.PRISMATIC
+        type_ = JointType.PRISMATIC if slides else JointType.REVOLUTE
+        joint = ET.SubElement(self.robot, "joint", name=name, type=type_.value)
+        ET.SubElement(joint, "parent", link=parent)
+        ET.SubElement(joint, "child", link=link)
+        _origin(joint, T)
+        ET.SubElement(joint, "axis", xyz=f"0 0 {row.sign}")
+        _limit(joint, type_, Limits())
+        _mimic(joint, *self.couplings.followed(other, coefficient))
+        return link
 
     def _inertial(self, link: ET.Element, row: DHRow, frame: Matrix) -> None:
         """Write mass properties of frame k in the link's axes (``frame``: k in it)."""
@@ -196,6 +234,51 @@ class _Writer:
         geometry = ET.SubElement(visual, "geometry")
         ET.SubElement(geometry, "cylinder", radius=f"{radius:.6g}", length=repr(float(length)))
         ET.SubElement(visual, "material", name=label)
+
+
+@dataclass(frozen=True, eq=False)
+class _Couplings:
+    """What the joints of a table depend on.
+
+    Attributes:
+        names: Names of the joints that move.
+        map: Their map.
+        leading: Names of the joints that lead, or are led.
+    """
+
+    names: tuple[str, ...]
+    map: JointMap
+    leading: frozenset[str]
+
+    @classmethod
+    def of(cls, table: DHTable) -> _Couplings:
+        moving, fixed = moving_joints(table)
+        found = joint_map(moving, fixed)
+        names = tuple(joint.name for joint in moving)
+        parts = np.abs(found.matrix) > 0
+        led = {names[k] for k, joint in enumerate(moving) if joint.mimic or joint.coupling}
+        for k, joint in enumerate(moving):
+            if joint.mimic or joint.coupling:
+                led |= {names[found.free[n]] for n in np.flatnonzero(parts[k])}
+        return cls(names, found, frozenset(led))
+
+    def type_of(self, row: DHRow) -> JointType:
+        """Return the URDF type of a row: no continuous joint leads or follows in all readers."""
+        return row.type if row.name in self.leading else urdf_joint_type(row)
+
+    def followed(self, name: str, factor: float) -> tuple[str, float, float]:
+        """Return the free joint, the multiplier and the offset of a joint times a factor."""
+        k = self.names.index(name)
+        line = self.map.coordinates[k]
+        n = int(np.argmax(np.abs(line)))
+        # Of several followers' offsets only the joint's own counts, not those of its couplings.
+        return self.names[self.map.free[n]], factor * float(line[n]), factor * self.map.own[k]
+
+
+def _mimic(joint: ET.Element, name: str, multiplier: float, offset: float) -> None:
+    ET.SubElement(
+        joint, "mimic", joint=name, multiplier=repr(float(multiplier)), offset=repr(float(offset))
+    )
 
 
 def urdf_joint_type(row: DHRow) -> JointType:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -94,25 +95,50 @@ def _is_bounded(array: FloatArray) -> bool:
     return not array.size or bool(np.abs(array).max() <= MAX_VALUE)
 
 
+CONSISTENT = 1e-6
+"""Largest difference, rad or m, of a follower's value from what it follows."""
+
+
+class Given(StrEnum):
+    """What values by joint name are: where a joint is, how fast it moves, or what moves it."""
+
+    VALUE = "value"
+    RATE = "rate"
+    EFFORT = "effort"
+
+
 def configuration_by_name(
-    robot: Robot, values: Mapping[str, float], argument: str = "q"
+    robot: Robot,
+    values: Mapping[str, float],
+    argument: str = "q",
+    *,
+    given: Given = Given.VALUE,
+    angle: float = 1.0,
 ) -> FloatArray:
     """Return q from values by joint name, in the order of ``robot.joints``.
 
+    Joints that follow others may be named too, with the value that they have then.
+
     Args:
         robot: The robot.
-        values: A value for every joint, rad or m.
+        values: A value for every joint, in the unit of angles or m.
         argument: Name of the argument in errors.
+        given: What the values are.
+        angle: Unit of the angles, rad.
 
     Returns:
-        Shape (dof,).
+        Shape (dof,), in the unit of the values.
 
     Raises:
-        WrongConfiguration: A joint is missing or unknown, or a value is not finite.
+        WrongConfiguration: A joint is missing or unknown, a value is not finite, or that of a
+            follower is another than what it follows gives.
     """
     names = tuple(joint.name for joint in robot.joints)
+    followers = set[str]()
+    if robot.coupled is not None and given is not Given.EFFORT:
+        followers = {joint.name for joint in robot.coupled.followers}
     for name in values:
-        if name not in names:
+        if name not in names and name not in followers:
             raise WrongConfiguration(
                 f"there is no joint {name[:64]!r}; {hint(name, names)}",
                 argument=argument,
@@ -129,7 +155,52 @@ def configuration_by_name(
             missing=tuple(missing),
             known=names,
         )
-    return configuration(robot, [values[name] for name in names], argument)
+    q = configuration(robot, [values[name] for name in names], argument)
+    for name in values:
+        if name in followers:
+            _check_follower(robot, q, name, values[name], argument, given, angle)
+    return q
+
+
+def _check_follower(
+    robot: Robot,
+    q: FloatArray,
+    name: str,
+    value: float,
+    argument: str,
+    given: Given,
+    angle: float,
+) -> None:
+    """Refuse a value of a follower that is not what the joints that it follows give."""
+    coupled = robot.coupled
+    assert coupled is not None
+    k = next(k for k, joint in enumerate(coupled.joints) if joint.name == name)
+    in_si = q * np.where(robot.is_revolute, angle, 1.0)
+    expected = float(coupled.matrix[k] @ in_si)
+    if given is Given.VALUE:
+        expected += float(coupled.map.offset[k])
+    unit = angle if coupled.joints[k].type.is_revolute else 1.0
+    if abs(value * unit - expected) <= CONSISTENT * max(1.0, abs(expected)):
+        return
+    relation = coupled.relations[k]
+    assert relation.mimic is not None
+    raise WrongConfiguration(
+        f"{argument} of joint {name} is {value:g}, but it follows {relation.mimic.joint}, which"
+        f" makes it {expected / unit:.9g}; give that, or leave {name} out",
+        argument=argument,
+        index=(name,),
+        joint=name,
+        value=float(value),
+    )
+
+
+def joint_values_of(robot: Robot, q: FloatArray) -> dict[str, FloatArray]:
+    """Return the values of all joints that move by name, at q of shape (dof,) or (n, dof).
+
+    Rad and m; shape () or (n,). Of a coupled joint it is what its geometry turns by.
+    """
+    values = robot.joint_values(q)
+    return {joint.name: values[..., k] for k, joint in enumerate(robot.moving)}
 
 
 def joint_names(robot: Robot) -> Sequence[str]:

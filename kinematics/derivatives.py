@@ -10,16 +10,19 @@ With joint k before joint j, or the same, on the way from the base to the frame:
 - ``world``: ``∂S_j/∂q_k = S_k × S_j``, the Lie bracket of spatial twists; ``∂S_k/∂q_j = 0``.
 - ``local``: ``∂S_k/∂q_j = S_k × S_j``, that of body twists; ``∂S_j/∂q_k = 0``
   (Müller, *Screw and Lie group theory in multibody kinematics*, 2018).
+
+Where joints depend on others, these are derivatives by the joint values ``C q + c``, and those by q
+follow by C, which is constant.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from kinematics.chain import chain_of
+from kinematics.chain import Chain, chain_of
 from kinematics.configuration import configuration
 from kinematics.deadline import checked
-from kinematics.jacobian import ReferenceFrame, jacobian
+from kinematics.jacobian import ReferenceFrame, jacobian_by_joint
 from kinematics.spatial_vectors import check_same_length
 from robots.robot import FloatArray, Robot
 
@@ -47,17 +50,26 @@ def hessian(
         UnknownFrame: The robot has no such frame.
         WrongConfiguration: q has a wrong shape or is not finite.
     """
-    J = jacobian(robot, q, frame, reference_frame)
-    columns = chain_of(robot, frame or robot.tip_frame).columns
-    H = np.zeros((*J.shape, robot.dof))
-    if J.ndim == 2:
-        H[:, columns[:, None], columns] = _pairs(J[:, columns], reference_frame)
+    frame = frame or robot.tip_frame
+    chain = chain_of(robot, frame)
+    columns, dof = chain.columns, robot.dof
+    S = jacobian_by_joint(robot, q, frame, reference_frame)
+    H = np.zeros((*S.shape[:-1], dof, dof))
+    if S.ndim == 2:
+        H[:, columns[:, None], columns] = _in_q(chain, _pairs(S, reference_frame))
         return H
-    step = max(1, _NUMBERS_AT_ONCE // (6 * robot.dof**2))
-    for start in checked(range(0, len(J), step), 1):
-        part = J[start : start + step, :, columns]
-        H[start : start + step, :, columns[:, None], columns] = _pairs(part, reference_frame)
+    step = max(1, _NUMBERS_AT_ONCE // (6 * max(dof, chain.length) ** 2))
+    for start in checked(range(0, len(S), step), 1):
+        pairs = _pairs(S[start : start + step], reference_frame)
+        H[start : start + step, :, columns[:, None], columns] = _in_q(chain, pairs)
     return H
+
+
+def _in_q(chain: Chain, pairs: FloatArray) -> FloatArray:
+    """Return second derivatives by entries of q, shapes (..., K, K) -> (..., n, n)."""
+    if not chain.is_coupled:
+        return pairs
+    return np.asarray(chain.coupling.T @ pairs @ chain.coupling)
 
 
 def jacobian_derivative(
@@ -89,21 +101,27 @@ def jacobian_derivative(
         WrongConfiguration: q or qd has a wrong shape or is not finite.
         WrongVector: Batches of unequal length.
     """
-    J = jacobian(robot, q, frame, reference_frame)
+    frame = frame or robot.tip_frame
+    chain = chain_of(robot, frame)
+    S = jacobian_by_joint(robot, q, frame, reference_frame)
     qd = configuration(robot, qd, "qd")
     check_same_length(np.asarray(q), qd, "qd")
-    columns = chain_of(robot, frame or robot.tip_frame).columns
-    shape = np.broadcast_shapes(J.shape[:-2], qd.shape[:-1])
+    columns = chain.columns
+    shape = np.broadcast_shapes(S.shape[:-2], qd.shape[:-1])
     result = np.zeros((*shape, 6, robot.dof))
+    speeds = qd[..., columns]
+    if chain.is_coupled:
+        speeds = speeds @ chain.coupling.T
     if not shape:
-        result[:, columns] = _change(J[:, columns], qd[columns], reference_frame)
+        result[:, columns] = chain.in_q(_change(S, speeds, reference_frame))
         return result
-    J, qd = np.broadcast_to(J, result.shape), np.broadcast_to(qd, (*shape, robot.dof))
-    step = max(1, _NUMBERS_AT_ONCE // (6 * robot.dof))
+    S = np.broadcast_to(S, (*shape, 6, chain.length))
+    speeds = np.broadcast_to(speeds, (*shape, chain.length))
+    step = max(1, _NUMBERS_AT_ONCE // (6 * max(robot.dof, chain.length)))
     for start in checked(range(0, len(result), step), 1):
         part = slice(start, start + step)
-        change = _change(J[part][..., columns], qd[part][..., columns], reference_frame)
-        result[part, :, columns] = change
+        change = _change(S[part], speeds[part], reference_frame)
+        result[part, :, columns] = chain.in_q(change)
     return result
 
 

@@ -113,6 +113,9 @@ def _many(robot: Robot, q: FloatArray, name: str) -> FloatArray:
     K = chain.length
     out = np.empty((len(q), 16))
     memory = np.empty(K), np.empty((K, 6))
+    columns = chain.columns
+    if chain.is_coupled:
+        q, columns = chain.values(q[:, columns]), np.arange(K)
     q = writable(q)
-    forward_many(chain.placements, chain.is_revolute, chain.columns, q, *memory, out)
+    forward_many(chain.placements, chain.is_revolute, columns, q, *memory, out)
     return out.reshape(-1, 4, 4)

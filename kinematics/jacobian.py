@@ -7,7 +7,7 @@ from enum import StrEnum
 import numpy as np
 import pinocchio as pin
 
-from kinematics.chain import chain_of
+from kinematics.chain import Chain, chain_of
 from kinematics.compiled import writable
 from kinematics.configuration import configuration
 from kinematics.deadline import checkpoint
@@ -127,8 +127,12 @@ def _one(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFram
     aligned = pin.LOCAL_WORLD_ALIGNED
     J = pin.getFrameJacobian(model, data, tip_id, aligned).reshape(6, -1)[:, columns]
     base, tip = data.oMf[base_id], data.oMf[tip_id]
+    if robot.coupled is not None:
+        J = J @ robot.coupled.matrix
     if not base.isIdentity(0.0):
         J_base = pin.getFrameJacobian(model, data, base_id, aligned).reshape(6, -1)[:, columns]
+        if robot.coupled is not None:
+            J_base = J_base @ robot.coupled.matrix
         arm = tip.translation - base.translation
         J = J - J_base
         J[:3] -= np.cross(J_base[3:], arm, axis=0)
@@ -140,12 +144,50 @@ def _one(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFram
 def _many(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFrame) -> FloatArray:
     checkpoint()
     chain = chain_of(robot, frame)
+    if chain.is_coupled:
+        J = np.zeros((len(q), 6, robot.dof))
+        J[:, :, chain.columns] = chain.in_q(_by_joint(chain, q, reference_frame))
+        return J
     K = chain.length
     poses, J = np.empty((len(q), 16)), np.zeros((len(q), 6, robot.dof))
     memory = np.empty(K), np.empty((K, 6))
     q = writable(q)
     jacobian_many(chain.placements, chain.is_revolute, chain.columns, q, *memory, poses, J)
     return _expressed(J, poses.reshape(-1, 4, 4), reference_frame)
+
+
+def _by_joint(chain: Chain, q: FloatArray, reference_frame: ReferenceFrame) -> FloatArray:
+    K = chain.length
+    poses, J = np.empty((len(q), 16)), np.zeros((len(q), 6, K))
+    memory, values = (np.empty(K), np.empty((K, 6))), writable(chain.values(q[:, chain.columns]))
+    jacobian_many(chain.placements, chain.is_revolute, np.arange(K), values, *memory, poses, J)
+    return _expressed(J, poses.reshape(-1, 4, 4), reference_frame)
+
+
+def jacobian_by_joint(
+    robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFrame
+) -> FloatArray:
+    """Return the columns of the joints of a chain, before those of one leader are added up.
+
+    Args:
+        robot: The robot.
+        q: Shape (dof,) or (n, dof), rad and m.
+        frame: Frame name.
+        reference_frame: Where and in which axes the twist is taken.
+
+    Returns:
+        Shape (6, K) or (n, 6, K), in the order of the chain.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+        WrongConfiguration: q has a wrong shape or is not finite.
+    """
+    chain = chain_of(robot, frame)
+    if not chain.is_coupled:
+        return np.asarray(jacobian(robot, q, frame, reference_frame)[..., chain.columns])
+    q = configuration(robot, q)
+    found = _by_joint(chain, np.atleast_2d(q), reference_frame)
+    return found if q.ndim == 2 else np.asarray(found[0])
 
 
 def _expressed(J: FloatArray, tip: FloatArray, reference_frame: ReferenceFrame) -> FloatArray:

@@ -23,9 +23,9 @@ class Skeleton:
         frames: Pose of each frame by name, 4x4.
         bones: A polyline a link, each of shape (k, 3), m. Between the frames of a D-H table it
             goes along the common normal and along the axis, as ``a`` and ``d`` are measured.
-        origins: A point on each joint axis, in the order of q, shape (dof, 3), m.
-        axes: Unit vectors of the joint axes, shape (dof, 3).
-        is_revolute: True for an angle, shape (dof,).
+        origins: A point on the axis of each of the m joints that move, shape (m, 3), m.
+        axes: Unit vectors of the joint axes, shape (m, 3).
+        is_revolute: True for an angle, shape (m,).
     """
 
     frames: dict[str, FloatArray]
@@ -58,7 +58,8 @@ def skeleton_of(robot: Robot, q: FloatArray) -> Skeleton:
     table = robot.table
     bones = _bones_of_table(table, frames) if table else _bones_of_links(robot, frames)
     origins, axes = _joints(robot, q)
-    return Skeleton(frames, bones, origins, axes, robot.is_revolute)
+    turns = np.array([joint.type.is_revolute for joint in robot.moving])
+    return Skeleton(frames, bones, origins, axes, turns)
 
 
 def _bones_of_table(table: DHTable, frames: dict[str, FloatArray]) -> tuple[FloatArray, ...]:
@@ -111,7 +112,7 @@ def _straight(before: FloatArray, after: FloatArray) -> FloatArray:
 
 
 def _joints(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    tree = tree_of(robot)
+    tree, q = tree_of(robot), robot.joint_values(q)
     index, placement = tree.frames[robot.base_frame]
     poses: list[FloatArray] = []
     for joint in tree.joints:
@@ -119,7 +120,7 @@ def _joints(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         poses.append(parent @ joint.placement @ _motion(joint.is_revolute, float(q[joint.column])))
     base = (poses[index] if index >= 0 else np.eye(4)) @ placement
     inverse = np.linalg.inv(base)
-    origins, axes = np.empty((robot.dof, 3)), np.empty((robot.dof, 3))
+    origins, axes = np.empty((len(q), 3)), np.empty((len(q), 3))
     for joint, pose in zip(tree.joints, poses, strict=True):
         seen = inverse @ pose
         origins[joint.column], axes[joint.column] = seen[:3, 3], seen[:3, 2]

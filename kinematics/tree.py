@@ -19,7 +19,7 @@ class TreeJoint:
     """One moving joint.
 
     Attributes:
-        column: Its entry of q.
+        column: Its number among the joints that move; its entry of q where all are free.
         parent: Location of the preceding moving joint in the tree, -1 for the root.
         placement: Placement of the joint, its z along the axis, in the parent's joint, 4x4.
         is_revolute: True for an angle.
@@ -68,14 +68,14 @@ def build_tree(robot: Robot) -> Tree:
     """Return the constants of a robot's tree, read from its Pinocchio model."""
     model, data = robot.model, robot.model.createData()
     neutral = pin.neutral(model)
-    column_of = {int(model.getJointId(joint.name)): k for k, joint in enumerate(robot.joints)}
+    column_of = {int(model.getJointId(joint.name)): k for k, joint in enumerate(robot.moving)}
     joints: list[TreeJoint] = []
     alignments: list[FloatArray] = [np.eye(4)]
     for joint_id in range(1, model.njoints):
         column = column_of[joint_id]
         motion = pin.computeJointJacobian(model, data, neutral, joint_id).reshape(6, -1)
         subspace = motion[:, model.joints[joint_id].idx_v]
-        is_revolute = bool(robot.is_revolute[column])
+        is_revolute = robot.moving[column].type.is_revolute
         alignment = _z_onto(subspace[3:] if is_revolute else subspace[:3])
         parent = int(model.parents[joint_id])
         placement = alignments[parent].T @ model.jointPlacements[joint_id].homogeneous @ alignment

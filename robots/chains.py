@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from dh_to_urdf import DHError
+from collections.abc import Callable
+
+from dh_to_urdf import DHError, table_to_urdf
+from dh_to_urdf.couplings import moving_joints, uncoupled
 from dh_to_urdf.extraction.axes import SerialChain
+from dh_to_urdf.extraction.dependences import depending
 from dh_to_urdf.extraction.urdf_chain import read_chain
 from robots.errors import InvalidURDF, UnknownFrame
 from robots.robot import Robot
@@ -25,7 +29,11 @@ def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None
     for role, name in (("base", base), ("tip", tip)):
         if name is not None:
             robot.frame_id(name, role)
-    return _chain(robot.urdf, base or robot.base_frame, tip or robot.tip_frame)
+    base, tip, table = base or robot.base_frame, tip or robot.tip_frame, robot.table
+    if table is None or not table.is_coupled:
+        return _chain(robot.urdf, base, tip)
+    chain = _chain(table_to_urdf(uncoupled(table)), base, tip)
+    return _read(lambda: depending(chain, moving_joints(table)[0]))
 
 
 def chain_of_urdf(
@@ -47,17 +55,16 @@ def chain_of_urdf(
     for role, name in (("base", base), ("tip", tip)):
         if name is not None and name not in description.links:
             raise UnknownFrame(name, description.links, role)
-    chain = _chain(
-        description.canonical, base or description.root, tip or description.default_tip()
-    )
-    on_way = {joint.name for joint in chain.joints}
-    mimics = tuple(w for w in description.warnings if any(f"{name!r}" in w for name in on_way))
-    return SerialChain(chain.name, chain.base, chain.tip, chain.joints, chain.tip_placement, mimics)
+    return _chain(description.canonical, base or description.root, tip or description.default_tip())
 
 
 def _chain(text: str, base: str, tip: str) -> SerialChain:
+    return _read(lambda: read_chain(text, base, tip))
+
+
+def _read(read: Callable[[], SerialChain]) -> SerialChain:
     try:
-        return read_chain(text, base, tip)
+        return read()
     except DHError as error:
         fault = error.faults[0]
         raise InvalidURDF(fault.message, fault.location) from None

@@ -13,50 +13,35 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from dh_to_urdf import DHTable, JointType, table_to_urdf
+from dh_to_urdf import DHTable, Limits, table_to_urdf
+from dh_to_urdf.couplings import MovingJoint, joint_map, moving_joints, narrow_warnings, uncoupled
 from dh_to_urdf.errors import Location
 from dh_to_urdf.writer import BASE_LINK, TOOL_LINK, UNBOUNDED
 from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
+from robots.joints import CoupledJoints, Joint
 from robots.model import build_model
 from robots.urdf import MAX_DOF, URDFDescription, read_urdf
+from robots.urdf.mimics import moving_joints as joints_that_move
+
+__all__ = ["FloatArray", "Joint", "Robot", "robot_from_table", "robot_from_urdf"]
 
 FloatArray = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class Joint:
-    """One entry of q.
-
-    Attributes:
-        name: Its name.
-        type: revolute, prismatic or continuous.
-        lower: Smallest value, rad or m; None where there is no limit.
-        upper: Largest value.
-        velocity: Largest speed, rad/s or m/s; None where unknown.
-        effort: Largest torque or force, N m or N; None where unknown.
-    """
-
-    name: str
-    type: JointType
-    lower: float | None
-    upper: float | None
-    velocity: float | None
-    effort: float | None
 
 
 @dataclass(frozen=True, eq=False)
 class Robot:
     """A robot that can be computed on.
 
-    ``q`` holds one value a moving joint, in the order of the table or the URDF file, in rad and
-    m. Pinocchio orders joints by the tree, parents first: :meth:`configuration` maps.
+    ``q`` holds one value a free joint, in the order of the table or the URDF file, in rad and m.
+    Where joints depend on others, ``C q + c`` are the values of all that move. Pinocchio orders
+    joints by the tree, parents first: :meth:`configuration` maps.
 
     Attributes:
         name: Name in the document.
         kind: What it was made from.
         revision: SHA-256 of kind, frames and URDF, hexadecimal.
         model: Pinocchio's model; not to be changed.
-        joints: The entries of q.
+        joints: The entries of q, the free joints; limits of those that follow them narrow theirs.
         base_frame: Frame in whose axes results are given.
         tip_frame: Frame to compute for where none is named.
         frames: All frame (link) names in the order of the document.
@@ -65,6 +50,7 @@ class Robot:
         warnings: What is doubtful, was assumed or was left out, the gravest first.
         doubts: Those of them about values that are probably meant in another unit, which every
             computation tells.
+        coupled: The values of all joints that move; None where every one of them is an entry of q.
     """
 
     name: str
@@ -79,6 +65,7 @@ class Robot:
     table: DHTable | None = None
     warnings: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+    coupled: CoupledJoints | None = None
     _frame_ids: Mapping[str, int] = field(default_factory=dict, repr=False)
     _local: threading.local = field(default_factory=threading.local, repr=False, compare=False)
 
@@ -120,9 +107,25 @@ class Robot:
         return np.array([joint.type.is_revolute for joint in self.joints])
 
     @cached_property
+    def is_periodic(self) -> NDArray[np.bool_]:
+        """Return True where the robot is the same after a turn of an entry of q; shape (dof,)."""
+        if self.coupled is None:
+            return self.is_revolute
+        return self.is_revolute & self.coupled.is_periodic
+
+    @cached_property
+    def moving(self) -> tuple[Joint, ...]:
+        """Return all joints that move, free ones and followers, in the order of the document."""
+        return self.joints if self.coupled is None else self.coupled.joints
+
+    def joint_values(self, q: FloatArray) -> FloatArray:
+        """Return the values of all joints that move, (…, dof) -> (…, m), rad and m."""
+        return q if self.coupled is None else self.coupled.values(q)
+
+    @cached_property
     def velocity_columns(self) -> NDArray[np.intp]:
-        """Return the places of q's entries in Pinocchio's configuration and tangent vectors."""
-        ids = [self.model.getJointId(joint.name) for joint in self.joints]
+        """Return the places of all joints that move in Pinocchio's configuration and tangents."""
+        ids = [self.model.getJointId(joint.name) for joint in self.moving]
         return np.array([self.model.joints[i].idx_v for i in ids])
 
     @cached_property
@@ -137,10 +140,11 @@ class Robot:
 
     def configuration(self, q: FloatArray) -> FloatArray:
         """Return Pinocchio's configuration of q, (dof,) -> (model.nq,); may be q itself."""
+        values = self.joint_values(q)
         if self._in_model_order:
-            return q
+            return values
         configuration = np.empty(self.model.nq)
-        configuration[self.velocity_columns] = q
+        configuration[self.velocity_columns] = values
         return configuration
 
     def data(self) -> Any:
@@ -175,36 +179,29 @@ def robot_from_table(table: DHTable) -> Robot:
         RobotTooLarge: More than 64 joints.
         InvalidURDF: No joint moves.
     """
-    if table.dof > MAX_DOF:
-        raise RobotTooLarge(f"the table has {table.dof} joints; at most {MAX_DOF} are computed")
-    if table.dof == 0:
+    moving = len(table.moving_rows)
+    if moving > MAX_DOF:
+        raise RobotTooLarge(f"the table has {moving} joints; at most {MAX_DOF} are computed")
+    if moving == 0:
         raise InvalidURDF("the table has no joint that moves", ("joints",))
     urdf = table_to_urdf(table)
-    description = read_urdf(urdf)
-    joints = tuple(
-        Joint(
-            row.name,
-            row.type,
-            row.limits.lower,
-            row.limits.upper,
-            row.limits.velocity,
-            row.limits.effort,
-        )
-        for row in (table.rows[k] for k in table.moving_rows)
-    )
-    joints = tuple(_without_unbounded(joint) for joint in joints)
+    # The model is the mechanism, whose joints are all free; the map of q knows the couplings.
+    description = read_urdf(table_to_urdf(uncoupled(table)) if table.is_coupled else urdf)
+    joints, coupled = _joints(*moving_joints(table))
+    narrow = () if coupled is None else narrow_warnings(coupled.relations, coupled.map)
     frames = tuple(name for name in description.links if not name.startswith("link_"))
     return _build(
         description,
         kind="dh",
         joints=joints,
+        coupled=coupled,
         frames=frames,
         base=BASE_LINK,
         tip=TOOL_LINK,
         table=table,
         urdf=urdf,
         identity=f"dh|{table.convention}|{','.join(row.type for row in table.rows)}",
-        warnings=table.warnings,
+        warnings=(*table.warnings, *narrow),
         doubts=table.doubts,
     )
 
@@ -232,13 +229,12 @@ def robot_from_urdf(
         UnknownFrame: base or tip is no link of the robot.
     """
     description = read_urdf(text)
+    joints, coupled = _joints(*joints_that_move(description.joints))
+    narrow = () if coupled is None else narrow_warnings(coupled.relations, coupled.map)
     if warnings is None:
         unused = () if tell_left_out else description.left_out
-        warnings = tuple(one for one in description.warnings if one not in unused)
-    joints = tuple(
-        _without_unbounded(Joint(j.name, JointType(j.type), j.lower, j.upper, j.velocity, j.effort))
-        for j in description.moving
-    )
+        kept = tuple(one for one in description.warnings if one not in unused)
+        warnings = (*kept, *narrow)
     for role, name in (("base", base), ("tip", tip)):
         if name is not None and name not in description.links:
             raise UnknownFrame(name, description.links, role)
@@ -246,6 +242,7 @@ def robot_from_urdf(
         description,
         kind="urdf",
         joints=joints,
+        coupled=coupled,
         frames=description.links,
         base=base or description.root,
         tip=tip or description.default_tip(),
@@ -262,6 +259,7 @@ def _build(
     *,
     kind: Literal["dh", "urdf"],
     joints: tuple[Joint, ...],
+    coupled: CoupledJoints | None,
     frames: tuple[str, ...],
     base: str,
     tip: str,
@@ -281,6 +279,7 @@ def _build(
         revision=hashlib.sha256(content.encode()).hexdigest(),
         model=model,
         joints=joints,
+        coupled=coupled,
         base_frame=base,
         tip_frame=tip,
         frames=frames,
@@ -292,11 +291,26 @@ def _build(
     )
 
 
-def _without_unbounded(joint: Joint) -> Joint:
-    """Replace limits that stand for "no limit" (1e6 and above) by None."""
+def _joints(
+    moving: tuple[MovingJoint, ...], fixed: tuple[str, ...]
+) -> tuple[tuple[Joint, ...], CoupledJoints | None]:
+    """Return the entries of q, and the map to all joints where it is not the identity."""
+    every = tuple(_joint(joint, joint.limits) for joint in moving)
+    if not any(joint.mimic or joint.coupling for joint in moving):
+        return every, None
+    found = joint_map(moving, fixed)
+    joints = tuple(
+        _joint(moving[k], limits) for k, limits in zip(found.free, found.limits, strict=True)
+    )
+    return joints, CoupledJoints(every, moving, found)
+
+
+def _joint(joint: MovingJoint, limits: Limits) -> Joint:
+    """Return a joint, with None for limits that stand for none (1e6 and above)."""
 
     def bound(value: float | None) -> float | None:
         return None if value is None or abs(value) >= UNBOUNDED else value
 
-    lower, upper = bound(joint.lower), bound(joint.upper)
-    return Joint(joint.name, joint.type, lower, upper, bound(joint.velocity), bound(joint.effort))
+    lower, upper = bound(limits.lower), bound(limits.upper)
+    velocity, effort = bound(limits.velocity), bound(limits.effort)
+    return Joint(joint.name, joint.type, lower, upper, velocity, effort)

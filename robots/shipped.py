@@ -78,7 +78,10 @@ def shipped_file(robot_id: str) -> ShippedFile:
     found = {key: data[key].strip() for key in keys if isinstance(data.get(key), str)}
     dof = data.get("dof")
     if dof is None:
-        dof = sum(joint.get("type") not in ("fixed", "F", "f") for joint in data["joints"])
+        dof = sum(
+            joint.get("type") not in ("fixed", "F", "f") and "mimic" not in joint
+            for joint in data["joints"]
+        )
     return ShippedFile(dof=dof, **found)
 
 

@@ -20,7 +20,7 @@ from app.http.strict_json import (
     decode_rows,
 )
 from dh_to_urdf.errors import Location, quoted
-from kinematics.configuration import configuration, configuration_by_name
+from kinematics.configuration import Given, configuration, configuration_by_name
 from robots.robot import FloatArray
 
 MAX_INTEGER = 10**300
@@ -39,12 +39,14 @@ class JointField(Field):
         angular: Whether values of revolute joints are in the angle unit of the request.
         optional: Whether it may be left out or null.
         posture: Whether it says where the joints are, so that their limits matter.
+        given: What the values are, for those of joints that follow others.
     """
 
     many: bool = True
     angular: bool = True
     optional: bool = False
     posture: bool = True
+    given: Given = Given.VALUE
 
     @property
     def wire(self) -> Any:
@@ -86,7 +88,7 @@ class JointField(Field):
         name, *rest = location
         name, index = str(name), tuple(rest)
         if isinstance(value, msgspec.Raw):
-            value = _from_json(bytes(value), location, reading)
+            value = _from_json(bytes(value), location, reading, self.given)
         q = configuration(reading.robot, value, name, index)
         if q.ndim == 2 and not 1 <= len(q) <= most:
             message = f"{location[-1]} holds {len(q)} rows; give 1 to {most}"
@@ -94,10 +96,10 @@ class JointField(Field):
         return q
 
 
-def _from_json(text: bytes, location: Location, reading: Reading) -> Any:
+def _from_json(text: bytes, location: Location, reading: Reading, given: Given) -> Any:
     pointer, name, robot = json_pointer(location), location[-1], reading.robot
     if text[:1] == b"{":
-        return _by_name(text, location, reading)
+        return _by_name(text, location, reading, given)
     if text[:1] != b"[":
         shown = text[:32].decode(errors="replace")
         message = f"{name} is {shown}; give a list of numbers, one a joint"
@@ -110,7 +112,7 @@ def _from_json(text: bytes, location: Location, reading: Reading) -> Any:
     return decode_numbers(text, pointer)
 
 
-def _by_name(text: bytes, location: Location, reading: Reading) -> FloatArray:
+def _by_name(text: bytes, location: Location, reading: Reading, given: Given) -> FloatArray:
     pointer, name = json_pointer(location), location[-1]
     if len(text) > PIECE:
         message = f"{name} has {len(text)} bytes; name each joint once"
@@ -124,7 +126,8 @@ def _by_name(text: bytes, location: Location, reading: Reading) -> FloatArray:
                 f"{name} of joint {joint[:64]} is {quoted(value)}; give a number",
                 json_pointer((*location, joint)),
             )
-    return configuration_by_name(reading.robot, values, str(name))
+    angle = float(np.pi / 180) if reading.units.degrees and given is not Given.EFFORT else 1.0
+    return configuration_by_name(reading.robot, values, str(name), given=given, angle=angle)
 
 
 def is_one(q: object) -> bool:
@@ -163,7 +166,7 @@ JointRates: TypeAlias = Annotated[
     _meta(
         "Joint velocities, comma-separated, in the robot's order.",
         _MANY,
-        JointField(posture=False),
+        JointField(given=Given.RATE, posture=False),
     ),
 ]
 JointEfforts: TypeAlias = Annotated[
@@ -171,7 +174,7 @@ JointEfforts: TypeAlias = Annotated[
     _meta(
         "Joint torques and forces, comma-separated, in N m and N.",
         f"{_Q_TEXT}a batch (list of lists), or an object {{joint name: value}}; N m and N.",
-        JointField(angular=False, posture=False),
+        JointField(angular=False, given=Given.EFFORT, posture=False),
         texts.scalars,
     ),
 ]

@@ -44,6 +44,31 @@ def table_schemas() -> dict[str, Any]:
             },
             "inertial": {"type": "object"},
             "visual": {"type": "boolean"},
+            "mimic": {
+                "description": "What a follower follows; it is no entry of q. As a text:"
+                ' "-2*q1 + 0.1".',
+                "anyOf": [
+                    {"type": "string", "maxLength": 64},
+                    {
+                        "type": "object",
+                        "required": ["joint"],
+                        "properties": {
+                            "joint": {"type": "string"},
+                            "multiplier": cell,
+                            "offset": cell,
+                        },
+                        "additionalProperties": False,
+                    },
+                ],
+            },
+            "coupling": {
+                "description": "Other joints that move this one too, and coefficients. As a text:"
+                ' "q2".',
+                "anyOf": [
+                    {"type": "string", "maxLength": 64},
+                    {"type": "object", "additionalProperties": cell},
+                ],
+            },
         },
         "additionalProperties": False,
     }

@@ -13,10 +13,12 @@ from app.fields.joints import Configuration
 from app.fields.names import Frames, euler_sequence
 from app.http.negotiation import JSON
 from app.http.units import Units
+from app.operations.joint_values import joint_values_view
 from app.operations.operation import Answer, Context, Operation, check_size
 from app.operations.shapes import (
     AnswerUnits,
     EachFlag,
+    EachNumber,
     EachPose,
     EachPosition,
     EachQuaternion,
@@ -65,10 +67,11 @@ class PoseView(TypedDict):
 
 
 class FKAnswer(TypedDict):
-    """Poses by frame name."""
+    """Poses by frame name; of a robot whose joints depend on others, the values of all of them."""
 
     units: AnswerUnits
     poses: dict[str, PoseView]
+    joint_values: NotRequired[dict[str, EachNumber]]
     warnings: list[str]
 
 
@@ -115,17 +118,20 @@ def _run(robot: Robot, request: FKRequest, context: Context) -> Answer:
     q, frames, units = request.q, request.frames, context.units
     check_size(q, NUMBERS_A_POSE * len(frames))
     if q.ndim == 1 and request.euler is None and context.form == JSON:
-        return Answer(_answer(_views_at(robot, q, frames, units), context))
+        return Answer(_answer(robot, q, _views_at(robot, q, frames, units), context))
     found = fk(robot, q, frames)
     views = {name: pose_view(T, units, request.euler) for name, T in found.items()}
     array = next(iter(found.values())) if len(found) == 1 else np.stack(list(found.values()), -3)
-    return Answer(_answer(views, context), array)
+    return Answer(_answer(robot, q, views, context), array)
 
 
-def _answer(views: dict[str, PoseView], context: Context) -> Mapping[str, object]:
+def _answer(
+    robot: Robot, q: FloatArray, views: dict[str, PoseView], context: Context
+) -> Mapping[str, object]:
     answer: FKAnswer = {
         "units": context.units.named,
         "poses": views,
+        **joint_values_view(robot, q, context.units),
         "warnings": context.warnings,
     }
     return answer

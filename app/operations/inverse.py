@@ -21,6 +21,7 @@ from app.fields.numbers import within_query
 from app.fields.targets import OptionalTarget, TargetList
 from app.http.negotiation import NDJSON, NPY
 from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.operations.joint_values import joint_values_view
 from app.operations.operation import ARRAY_FORMS, LIGHT_DOF, Answer, Context, Operation
 from app.operations.shapes import (
     AnswerUnits,
@@ -147,6 +148,7 @@ class IKAnswer(TypedDict):
     units: AnswerUnits
     status: EachStatus
     q: EachVector
+    joint_values: NotRequired[dict[str, EachNumber]]
     position_error: EachNumber
     orientation_error: EachNumber
     iterations: EachInteger
@@ -260,6 +262,7 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
         "units": context.units.named,
         "status": statuses,
         "q": q,
+        **joint_values_view(robot, batch.q, context.units),
         "position_error": batch.position_error,
         "orientation_error": batch.orientation_error,
         "iterations": batch.iterations,
@@ -417,6 +420,7 @@ def _single(
         "units": context.units.named,
         "status": result.status.value,
         "q": q,
+        **joint_values_view(robot, result.q, context.units),
         "position_error": result.position_error,
         "orientation_error": result.orientation_error,
         "iterations": result.iterations,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import Annotated, Any, TypedDict
+from typing import Annotated, Any, NotRequired, TypedDict
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from app.fields import texts
 from app.fields.field import Field, Parameter, declared
 from app.fields.names import one_of
 from app.http.negotiation import NDJSON
+from app.operations.joint_values import joint_values_view
 from app.operations.operation import ARRAY_FORMS, PICTURES, Answer, Context, Operation, Runs
 from app.operations.path_fields import PathScenario, read_options, read_problem
 from app.operations.path_links import LinksView, links_view
@@ -79,6 +80,7 @@ class PathAnswer(JudgedView, LinksView):
     t: Vector
     r: Vector
     q: Matrix
+    joint_values: NotRequired[dict[str, Vector]]
     velocity: Matrix
     acceleration: Matrix
     position_error: Vector
@@ -111,6 +113,7 @@ def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
         "t": problem.path.t[:done],
         "r": problem.path.r[:done],
         "q": q,
+        **joint_values_view(robot, result.q, context.units),
         "velocity": context.units.joints_out(robot, result.velocity),
         "acceleration": context.units.joints_out(robot, result.acceleration),
         "position_error": measures.position_error,

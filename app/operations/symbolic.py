@@ -11,11 +11,13 @@ from app.fields import texts
 from app.fields.field import Field, Parameter, Text, declared
 from app.fields.names import FRAME_IN_QUERY, TASK_IN_QUERY, TASK_SCHEMA, TaskName, one_of
 from app.http.negotiation import C_SOURCE, JSON, LATEX, PYTHON_SOURCE, TEXT
+from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.operation import Answer, Context, Operation, Runs
 from app.operations.shapes import AnswerUnits
-from dh_to_urdf import Convention, extract
+from dh_to_urdf import Convention, DHTable, extract
 from kinematics import symbolic
 from kinematics.errors import InvalidOption
+from kinematics.symbolic.chain import fraction_in
 from kinematics.symbolic.request import (
     DEFAULT_BUDGET,
     Notation,
@@ -189,6 +191,7 @@ def _run(robot: Robot, request: SymbolicRequest, context: Context) -> Answer:
     table = robot.table
     if table is None:
         table = extract(chain_of_robot(robot), Convention.MODIFIED).table
+    _refuse_fractions(table)
     try:
         answer = context.symbolic_workers().run(table, _read(request, context))
     except InvalidOption as error:
@@ -208,6 +211,22 @@ def _run(robot: Robot, request: SymbolicRequest, context: Context) -> Answer:
         "warnings": context.warnings,
     }
     return Answer(payload, listing=listing)
+
+
+def _refuse_fractions(table: DHTable) -> None:
+    """Refuse a robot with a joint that turns by a fraction of an entry of q.
+
+    Raises:
+        RequestProblem: With the first such joint.
+    """
+    name = fraction_in(table)
+    if name is not None:
+        raise RequestProblem(
+            INVALID_REQUEST,
+            f"joint {name} turns by a fraction of what it depends on; closed forms are written for"
+            " whole multiples: use fk and jacobian",
+            "/robot",
+        )
 
 
 def _read(request: SymbolicRequest, context: Context) -> symbolic.SymbolicRequest:

@@ -137,7 +137,7 @@ def _charts(
                 for k, (name, column) in enumerate(
                     zip(problem.arm.names, problem.arm.chain.columns, strict=True)
                 )
-                if bool(problem.arm.chain.is_revolute[k]) is is_revolute
+                if bool(problem.arm.chain.is_angle[k]) is is_revolute
             ]
             if joints:
                 made.append((joints, f"joints [{unit}]", False, []))

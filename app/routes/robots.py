@@ -86,8 +86,28 @@ class JointView(msgspec.Struct, kw_only=True):
     effort: float | None
 
 
+class FollowerView(msgspec.Struct, kw_only=True):
+    """A joint that is no entry of q: its value is multiplier * (that of ``joint``) + offset."""
+
+    name: str
+    type: Literal["revolute", "prismatic", "continuous"]
+    joint: str
+    multiplier: float
+    offset: float
+
+
+class CouplingView(msgspec.Struct, kw_only=True):
+    """A joint whose geometry is moved by others besides: by their values times coefficients."""
+
+    name: str
+    joints: dict[str, float]
+
+
 class RobotView(msgspec.Struct, kw_only=True):
-    """A robot; the answer to an upload also holds the D-H table as it was read, with its units."""
+    """A robot. ``joints`` are the entries of q.
+
+    The answer to an upload also holds the D-H table as it was read, with its units.
+    """
 
     id: str
     kind: Kind
@@ -99,6 +119,8 @@ class RobotView(msgspec.Struct, kw_only=True):
     convention: Literal["standard", "modified", "khalil"] | None
     units: dict[str, str]
     joints: list[JointView]
+    followers: list[FollowerView]
+    couplings: list[CouplingView]
     base_frame: str
     tip_frame: str
     frames: list[str]
@@ -159,11 +181,44 @@ def robot_view(stored: StoredRobot, units: Units) -> dict[str, Any]:
             }
             for joint in robot.joints
         ],
+        **_dependences(robot, units),
         "base_frame": robot.base_frame,
         "tip_frame": robot.tip_frame,
         "frames": list(robot.frames),
         "warnings": list(robot.warnings),
     }
+
+
+def _dependences(robot: Robot, units: Units) -> dict[str, Any]:
+    """Return the joints that depend on others, in the units of the answer."""
+    coupled = robot.coupled
+    if coupled is None:
+        return {"followers": [], "couplings": []}
+    turns = {joint.name: joint.type.is_revolute for joint in coupled.joints}
+    turn = float(units.angles_out(np.array(1.0)))
+
+    def factor(name: str, leader: str) -> float:
+        return turn ** (turns[name] - turns[leader])
+
+    followers = [
+        {
+            "name": joint.name,
+            "type": joint.type.value,
+            "joint": joint.mimic.joint,
+            "multiplier": joint.mimic.multiplier * factor(joint.name, joint.mimic.joint),
+            "offset": joint.mimic.offset * (turn if turns[joint.name] else 1.0),
+        }
+        for joint in coupled.followers
+        if joint.mimic is not None
+    ]
+    couplings = [
+        {
+            "name": joint.name,
+            "joints": {other: c * factor(joint.name, other) for other, c in joint.coupling},
+        }
+        for joint in coupled.couplings
+    ]
+    return {"followers": followers, "couplings": couplings}
 
 
 def etag(robot: Robot) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from dh_to_urdf.errors import quoted
 
@@ -14,6 +14,8 @@ _TOKEN = re.compile(
     rf"\s*(?:(?P<number>{_NUMBER})|(?P<word>[^\W\d_]\w*)|(?P<symbol>\*\*|[-+*/(),°^]))", re.UNICODE
 )
 _VARIABLE = re.compile(r"(?P<letter>q|theta|th|t|θ|ϑ|d|r)_?(?P<index>[0-9]{0,6})")
+Variable: TypeAlias = tuple[str, int | None]
+"""Letter and index of a joint variable."""
 _ANGLE_UNITS = {"deg": math.pi / 180, "rad": 1.0}
 _LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 _TURNS = {"sin": math.sin, "cos": math.cos, "tan": math.tan}
@@ -26,15 +28,23 @@ class CellError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Sum:
-    """``plain + angle rad + length m + coefficient * variable``, plain in the table's units."""
+    """``plain + angle rad + length m + Σ coefficient * variable``, plain in the table's units.
+
+    Attributes:
+        terms: Each joint variable, as letter and index, with its coefficient.
+    """
 
     plain: float = 0.0
     angle: float = 0.0
     length: float = 0.0
-    coefficient: float = 0.0
-    variable: tuple[str, int | None] | None = None
+    terms: tuple[tuple[Variable, float], ...] = ()
     has_angle: bool = False
     has_length: bool = False
+
+    @property
+    def variable(self) -> Variable | None:
+        """Return the first joint variable, None where there is none."""
+        return self.terms[0][0] if self.terms else None
 
     def scaled(self, factor: float) -> Sum:
         """Return the sum times a number."""
@@ -42,8 +52,7 @@ class Sum:
             self.plain * factor,
             self.angle * factor,
             self.length * factor,
-            self.coefficient * factor,
-            self.variable,
+            tuple((variable, coefficient * factor) for variable, coefficient in self.terms),
             self.has_angle,
             self.has_length,
         )
@@ -54,28 +63,21 @@ class Sum:
             self.plain / divisor,
             self.angle / divisor,
             self.length / divisor,
-            self.coefficient / divisor,
-            self.variable,
+            tuple((variable, coefficient / divisor) for variable, coefficient in self.terms),
             self.has_angle,
             self.has_length,
         )
 
     def plus(self, other: Sum) -> Sum:
-        """Return the sum of both.
-
-        Raises:
-            CellError: They hold two joint variables.
-        """
-        if self.variable and other.variable and self.variable != other.variable:
-            raise CellError(
-                "has two joint variables; a cell may hold one (constants are given in values)"
-            )
+        """Return the sum of both."""
+        terms = dict(self.terms)
+        for variable, coefficient in other.terms:
+            terms[variable] = terms.get(variable, 0.0) + coefficient
         return Sum(
             self.plain + other.plain,
             self.angle + other.angle,
             self.length + other.length,
-            self.coefficient + other.coefficient,
-            self.variable or other.variable,
+            tuple(terms.items()),
             self.has_angle or other.has_angle,
             self.has_length or other.has_length,
         )
@@ -83,7 +85,7 @@ class Sum:
     @property
     def is_plain(self) -> bool:
         """Return True for a number without unit and variable."""
-        return not (self.has_angle or self.has_length or self.variable)
+        return not (self.has_angle or self.has_length or self.terms)
 
 
 def parse_sum(text: str, values: Lookup | None = None, angle: float = 1.0) -> Sum:
@@ -272,7 +274,7 @@ class _Parser:
         if variable is None:
             remedy = "" if self.values is None else f"; if it is a number, give values {text}:0.5"
             raise CellError(f"has an unknown name {quoted(text, 20)}{remedy}")
-        return Sum(coefficient=1.0, variable=variable)
+        return Sum(terms=((variable, 1.0),))
 
     def _function(self, name: str) -> Sum:
         if not self.take("("):

@@ -3,7 +3,8 @@
 A cell is a number, or a short text with numbers, ``+ - * / **`` (or ``^``), parentheses, ``sqrt``,
 ``sin``, ``cos``, ``tan``, ``atan2``, ``pi`` (or ``π``), unit suffixes (``deg``, ``°``, ``rad``,
 ``m``, ``cm``, ``mm``), names with a given value, and at most one joint variable with coefficient
-±1. A plain number is in the units of its table; ``pi`` and suffixed numbers carry their own unit
+±1; more of them, with any coefficients, in the cell of a joint that depends on others.
+A plain number is in the units of its table; ``pi`` and suffixed numbers carry their own unit
 whatever the table says.
 """
 
@@ -14,7 +15,14 @@ import re
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
-from dh_to_urdf.cells.arithmetic import CellError, Lookup, Sum, parse_sum, variable_of
+from dh_to_urdf.cells.arithmetic import (
+    CellError,
+    Lookup,
+    Sum,
+    Variable,
+    parse_sum,
+    variable_of,
+)
 from dh_to_urdf.errors import quoted
 
 __all__ = ["Cell", "CellError", "Quantity", "parse_cell"]
@@ -56,6 +64,7 @@ class Cell:
         variable: Letter of the joint variable in the cell (``q``, ``theta``, ``d``, …) or None.
         index: Number written after the letter, if any.
         sign: Coefficient of the variable, +1 or -1.
+        terms: The variables with their coefficients, where there may be others than one ±1.
         plain: The part of the constant that carried no unit, in the units of the table.
         text: The cell as it was written.
     """
@@ -64,6 +73,7 @@ class Cell:
     variable: str | None = None
     index: int | None = None
     sign: int = 1
+    terms: tuple[tuple[Variable, float], ...] = ()
     plain: float = field(default=0.0, compare=False)
     text: str = field(default="", compare=False)
 
@@ -80,6 +90,8 @@ def parse_cell(
     unit: float = 1.0,
     values: Lookup | None = None,
     angle: float = 1.0,
+    *,
+    coupled: bool = False,
 ) -> Cell:
     """Read one cell of a table.
 
@@ -89,6 +101,7 @@ def parse_cell(
         unit: Value of one table unit in SI (``pi/180`` for degrees, ``1e-3`` for millimetres).
         values: What names in the cell stand for, without underscores.
         angle: Value of one unit of the table's angles in rad, for ``sin``, ``cos`` and ``tan``.
+        coupled: Whether there may be several joint variables, with any coefficients.
 
     Returns:
         The cell in rad, m or (for a plain number) unchanged.
@@ -101,7 +114,7 @@ def parse_cell(
     if isinstance(raw, bool) or raw is None or not isinstance(raw, (int, float, str)):
         raise CellError(f'is {quoted(raw)}; give a number or a text such as "pi/2"')
     if isinstance(raw, str):
-        return _checked(_parse_text(raw, quantity, unit, values, angle), raw)
+        return _checked(_parse_text(raw, quantity, unit, values, angle, coupled), raw)
     try:
         number = float(raw)
     except OverflowError:
@@ -149,7 +162,12 @@ def _checked(cell: Cell, raw: object) -> Cell:
 
 
 def _parse_text(
-    raw: str, quantity: Quantity, unit: float, values: Lookup | None, angle: float
+    raw: str,
+    quantity: Quantity,
+    unit: float,
+    values: Lookup | None,
+    angle: float,
+    coupled: bool,
 ) -> Cell:
     shown = quoted(raw)
     if len(raw) > MAX_CELL_LENGTH:
@@ -165,10 +183,12 @@ def _parse_text(
     except (OverflowError, RecursionError):
         raise CellError(f"is {shown}, which is not a finite number") from None
     with_unit = _ANGLE_UNIT.search(raw) is not None
-    return _cell(total, quantity, unit, raw, with_unit=with_unit)
+    return _cell(total, quantity, unit, raw, with_unit=with_unit, coupled=coupled)
 
 
-def cell_of_sum(total: Sum, quantity: Quantity, unit: float, text: str) -> Cell:
+def cell_of_sum(
+    total: Sum, quantity: Quantity, unit: float, text: str, *, coupled: bool = False
+) -> Cell:
     """Return the cell of a number that is computed already.
 
     Args:
@@ -176,14 +196,17 @@ def cell_of_sum(total: Sum, quantity: Quantity, unit: float, text: str) -> Cell:
         quantity: What the cell measures.
         unit: Value of one table unit in SI.
         text: What messages show.
+        coupled: As of :func:`parse_cell`.
 
     Raises:
         CellError: It is not finite, too large or of another quantity.
     """
-    return _checked(_cell(total, quantity, unit, text, with_unit=False), text)
+    return _checked(_cell(total, quantity, unit, text, with_unit=False, coupled=coupled), text)
 
 
-def _cell(total: Sum, quantity: Quantity, unit: float, raw: str, *, with_unit: bool) -> Cell:
+def _cell(
+    total: Sum, quantity: Quantity, unit: float, raw: str, *, with_unit: bool, coupled: bool
+) -> Cell:
     shown = quoted(raw)
     if quantity is not Quantity.LENGTH and total.has_length:
         raise CellError(f"is {shown}, a length; {_NEEDED[quantity]} is needed")
@@ -195,7 +218,17 @@ def _cell(total: Sum, quantity: Quantity, unit: float, raw: str, *, with_unit: b
     value = _in_si(total.plain, quantity, unit) + total.angle + total.length
     if total.variable is None:
         return Cell(value, plain=total.plain, text=raw)
-    if total.coefficient not in (1.0, -1.0):
+    (letter, index), coefficient = total.terms[0]
+    if coupled:
+        if not all(0.0 < abs(factor) <= MAX_MAGNITUDE for _, factor in total.terms):
+            raise CellError(f"is {shown}; give joint variables coefficients within ±1e6, not 0")
+        sign = -1 if coefficient < 0 else 1
+        return Cell(value, letter, index, sign, total.terms, total.plain, raw)
+    if len(total.terms) > 1:
+        raise CellError(
+            f"is {shown}, which has two joint variables; a cell may hold one (constants are given"
+            " in values)"
+        )
+    if coefficient not in (1.0, -1.0):
         raise CellError(f"is {shown}; the joint variable must have coefficient +1 or -1")
-    letter, index = total.variable
-    return Cell(value, letter, index, int(total.coefficient), total.plain, raw)
+    return Cell(value, letter, index, int(coefficient), plain=total.plain, text=raw)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from fractions import Fraction
 
 from dh_to_urdf.cells.expressions import Quantity, parse_cell
+from dh_to_urdf.couplings import joint_map, moving_joints
 from dh_to_urdf.table import DHTable
 
 ROUNDED = 2e-3
@@ -42,6 +44,61 @@ def variable_text(variable: str, sign: int, offset: str) -> str:
     if offset == "0":
         return text
     return f"{text} - {offset[1:]}" if offset.startswith("-") else f"{text} + {offset}"
+
+
+def sum_text(terms: Iterable[tuple[str, float]], constant: str = "0") -> str:
+    """Write ``-2*q1 + 0.5*q2 + 0.1`` of variables, coefficients and a constant in text form."""
+    text = ""
+    for variable, coefficient in terms:
+        size = number_text(abs(coefficient))
+        term = variable if size == "1" else f"{size}*{variable}"
+        negative = coefficient < 0
+        text += (f" - {term}" if negative else f" + {term}") if text else "-" * negative + term
+    if constant == "0":
+        return text
+    return f"{text} - {constant[1:]}" if constant.startswith("-") else f"{text} + {constant}"
+
+
+def variable_cell(table: DHTable, k: int, turn: str, slide: str, *, degrees: bool = False) -> str:
+    """Write the cell of a joint variable: ``-th2 + pi/2``, and ``th3 + th2`` where it is coupled.
+
+    Args:
+        table: The table.
+        k: Number of the row, from 0.
+        turn: Letters before the numbers of joints that turn.
+        slide: Letters before those of joints that slide.
+        degrees: Whether plain numbers of the table are degrees.
+    """
+    row = table.rows[k]
+
+    def write(value: float) -> str:
+        if not row.type.is_revolute:
+            return number_text(value)
+        return number_text(in_degrees(value)) if degrees else angle_text(value)
+
+    turns = {other.name: other.type.is_revolute for other in table.rows}
+
+    def factor(leader: str) -> float:
+        """Return a coefficient with degrees for one with rad."""
+        return (180.0 / math.pi) ** (row.type.is_revolute - turns[leader]) if degrees else 1.0
+
+    variables = {
+        other.name: f"{turn if other.type.is_revolute else slide}{n}"
+        for n, other in enumerate(table.rows, start=1)
+    }
+    if row.mimic is None and not row.coupling:
+        return variable_text(variables[row.name], row.sign, write(row.offset))
+    # In the written form the variables of followers have no offsets of their own.
+    away = joint_map(*moving_joints(table)).offset[table.moving_rows.index(k)]
+    constant = row.offset + row.sign * float(away)
+    first = (row.name, 1.0)
+    if row.mimic is not None:
+        first = (row.mimic.joint, row.mimic.multiplier)
+    terms = (
+        (variables[name], row.sign * c * (1.0 if name == row.name else factor(name)))
+        for name, c in (first, *row.coupling)
+    )
+    return sum_text(terms, write(constant))
 
 
 def rounding_warnings(table: DHTable) -> tuple[str, ...]:

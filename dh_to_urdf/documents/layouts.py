@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from ruamel.yaml import YAML
 
-from dh_to_urdf.cells.notation import in_degrees
+from dh_to_urdf.cells.notation import in_degrees, number_text, sum_text
 from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.writing import table_to_mapping
 from dh_to_urdf.extraction.explanation import explain
@@ -44,7 +44,8 @@ def document(
     if degrees:
         mapping["units"]["angle"] = "deg"
         mapping["joints"] = [
-            _degrees(item, row) for item, row in zip(mapping["joints"], table.rows, strict=True)
+            _degrees(item, row, table)
+            for item, row in zip(mapping["joints"], table.rows, strict=True)
         ]
     if isinstance(found, Extraction):
         residual = found.residual
@@ -87,7 +88,7 @@ def to_yaml(mapping: dict[str, Any]) -> str:
 def to_csv(table: DHTable, *, degrees: bool = False) -> str:
     """Write the rows as CSV; base and tool become fixed rows."""
     table = with_fixed_rows(table)
-    columns = [*_columns(table), "offset", "sign", *LIMIT_FIELDS]
+    columns = [*_columns(table), "offset", "sign", *LIMIT_FIELDS, *_dependences(table)]
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(columns)
@@ -101,7 +102,7 @@ def to_text(found: Extraction | DHTable, *, degrees: bool = False, explained: bo
     """Write a table for a terminal: aligned columns, base, tool, residual, steps."""
     table = found if isinstance(found, DHTable) else found.table
     angle = "deg" if degrees else "rad"
-    columns = [*_columns(table), "offset", "sign", "lower", "upper"]
+    columns = [*_columns(table), "offset", "sign", "lower", "upper", *_dependences(table)]
     rows = [columns]
     for item in _items(table, degrees):
         cells = {**item, **item.get("limits", {})}
@@ -184,19 +185,57 @@ def _columns(table: DHTable) -> list[str]:
 def _items(table: DHTable, degrees: bool) -> list[dict[str, Any]]:
     items = []
     for item, row in zip(table_to_mapping(table)["joints"], table.rows, strict=True):
-        cells = _degrees(item, row) if degrees else item
-        items.append({"ant": row.parent, "gamma": 0.0, "b": 0.0, **cells})
+        cells = _degrees(item, row, table) if degrees else item
+        cells = {"ant": row.parent, "gamma": 0.0, "b": 0.0, **cells}
+        if "mimic" in cells:
+            mimic = cells["mimic"]
+            leader = _variable(table, mimic["joint"])
+            constant = number_text(mimic["offset"])
+            cells["mimic"] = sum_text([(leader, mimic["multiplier"])], constant)
+        if "coupling" in cells:
+            terms = [(_variable(table, name), c) for name, c in cells["coupling"].items()]
+            cells["coupling"] = sum_text(terms)
+        items.append(cells)
     return items
 
 
-def _degrees(item: dict[str, Any], row: DHRow) -> dict[str, Any]:
+def _dependences(table: DHTable) -> list[str]:
+    """Return the columns that say what joints depend on, where one does."""
+    found = []
+    if any(row.mimic is not None for row in table.rows):
+        found.append("mimic")
+    if any(row.coupling for row in table.rows):
+        found.append("coupling")
+    return found
+
+
+def _variable(table: DHTable, name: str) -> str:
+    return f"q{next(k for k, row in enumerate(table.rows, start=1) if row.name == name)}"
+
+
+def _degrees(item: dict[str, Any], row: DHRow, table: DHTable) -> dict[str, Any]:
     """Return a row of a document with its angles in degrees."""
+    turns = {other.name: other.type.is_revolute for other in table.rows}
+
+    def factor(leader: str) -> float:
+        """Return a multiplier with degrees for one with rad."""
+        return (180.0 / math.pi) ** (row.type.is_revolute - turns[leader])
+
     angles = {"alpha", "theta", "gamma"} | ({"offset"} if row.type.is_revolute else set())
     turned = {key: in_degrees(x) if key in angles else x for key, x in item.items()}
     if "limits" in item and row.type.is_revolute:
         turned["limits"] = {
             key: x if key == "effort" else in_degrees(x) for key, x in item["limits"].items()
         }
+    if row.mimic is not None:
+        offset = row.mimic.offset
+        turned["mimic"] = {
+            "joint": row.mimic.joint,
+            "multiplier": row.mimic.multiplier * factor(row.mimic.joint),
+            "offset": in_degrees(offset) if row.type.is_revolute else offset,
+        }
+    if row.coupling:
+        turned["coupling"] = {name: c * factor(name) for name, c in row.coupling}
     return turned
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from dh_to_urdf.cells.values import read_values, refuse_unused
 from dh_to_urdf.documents.checks import NAME, NAME_RULE, Report, Units, refuse_unknown
+from dh_to_urdf.documents.dependence import resolved
 from dh_to_urdf.documents.placements import read_placement
 from dh_to_urdf.documents.rows import RowReader
 from dh_to_urdf.documents.topology import check_names, check_tree
@@ -99,6 +100,8 @@ def read_mapping(
     check_names(rows, report)
     report.raise_if_any()
     check_tree(rows, report)
+    report.raise_if_any()
+    rows = resolved(rows, reader.dependences, units, report)
     report.raise_if_any()
     refuse_unused(values, report)
     report.raise_if_any()

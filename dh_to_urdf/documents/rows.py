@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from dh_to_urdf.cells.expressions import MAX_MAGNITUDE, Cell, CellError, Quantity, parse_cell
@@ -16,13 +16,17 @@ from dh_to_urdf.documents.checks import (
     refuse_unknown,
     whole_number,
 )
+from dh_to_urdf.documents.dependence import FIELDS, Dependence, of_cell, of_fields
 from dh_to_urdf.documents.joint_types import read_type
 from dh_to_urdf.documents.limits import read_limits
 from dh_to_urdf.documents.placements import read_inertial
 from dh_to_urdf.errors import Location, quoted
 from dh_to_urdf.table import Convention, DHRow, Inertial, JointType
 
-_COMMON = ("name", "type", "alpha", "d", "theta", "offset", "sign", "limits", "inertial", "visual")
+_COMMON = (
+    *("name", "type", "alpha", "d", "theta", "offset", "sign", "limits", "inertial", "visual"),
+    *FIELDS,
+)
 _ROW_FIELDS = {
     Convention.STANDARD: (*_COMMON, "a"),
     Convention.MODIFIED: (*_COMMON, "a"),
@@ -54,7 +58,11 @@ class _Item:
 
 
 class RowReader:
-    """Reads the rows of one table; faults go to the report."""
+    """Reads the rows of one table; faults go to the report.
+
+    Attributes:
+        dependences: What rows depend on, by their number from 0, as far as it was read.
+    """
 
     def __init__(
         self,
@@ -69,6 +77,7 @@ class RowReader:
         self.report = report
         self.columns = columns
         self.values = values
+        self.dependences: dict[int, Dependence] = {}
 
     def read(self, k: int, fields: object) -> DHRow | None:
         """Read row k (from 0); return None after reporting why not."""
@@ -123,6 +132,7 @@ class RowReader:
         offset = cell("offset", own_quantity, optional=True).value
         variable = theta if own == "theta" else d if own else None
         offset, sign = self._motion(item, type_, own, variable, offset)
+        self._dependence(item, type_, own, variable)
         gamma = cell("gamma", Quantity.ANGLE, optional=True).value if khalil else 0.0
         b = cell("b", Quantity.LENGTH, optional=True).value if khalil else 0.0
         visual = item.fields.get("visual", True)
@@ -160,14 +170,15 @@ class RowReader:
         sign = self._sign(item)
         if variable is not None:
             offset += variable.value
-            if variable.variable is not None:
-                if "sign" in item.fields and sign != variable.sign:
+            if variable.variable is not None and own is not None:
+                _, turned = of_cell(variable, own, OWN_LETTERS[own], item.k)
+                if "sign" in item.fields and sign != turned:
                     self.report.add(
                         item.at("sign"),
                         f"{item.label}: sign is {sign} but the {own} cell has the variable with"
-                        f" sign {variable.sign}; keep one of the two",
+                        f" sign {turned}; keep one of the two",
                     )
-                sign = variable.sign
+                sign = turned
         if abs(offset) > MAX_MAGNITUDE:
             self.report.add(
                 item.at("offset"),
@@ -179,6 +190,37 @@ class RowReader:
             )
             offset = 0.0
         return offset, sign
+
+    def _dependence(
+        self, item: _Item, type_: JointType, own: str | None, variable: Cell | None
+    ) -> None:
+        """Note what a joint depends on, by its fields or its own cell."""
+        found = of_fields(
+            item.fields,
+            item.k,
+            type_,
+            self.units,
+            self.values,
+            item.location,
+            item.label,
+            self.report,
+        )
+        by_cell = None
+        if variable is not None and own is not None:
+            by_cell, _ = of_cell(variable, own, OWN_LETTERS[own], item.k)
+        if len(found) == 2:  # it follows one joint and is moved by others besides
+            mimic, coupling = found
+            found = (replace(mimic, terms=(*mimic.terms, *coupling.terms)),)
+        if by_cell is not None:
+            found = (*found, by_cell)
+        if len(found) > 1:
+            self.report.add(
+                item.at(found[1].field),
+                f"{item.label}: {found[0].field} and {found[1].field} both say what the joint"
+                " depends on; keep one",
+            )
+        elif found:
+            self.dependences[item.k] = found[0]
 
     def _cell(
         self, item: _Item, column: str, quantity: Quantity, own: bool, optional: bool
@@ -195,25 +237,20 @@ class RowReader:
         values = self.values.without_variable(letters, item.k + 1) if own else self.values
         try:
             cell = parse_cell(
-                item.fields[column], quantity, self.units.of(quantity), values, self.units.angle
+                item.fields[column],
+                quantity,
+                self.units.of(quantity),
+                values,
+                self.units.angle,
+                coupled=own,
             )
         except CellError as error:
             self.report.add(item.at(column), f"{label}: {column} {error}")
             return Cell(0.0)
-        if cell.variable is not None:
-            if not own or cell.variable not in letters:
-                self.report.add(
-                    item.at(column),
-                    f"{label}: {column} is {quoted(cell.text)}, but the joint variable belongs"
-                    " in theta (revolute) or in the length along z (prismatic); if it is a"
-                    f" constant, give values {cell.name}:0.5",
-                )
-            elif cell.index is not None and cell.index != item.k + 1:
-                self.report.add(
-                    item.at(column),
-                    f"{label}: {column} has the variable of joint {cell.index}, not {item.k + 1}",
-                )
-        self.report.doubts.cell(cell, quantity, f"{column} of {label}")
+        fault = _foreign_variable(cell, column, own=own, k=item.k)
+        if fault is not None:
+            self.report.add(item.at(column), f"{item.label}: {fault}")
+        self.report.doubts.cell(cell, quantity, f"{column} of {item.label}")
         return cell
 
     def _sign(self, item: _Item) -> int:
@@ -256,3 +293,32 @@ class RowReader:
             return None
         location, length = item.at("inertial"), self.units.length
         return read_inertial(raw, location, item.label, length, self.report.add)
+
+
+def _foreign_variable(cell: Cell, column: str, *, own: bool, k: int) -> str | None:
+    """Return why a joint variable cannot stand in a cell; None where it can, or there is none.
+
+    Args:
+        cell: The cell.
+        column: Its column.
+        own: Whether the column is that of the joint's variable.
+        k: Number of the row, from 0.
+    """
+    if cell.variable is None:
+        return None
+    misplaced = (
+        f"{column} is {quoted(cell.text)}, but the joint variable belongs in theta (revolute) or in"
+        f" the length along z (prismatic); if it is a constant, give values {cell.name}:0.5"
+    )
+    if not own:
+        return misplaced
+    letters = OWN_LETTERS[column]
+    for (letter, index), coefficient in cell.terms:
+        if index in (None, k + 1) and letter not in letters:
+            return misplaced
+        if index in (None, k + 1) and abs(coefficient) != 1.0:
+            return (
+                f"{column} is {quoted(cell.text)}; the joint variable must have coefficient +1 or"
+                " -1"
+            )
+    return None

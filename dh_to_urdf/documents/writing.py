@@ -48,6 +48,14 @@ def _row(k: int, row: DHRow, convention: Convention) -> dict[str, Any]:
     }
     if limits:
         mapping["limits"] = limits
+    if row.mimic is not None:
+        mapping["mimic"] = {
+            "joint": row.mimic.joint,
+            "multiplier": row.mimic.multiplier,
+            "offset": row.mimic.offset,
+        }
+    if row.coupling:
+        mapping["coupling"] = dict(row.coupling)
     if row.inertial is not None:
         mapping["inertial"] = {
             "mass": row.inertial.mass,

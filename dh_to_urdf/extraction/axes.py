@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dh_to_urdf.poses import Matrix
-from dh_to_urdf.table import JointType, Limits
+from dh_to_urdf.table import JointType, Limits, Mimic
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,8 @@ class ChainJoint:
         placement: Placement of the joint in the one before it (first: in the base), 4x4.
         axis: Unit axis in the joint's own axes, shape (3,).
         limits: Bounds on q.
+        mimic: What the joint follows; None where it is free.
+        coupling: Other joints of the chain that move this one too, and coefficients.
     """
 
     name: str
@@ -48,6 +50,8 @@ class ChainJoint:
     placement: Matrix
     axis: Matrix
     limits: Limits = field(default_factory=Limits)
+    mimic: Mimic | None = None
+    coupling: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,7 @@ class SerialChain:
         """Return the poses of the tip in base axes: the product of placements and motions.
 
         Args:
-            q: Shape (..., n), rad and m.
+            q: Values of all joints, shape (..., n), rad and m.
 
         Returns:
             Shape (..., 4, 4).
@@ -82,7 +86,7 @@ class SerialChain:
         q = np.asarray(q, dtype=np.float64)
         T = np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))
         for k, joint in enumerate(self.joints):
-            T = T @ joint.placement @ _motion(joint, q[..., k])
+            T = T @ joint.placement @ motion(joint, q[..., k])
         return np.asarray(T @ self.tip_placement)
 
     def lines(self) -> tuple[AxisLine, ...]:
@@ -126,7 +130,7 @@ def chain_from_lines(
     return SerialChain(name, "base", "tip", tuple(joints), in_last, warnings)
 
 
-def _motion(joint: ChainJoint, q: Matrix) -> Matrix:
+def motion(joint: ChainJoint, q: Matrix) -> Matrix:
     """Return the motion along or about the axis (Rodrigues); q of shape (...), rad or m."""
     M = np.zeros((*q.shape, 4, 4))
     M[...] = np.eye(4)

@@ -15,6 +15,7 @@ import numpy as np
 
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.extraction.axes import SerialChain
+from dh_to_urdf.extraction.compared_dependences import compared
 from dh_to_urdf.extraction.comparison_result import (
     Comparison,
     Difference,
@@ -60,18 +61,23 @@ def compare(
     for name, tolerance in (("length", length), ("angle", angle)):
         if not 0.0 < tolerance <= 1.0:
             raise DHError.single(("tolerance", name), f"{name} is {tolerance:g}; give 0 to 1")
-    found = _compared(first, second, length, angle)
+    found = compared(_compare_mechanisms(first, second, length, angle), first, second, angle)
     if len(first.joints) != len(second.joints):
         return found
-    q = random_configurations(first, CONFIGURATIONS)
-    position, orientation = deviation(first.poses(q), second.poses(q))
+    # Of joints that are taken as free: what follows from what is compared above.
+    values = random_configurations(first, CONFIGURATIONS)
+    position, orientation = deviation(first.poses(values), second.poses(values))
     # Differences up to the tolerances add up from joint to joint.
     most = 2 * (len(first.joints) + 1)
     alike = position <= most * (length + angle * first.size) and orientation <= most * angle
-    return replace(found, same_poses=alike)
+    depend = any(one.parameter in ("mimic", "coupling") for one in found.differences)
+    return replace(found, same_poses=alike and not depend)
 
 
-def _compared(first: SerialChain, second: SerialChain, length: float, angle: float) -> Comparison:
+def _compare_mechanisms(
+    first: SerialChain, second: SerialChain, length: float, angle: float
+) -> Comparison:
+    """Compare two chains whose joints are taken as free."""
     found = _compare_tilted(first, second, length, angle)
     if found.verdict is not Verdict.DIFFERENT or found.residual is None:
         return found

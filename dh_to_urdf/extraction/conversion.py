@@ -80,6 +80,16 @@ def chain_to(table: DHTable, tip: str) -> DHTable:
         path.append(k)
         k = table.rows[k - 1].parent
     rows = [replace(table.rows[k - 1], parent=n) for n, k in enumerate(reversed(path))]
+    names = {row.name for row in rows}
+    for row in rows:
+        others = [row.mimic.joint] if row.mimic is not None else []
+        for name in (*others, *(name for name, _ in row.coupling)):
+            if name not in names:
+                raise DHError.single(
+                    ("tip",),
+                    f"joint {row.name} depends on {name}, which is not between the base and"
+                    f" {quoted(tip)}; name a tip after it",
+                )
     return replace(table, rows=tuple(rows), tool=tool)
 
 

@@ -21,6 +21,7 @@ from dh_to_urdf.extraction.arrangement import arrange
 from dh_to_urdf.extraction.axes import SerialChain
 from dh_to_urdf.extraction.construction import ConstructedPair, construct, tidy_placement
 from dh_to_urdf.extraction.conversion import to_convention
+from dh_to_urdf.extraction.dependences import with_dependences
 from dh_to_urdf.matrices import dh_matrices
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHTable, JointType
@@ -121,6 +122,7 @@ def extract(
     table = replace(table, base=base, tool=tool)
     _check_lengths(table)
     residual = measure(chain, table)
+    table = with_dependences(table, chain)
     tilts = zip(arrangement.snapped[1:], arrangement.bridged[1:], strict=True)
     findings = tuple(PairFinding(pair, *tilt) for pair, tilt in zip(made.pairs, tilts, strict=True))
     warnings += _warnings(findings, residual)
@@ -133,7 +135,7 @@ def measure(chain: SerialChain, table: DHTable, configurations: int = CONFIGURAT
 
     Args:
         chain: The chain.
-        table: The table; its moving rows are the joints of the chain.
+        table: The table; its moving rows are the joints of the chain, all free.
         configurations: Number of q.
 
     Returns:

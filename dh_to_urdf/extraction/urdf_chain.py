@@ -12,10 +12,12 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from dh_to_urdf.couplings import CouplingError, MovingJoint, joint_map
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
 from dh_to_urdf.extraction.axes import ChainJoint, SerialChain
+from dh_to_urdf.extraction.dependences import depending
 from dh_to_urdf.poses import Matrix, from_xyz_rpy
-from dh_to_urdf.table import JointType, Limits
+from dh_to_urdf.table import JointType, Limits, Mimic
 from dh_to_urdf.writer import UNBOUNDED
 
 MAX_BYTES = 20_000_000
@@ -77,7 +79,31 @@ def read_chain(text: str | bytes, base: str | None = None, tip: str | None = Non
     if not found:
         raise DHError.single(("tip",), f"no joint moves between {start!r} and {end!r}")
     name = root.get("name") or "robot"
-    return SerialChain(name, start, end, tuple(found), T, tuple(warnings))
+    chain = SerialChain(name, start, end, tuple(found), T, tuple(warnings))
+    moving = [_moving(joint) for joint in joints if joint.type in _MOVING]
+    if not any(joint.mimic for joint in moving):
+        return chain
+    fixed = [joint.name for joint in joints if joint.type not in _MOVING]
+    try:
+        joint_map(moving, fixed)
+    except CouplingError as error:
+        raise DHError.single((), str(error)) from None
+    return depending(chain, moving)
+
+
+def _moving(joint: _Joint) -> MovingJoint:
+    """Return what a joint depends on."""
+    type_, element = JointType(joint.type), joint.element.find("mimic")
+    if element is None:
+        return MovingJoint(joint.name, type_, Limits())
+    where = f"joint {joint.name!r}"
+    multiplier, offset = (
+        _numbers(element, key, 1, where, default)[0]
+        for key, default in (("multiplier", "1"), ("offset", "0"))
+    )
+    return MovingJoint(
+        joint.name, type_, Limits(), Mimic(element.get("joint", ""), multiplier, offset)
+    )
 
 
 def _parse(text: str | bytes) -> ET.Element:
@@ -165,8 +191,6 @@ def _chain_joint(joint: _Joint, placement: Matrix, sense: float, warnings: list[
     norm = float(np.linalg.norm(axis))
     if norm < 1e-6:
         raise DHError.single((), f"{where}: its axis is zero; give a direction such as 0 0 1")
-    if joint.element.find("mimic") is not None:
-        warnings.append(f"{where} mimics another; it is treated as independent")
     axis = sense * axis / norm
     limits = _limits(joint, where, warnings)
     return ChainJoint(joint.name, JointType(joint.type), placement, axis, limits)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dh_to_urdf.cells.notation import angle_text, number_text, variable_text
+from dh_to_urdf.cells.notation import angle_text, number_text, variable_cell
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.par.inertia import PARAMETERS, to_parameters
 from dh_to_urdf.par.text import DYNAMICS
@@ -43,7 +43,7 @@ def table_to_par(table: DHTable) -> str:
     lines = [f"(* Robotname = '{table.name}' *)"]
     lines += [f"NL = {n}", f"NJ = {n}", f"NF = {n}", f"Type = {0 if serial else 1}"]
     lines += ["is_floating = 0", "is_mobile = 0", "", "(* Geometric parameters *)"]
-    columns = [_geometry(k, row) for k, row in enumerate(rows, start=1)]
+    columns = [_geometry(table, k, row) for k, row in enumerate(rows, start=1)]
     lines += [_list(key, [column[key] for column in columns]) for key in columns[0]]
     for k, row in enumerate(table.rows, start=1):
         lines += _notes(k, row)
@@ -65,12 +65,12 @@ def _list(key: str, entries: list[str]) -> str:
     return f"{key} = {{{','.join(entries)}}}"
 
 
-def _geometry(k: int, row: DHRow) -> dict[str, str]:
+def _geometry(table: DHTable, k: int, row: DHRow) -> dict[str, str]:
     theta, r = angle_text(row.theta), number_text(row.d)
     if row.type.is_revolute:
-        theta = variable_text(f"th{k}", row.sign, angle_text(row.offset))
+        theta = variable_cell(table, k - 1, "th", "r")
     elif row.type is JointType.PRISMATIC:
-        r = variable_text(f"r{k}", row.sign, number_text(row.offset))
+        r = variable_cell(table, k - 1, "th", "r")
     return {
         "ant": str(row.parent),
         "sigma": _SIGMA.get(row.type, "0"),

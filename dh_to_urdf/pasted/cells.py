@@ -59,7 +59,14 @@ class CellReader:
         self.report.add(("joints", k), f"joint {k + 1} (line {line}{column}): {message}")
 
     def read(
-        self, k: int, cell: RawCell, quantity: Quantity, values: Values, bare: float | None = None
+        self,
+        k: int,
+        cell: RawCell,
+        quantity: Quantity,
+        values: Values,
+        bare: float | None = None,
+        *,
+        coupled: bool = False,
     ) -> Cell | None:
         """Read one cell; return None after reporting why not.
 
@@ -69,6 +76,7 @@ class CellReader:
             quantity: What it measures.
             values: What names in it stand for.
             bare: An angle without unit beyond this is refused, rad; None for no check.
+            coupled: Whether there may be several joint variables, with any coefficients.
         """
         if len(cell.text) > MAX_RAW_CELL:
             self.add(k, cell, f"the cell is longer than {MAX_RAW_CELL} characters")
@@ -77,9 +85,10 @@ class CellReader:
         unit = cell.unit if cell.unit is not None else self._units[quantity]
         try:
             if cell.total is not None:
-                parsed = cell_of_sum(cell.total, quantity, unit, text)
+                parsed = cell_of_sum(cell.total, quantity, unit, text, coupled=coupled)
             else:
-                parsed = parse_cell(text, quantity, unit, values, self._units[Quantity.ANGLE])
+                angle = self._units[Quantity.ANGLE]
+                parsed = parse_cell(text, quantity, unit, values, angle, coupled=coupled)
         except CellError as error:
             shown = "" if text == cell.text.strip() else f"{quoted(cell.text)} "
             self.add(k, cell, f"{shown}{error}")
@@ -107,7 +116,7 @@ class CellReader:
         return parsed
 
     def variable(self, k: int, cell: RawCell | None, column: str) -> Cell | None:
-        """Return the cell if it holds the variable that its column may have, else None."""
+        """Return the cell if it holds a variable that its column may have, else None."""
         if cell is None or len(cell.text) > MAX_RAW_CELL:
             return None
         text = cell.text if cell.total is not None else plain_cell(cell.text)
@@ -117,16 +126,17 @@ class CellReader:
         quantity = Quantity.ANGLE if column == "theta" else Quantity.LENGTH
         try:
             if cell.total is not None:
-                parsed = cell_of_sum(cell.total, quantity, 1.0, text)
+                parsed = cell_of_sum(cell.total, quantity, 1.0, text, coupled=True)
             else:
-                parsed = parse_cell(text, quantity, 1.0, self.values)
+                parsed = parse_cell(text, quantity, 1.0, self.values, coupled=True)
         except CellError:
             return None
-        return (
-            parsed
-            if parsed.variable in letters and parsed.index in (None, self.numbers[k])
-            else None
-        )
+        mine = [(v, c) for v, c in parsed.terms if v[1] in (None, self.numbers[k])]
+        if any(letter not in letters or abs(c) != 1.0 for (letter, _), c in mine):
+            return None
+        known = all(index is None or index in self.numbers for (_, index), _ in parsed.terms)
+        found = any(letter in letters for (letter, _), _ in parsed.terms)
+        return parsed if found and known else None
 
     def any_variable(self, cell: RawCell, column: str) -> int | None:
         """Return the number of the joint variable in a cell; None for none."""
@@ -153,11 +163,13 @@ def foreign_variable(cell: Cell, column: str, own: bool, number: int) -> str | N
     """
     if cell.variable is None:
         return None
-    if not own or cell.variable not in OWN_LETTERS[column]:
+    letters = OWN_LETTERS[column] if own else ()
+    mine = [(letter, c) for (letter, index), c in cell.terms if index in (None, number)]
+    if not own or any(letter not in letters for letter, _ in mine):
         return (
             f"{quoted(cell.text)} holds {cell.name}, which is not the joint variable of this"
             f" column; if it is a constant, give values {cell.name}:0.5"
         )
-    if cell.index not in (None, number):
-        return f"{quoted(cell.text)} is the variable of joint {cell.index}, not {number}"
+    if any(abs(c) != 1.0 for _, c in mine):
+        return f"is {quoted(cell.text)}; the joint variable must have coefficient +1 or -1"
     return None

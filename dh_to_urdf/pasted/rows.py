@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from dh_to_urdf.cells.expressions import Quantity
+from dh_to_urdf.cells.arithmetic import Variable
+from dh_to_urdf.cells.expressions import Cell, Quantity
 from dh_to_urdf.documents.checks import NAME
 from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.rows import OWN_LETTERS
@@ -68,7 +69,7 @@ def _row(cells: CellReader, k: int, row: RawRow, type_: JointType, z_column: str
         if key == own:
             values = values.without_variable(OWN_LETTERS[key], cells.numbers[k])
         bare = LIMIT_TURNS if key in LIMIT_FIELDS else TURN
-        parsed = cells.read(k, cell, quantity, values, bare)
+        parsed = cells.read(k, cell, quantity, values, bare, coupled=key == own)
         if parsed is None:
             continue
         if key == own and not row.own_constant and parsed.value != 0.0:
@@ -94,10 +95,23 @@ def _row(cells: CellReader, k: int, row: RawRow, type_: JointType, z_column: str
             limits[key] = parsed
         else:
             # Its number is checked; a document counts the rows that do not move, too.
-            item[key] = replace(parsed, index=None)
+            item[key] = replace(parsed, index=None, terms=_terms_of_rows(parsed, cells, k))
     if limits:
         item["limits"] = limits
     return item
+
+
+def _terms_of_rows(parsed: Cell, cells: CellReader, k: int) -> tuple[tuple[Variable, float], ...]:
+    """Return the variables of a cell with the numbers of their rows, its own without one."""
+    own = cells.numbers[k]
+
+    def row(index: int | None) -> int | None:
+        if index is None or index == own:
+            return None
+        # Rows that do not move have the number of the one before: the first one is meant.
+        return cells.numbers.index(index) + 1 if index in cells.numbers else index
+
+    return tuple(((letter, row(index)), factor) for (letter, index), factor in parsed.terms)
 
 
 def _add_name(item: dict[str, Any], key: str, cell: RawCell) -> None:

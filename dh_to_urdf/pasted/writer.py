@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dh_to_urdf.cells.notation import angle_text, in_degrees, number_text, variable_text
+from dh_to_urdf.cells.notation import angle_text, in_degrees, number_text, variable_cell
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.par.writer import table_to_par
 from dh_to_urdf.pasted.cells import LIMIT_TURNS, NO_LIMIT
@@ -103,6 +103,12 @@ def table_to_matlab(table: DHTable) -> str:
                 f"joint {k} ({row.name}) branches (ant, gamma, b), and a robot of the Robotics"
                 " Toolbox is a serial chain",
             )
+        if row.mimic is not None or row.coupling:
+            raise DHError.single(
+                ("joints", k - 1),
+                f"joint {k} ({row.name}) depends on other joints, and the links of the Robotics"
+                " Toolbox are independent; write json, yaml, csv or urdf",
+            )
         lines.append(f"L({k}) = Link({', '.join(_link(row, modified))});")
     lines.append(f"robot = SerialLink(L, 'name', '{table.name}');")
     lines += [f"robot.{note};" for note in _placements(table)]
@@ -178,11 +184,11 @@ def _grid(table: DHTable, degrees: bool) -> list[list[str]]:
     lines = [heading]
     for k, row in enumerate(table.rows, start=1):
         along, theta = number_text(row.d), turned(row.theta)
+        slide = "r" if khalil else "d"
         if row.type.is_revolute:
-            theta = variable_text(f"theta{k}", row.sign, turned(row.offset))
+            theta = variable_cell(table, k - 1, "theta", slide, degrees=degrees)
         elif row.type is JointType.PRISMATIC:
-            letter = "r" if khalil else "d"
-            along = variable_text(f"{letter}{k}", row.sign, number_text(row.offset))
+            along = variable_cell(table, k - 1, "theta", slide)
         line = [str(k), *([row.name] if named else []), _TYPE_LETTERS[row.type]]
         line += [str(row.parent), turned(row.gamma), number_text(row.b)] if tree else []
         line += [turned(row.alpha), number_text(row.a), along, theta]

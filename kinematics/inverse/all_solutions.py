@@ -136,24 +136,29 @@ def _closed_form(
     start: FloatArray,
     tolerance: Tolerance,
 ) -> IKSolutions | None:
-    form = closed_form_of(chain)
+    if chain.is_coupled and chain.inverse is None:
+        return None
+    # Where joints are coupled, the closed form is that of their values, which q follows from.
+    form = closed_form_of(chain.mechanism)
     if form is None or task.name not in form.tasks:
         return None
     redundant = form.kind == "srs"
     swivels: Iterable[float] = (0.0,)
-    given = start[chain.columns]
+    given = chain.values(start[chain.columns])
     if redundant:
         own = swivel_of(form, given)
         swivels = own + np.arange(SWIVELS) * (TURN / SWIVELS)
-    names = [robot.joints[int(column)].name for column in chain.columns]
+    names = chain.names
     collected: list[IKSolution] = []
     for swivel in swivels:
         angle = float((swivel + np.pi) % TURN - np.pi)
-        branch = solutions(form, chain, target, task=task, given=given, swivel=angle)
+        branch = solutions(form, chain.mechanism, target, task=task, given=given, swivel=angle)
         postures = branch.postures(form)
         for k, values in enumerate(branch.q):
             q = start.copy()
-            q[chain.columns] = values
+            q[chain.columns] = (
+                values if chain.inverse is None else chain.inverse @ (values - chain.offset)
+            )
             q = turned(robot, q, start, chain)
             errors = float(branch.position_errors[k]), float(branch.orientation_errors[k])
             on = _on_limits(robot, chain, target, task, q, tolerance)
@@ -250,7 +255,13 @@ def _on_limits(
 
 def task_errors(chain: Chain, target: FloatArray, task: Task, q: FloatArray) -> tuple[float, float]:
     """Return the position error, m, and the rotation error, rad, of a chain's q, shape (K,)."""
-    constants = TaskChain(chain.placements, chain.is_revolute.astype(np.float64), task.mask)
+    constants = TaskChain(
+        chain.placements,
+        chain.is_revolute.astype(np.float64),
+        task.mask,
+        chain.coupling,
+        chain.offset,
+    )
     pose = np.array(target, dtype=np.float64).reshape(16)
     position, rotation = residual(constants, pose, np.array(q), workspace(chain.length))
     return float(np.sqrt(position)), float(np.sqrt(rotation))
@@ -266,7 +277,7 @@ def turned(robot: Robot, q: FloatArray, reference: FloatArray, chain: Chain) -> 
         chain: Whose joints are turned.
     """
     q = q.copy()
-    for column in chain.columns[chain.is_revolute]:
+    for column in chain.columns[chain.is_periodic]:
         nearest = q[column] + TURN * np.round((reference[column] - q[column]) / TURN)
         # A limit met to rounding counts as met.
         lower, upper = robot.lower[column] - 1e-12, robot.upper[column] + 1e-12
@@ -312,5 +323,5 @@ def _within(robot: Robot, q: FloatArray) -> bool:
 def _apart(robot: Robot, q: FloatArray, other: FloatArray) -> float:
     """Return the largest difference of two configurations, angles by the shorter way."""
     difference = q - other
-    difference = np.where(robot.is_revolute, (difference + np.pi) % TURN - np.pi, difference)
+    difference = np.where(robot.is_periodic, (difference + np.pi) % TURN - np.pi, difference)
     return float(np.abs(difference).max())

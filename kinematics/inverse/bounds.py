@@ -20,17 +20,20 @@ class JointBounds:
         upper: Upper limits, inf where none.
         wraps: True where an angle's range spans a whole turn, so that every direction is within
             the limits and a step beyond one re-enters a turn away.
+        is_revolute: True where an entry is an angle.
     """
 
     lower: FloatArray
     upper: FloatArray
     wraps: NDArray[np.bool_]
+    is_revolute: NDArray[np.bool_]
 
     @classmethod
     def of(cls, robot: Robot) -> JointBounds:
         """Return the limits of a robot."""
         span = robot.upper - robot.lower
-        return cls(robot.lower, robot.upper, robot.is_revolute & (span >= TURN - 1e-9))
+        wraps = robot.is_periodic & (span >= TURN - 1e-9)
+        return cls(robot.lower, robot.upper, wraps, robot.is_revolute)
 
     def middle(self) -> FloatArray:
         """Return mid-range, 0 where there is no limit; shape (dof,), rad and m."""
@@ -57,9 +60,9 @@ class JointBounds:
         """Return the ends of the ranges from which starts are taken, each of shape (dof,).
 
         These are the limits; where there is none, a turn about the other one or 0, or ±reach (m)
-        for a length.
+        for a length. An angle that is another after a turn, as its followers are, gets two.
         """
-        half = np.where(self.wraps, np.pi, reach)
+        half = np.where(self.wraps, np.pi, np.where(self.is_revolute, TURN, reach))
         open_below, open_above = np.isinf(self.lower), np.isinf(self.upper)
         low = np.where(open_below, np.where(open_above, -half, self.upper - 2 * half), self.lower)
         high = np.where(open_above, np.where(open_below, half, self.lower + 2 * half), self.upper)

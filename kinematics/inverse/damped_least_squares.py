@@ -182,7 +182,8 @@ def proceed(
     """
     chain, limits, starts = constants.chain, constants.limits, constants.starts
     K = len(seed)
-    best, q = answer[K + 2 : 2 * K + 5], W[K + 2 :].reshape(-1)[:K]
+    best = answer[K + 2 : 2 * K + 5]
+    q = W[len(chain.is_revolute) + 2 :].reshape(-1)[:K]
     unreachable = _beyond(chain, constants.reach, criteria, G)
     most = criteria.restarts
     last = min(most, UNREACHABLE_RESTARTS) if unreachable else most

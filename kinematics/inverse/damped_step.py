@@ -10,7 +10,7 @@ from kinematics.kernels import Array
 
 TURN = 2.0 * math.pi
 LOWER, UPPER, WRAPS = 0, 1, 2
-"""Rows of the limits of K joints, shape (3, K): lower (-inf where none) and upper (inf where none),
+"""Rows of the limits of n unknowns, shape (3, n): lower (-inf: none) and upper (inf: none),
 rad and m, and nonzero where an angle's range spans a turn, so that a step beyond one limit
 re-enters at the other."""
 
@@ -25,18 +25,18 @@ def step(
 
     Args:
         chain: The chain and the task.
-        limits: Limits of its joints, shape (3, K).
-        q: Joint values of the last residual, shape (K,).
+        limits: Limits of its unknowns, shape (3, n).
+        q: Unknowns of the last residual, shape (n,).
         damping: λ, above 0.
         W: Workspace, after ``residual`` at q; the axes in it are overwritten.
-        result: Filled with the new joint values, shape (K,); may be q itself.
+        result: Filled with the new unknowns, shape (n,); may be q itself.
     """
-    K = len(q)
+    n, K = len(q), len(chain.is_revolute)
     columns(chain, W)
-    for _ in range(K):
-        damped(W, K, damping)
+    for _ in range(n):
+        damped(W, n, K, damping)
         again = False
-        for k in range(K):
+        for k in range(n):
             d = 0.0
             for i in range(6, 12):
                 d += W[k, i] * W[K + 1, i]
@@ -49,25 +49,26 @@ def step(
                 again = True
         if not again:
             break
-    for k in range(K):
+    for k in range(n):
         result[k] = inside(q[k] + W[k, 0], limits[LOWER, k], limits[UPPER, k], limits[WRAPS, k])
 
 
 @inner
-def damped(W: Array, K: int, damping: float) -> None:
+def damped(W: Array, n: int, K: int, damping: float) -> None:
     """Solve ``(J Jᵀ + λ I) y = e`` by symmetric elimination (LDLᵀ).
 
     Every pivot is at least the damping, but for rounding, which is not let below it.
 
     Args:
         W: Workspace with the columns J_k and the error e; y is written to ``W[K + 1, 6:12]``.
+        n: Number of unknowns.
         K: Number of joints.
         damping: λ, above 0.
     """
     a00 = a11 = a22 = a33 = a44 = a55 = damping
     a10 = a20 = a30 = a40 = a50 = a21 = a31 = a41 = a51 = 0.0
     a32 = a42 = a52 = a43 = a53 = a54 = 0.0
-    for k in range(K):
+    for k in range(n):
         j0, j1, j2, j3, j4, j5 = W[k, 6], W[k, 7], W[k, 8], W[k, 9], W[k, 10], W[k, 11]
         a00 += j0 * j0
         a10, a11 = a10 + j1 * j0, a11 + j1 * j1

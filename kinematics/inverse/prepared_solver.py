@@ -94,12 +94,18 @@ class Solver:
             return known
         chain, columns = self.chain, self.chain.columns
         low, high = self.bounds.ranges(chain.reach if np.isfinite(chain.reach) else 1.0)
-        form = closed_form_of(chain)
+        form = None if chain.is_coupled else closed_form_of(chain)
         if form is not None and (form.kind not in KINDS or self.task.name not in form.tasks):
             form = None
         made = packed(
             SolverConstants(
-                TaskChain(chain.placements, chain.is_revolute, self.task.mask),
+                TaskChain(
+                    chain.placements,
+                    chain.is_revolute,
+                    self.task.mask,
+                    chain.coupling,
+                    chain.offset,
+                ),
                 np.array([chain.lower, chain.upper, self.bounds.wraps[columns]]),
                 starts(random_seed, low[columns], high[columns]),
                 chain.reach if chain.length else np.inf,

@@ -16,12 +16,12 @@ from kinematics.kernels import Array
 
 NUMERIC = -1
 """Kind of a chain without closed form."""
-_MASK, _LIMITS = 3, 10
+_MASK, _LIMITS = 4, 11
 """Places of the mask and of the limits in the array."""
 
 
 class SolverConstants(NamedTuple):
-    """What a solve knows of a chain and a task.
+    """What a solve knows of a chain and a task; K is the number of unknowns here.
 
     Attributes:
         chain: The chain and the task.
@@ -44,13 +44,20 @@ class SolverConstants(NamedTuple):
 def packed(constants: SolverConstants) -> Array:
     """Return the constants in one array, as :func:`unpacked` takes them apart."""
     chain = constants.chain
-    head = [len(chain.is_revolute), constants.reach, constants.kind]
+    head = [
+        len(chain.is_revolute),
+        constants.reach,
+        constants.kind,
+        chain.coupling.shape[1],
+    ]
     arrays = (
         chain.mask,
         constants.limits,
         constants.starts,
         chain.is_revolute,
         chain.C,
+        chain.coupling,
+        chain.offset,
         constants.form,
     )
     return np.concatenate((head, *(array.reshape(-1) for array in arrays)))
@@ -59,14 +66,23 @@ def packed(constants: SolverConstants) -> Array:
 @inner
 def unpacked(P: Array) -> SolverConstants:
     """Return the parts of what :func:`packed` made, as views."""
-    K = int(P[0])
-    starts, turns = _LIMITS + 3 * K, _LIMITS + 7 * K
-    placements, form = turns + K, turns + 13 * K + 12
-    C = P[placements:form].reshape((K + 1, 12))
+    K, coupled = int(P[0]), int(P[3])
+    n = coupled if coupled > 0 else K
+    starts, turns = _LIMITS + 3 * n, _LIMITS + 7 * n
+    placements, coupling = turns + K, turns + 13 * K + 12
+    offset = coupling + K * coupled
+    form = offset + (K if coupled > 0 else 0)
+    C = P[placements:coupling].reshape((K + 1, 12))
     return SolverConstants(
-        TaskChain(C, P[turns:placements], P[_MASK:_LIMITS]),
-        P[_LIMITS:starts].reshape((3, K)),
-        P[starts:turns].reshape((4, K)),
+        TaskChain(
+            C,
+            P[turns:placements],
+            P[_MASK:_LIMITS],
+            P[coupling:offset].reshape((K, coupled)),
+            P[offset:form],
+        ),
+        P[_LIMITS:starts].reshape((3, n)),
+        P[starts:turns].reshape((4, n)),
         P[1],
         int(P[2]),
         P[form:],

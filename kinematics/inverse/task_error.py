@@ -16,17 +16,56 @@ from kinematics.kernels import Array, forward
 
 
 class TaskChain(NamedTuple):
-    """A chain of K joints and the rows of error that a task counts.
+    """A chain of K joints, moved by n ≤ K unknowns, and the rows of error that a task counts.
 
     Attributes:
         C: Constant placements C_0 … C_K, shape (K + 1, 12); see :class:`kinematics.chain.Chain`.
         is_revolute: Nonzero for an angle, shape (K,).
         mask: See :attr:`kinematics.task.Task.mask`; shape (7,).
+        coupling: Joint values by unknowns, shape (K, n); (K, 0) where they are the unknowns.
+        offset: Joint values where the unknowns are 0, shape (K,).
     """
 
     C: Array
     is_revolute: Array
     mask: Array
+    coupling: Array
+    offset: Array
+
+
+@inner
+def unknowns(chain: TaskChain) -> int:
+    """Return the number of unknowns that move a chain, n."""
+    n = chain.coupling.shape[1]
+    return int(n if n > 0 else len(chain.is_revolute))
+
+
+@inner
+def joint_values(chain: TaskChain, q: Array) -> Array:
+    """Return the joint values of a coupled chain, shape (K,), at unknowns of shape (n,)."""
+    coupling, values = chain.coupling, np.empty(len(chain.is_revolute))
+    for k in range(len(values)):
+        value = chain.offset[k]
+        for j in range(len(q)):
+            value += coupling[k, j] * q[j]
+        values[k] = value
+    return values
+
+
+@inner
+def add_up(chain: TaskChain, rows: Array) -> None:
+    """Turn derivatives by joints, shape (K, m), into those by unknowns in the first n rows."""
+    K, m = rows.shape
+    n, sums = chain.coupling.shape[1], np.zeros((chain.coupling.shape[1], m))
+    for k in range(K):
+        for j in range(n):
+            c = chain.coupling[k, j]
+            if c != 0.0:
+                for i in range(m):
+                    sums[j, i] += c * rows[k, i]
+    for j in range(n):
+        for i in range(m):
+            rows[j, i] = sums[j, i]
 
 
 @jit
@@ -110,16 +149,19 @@ def residual(chain: TaskChain, G: Array, q: Array, W: Array) -> tuple[float, flo
     Args:
         chain: The chain and the task.
         G: Pose of the target, 12 numbers or more.
-        q: Joint values, rad and m, shape (K,).
+        q: Unknowns, rad and m, shape (n,).
         W: See :func:`workspace`.
 
     Returns:
         Squared norms of the position error, m², and of the rotation error, rad².
     """
-    K, mask = len(q), chain.mask
+    K, mask = len(chain.is_revolute), chain.mask
     T, e = W[K], W[K + 1]
     trig = W[K + 2 :].reshape(-1)[K : 3 * K]
-    forward(chain.C, chain.is_revolute, q, trig, W, T)
+    if chain.coupling.shape[1] > 0:
+        forward(chain.C, chain.is_revolute, joint_values(chain, q), trig, W, T)
+    else:
+        forward(chain.C, chain.is_revolute, q, trig, W, T)
     if mask[6] != 0.0:
         axis_error(T, G, e)
     else:
@@ -135,7 +177,7 @@ def residual(chain: TaskChain, G: Array, q: Array, W: Array) -> tuple[float, flo
 def columns(chain: TaskChain, W: Array) -> None:
     """Compute the task Jacobian at the q of the last :func:`residual` into the workspace.
 
-    Columns stand in rows: ``W[k, 6:12]`` is that of joint k, in base axes. With own axes the
+    Columns stand in rows: ``W[j, 6:12]`` is that of unknown j, in base axes. With own axes the
     rotation about the frame's z axis is taken out.
     """
     is_revolute, mask, K = chain.is_revolute, chain.mask, len(chain.is_revolute)
@@ -160,3 +202,5 @@ def columns(chain: TaskChain, W: Array) -> None:
             J[k, 3] -= about * ax
             J[k, 4] -= about * ay
             J[k, 5] -= about * az
+    if chain.coupling.shape[1] > 0:
+        add_up(chain, J)

@@ -86,6 +86,11 @@ def factorization(
     frame = frame or robot.tip_frame
     chain = chain_of(robot, frame)
     q = configuration(robot, q)
+    if chain.is_coupled:
+        return _none(
+            "joints of this chain depend on others; factors are known of chains whose joints are"
+            " all free"
+        )
     axes = relations_of(chain)
     given = np.atleast_2d(q)
     batch = given if axes is None else np.concatenate((given, _others(chain, given[0], axes.size)))

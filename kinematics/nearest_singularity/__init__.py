@@ -90,7 +90,7 @@ def nearest_singularity(
             for k in chain.columns
         )
         return NearestSingularity(True, here, q, 0.0, sigma)
-    joints = tuple(along_joint(search, k) for k in range(chain.length))
+    joints = tuple(along_joint(search, k) for k in range(chain.dof))
     found = in_joint_space(search, joints)
     if found is None:
         return NearestSingularity(False, joints, None, None, None)

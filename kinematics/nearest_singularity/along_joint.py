@@ -4,7 +4,8 @@ Along one joint every entry of the Jacobian (base axes, at the frame) is ``a + b
 for a prismatic joint ``a + b q``. So det J is a trigonometric (or plain) polynomial of at most the
 degree of its size, and det J Jᵀ of twice that: samples determine it exactly, and all its roots at
 once. Each root is then refined on the model, and kept only where the smallest singular value counts
-as zero there.
+as zero there. An entry of q that moves several joints, or one by a multiple, is sampled finely
+instead, and minima of the smallest singular value are the candidates.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from kinematics.nearest_singularity.search import Search
 from robots.robot import FloatArray
 
 SAMPLES = 64
+FINEST = 2048
+"""Most samples of an entry of q that moves several joints."""
 MOST_CANDIDATES = 16
 NEAR_ROOT = 1e-2
 POLISHING_STEPS = 60
@@ -47,12 +50,13 @@ class SingularAlongJoint:
 
 def along_joint(search: Search, k: int) -> SingularAlongJoint:
     """Return the values of joint k of the chain alone at which the arm is singular."""
-    column, is_revolute = int(search.chain.columns[k]), bool(search.chain.is_revolute[k])
+    column, is_revolute = int(search.chain.columns[k]), bool(search.chain.is_angle[k])
+    periodic = bool(search.chain.is_periodic[k])
     here = float(search.q[column])
     low, high = float(search.chain.lower[k]), float(search.chain.upper[k])
     if is_revolute:
         low, high = max(low, here - 2 * np.pi), min(high, here + 2 * np.pi)
-        if np.isinf([search.chain.lower[k], search.chain.upper[k]]).all():
+        if periodic and np.isinf([search.chain.lower[k], search.chain.upper[k]]).all():
             low, high = here - np.pi, here + np.pi
     else:
         size = SLIDE_EXTENT * max(1.0, float(np.abs(search.chain.placements[:, [3, 7, 11]]).max()))
@@ -61,14 +65,21 @@ def along_joint(search: Search, k: int) -> SingularAlongJoint:
     if not low <= high:
         return SingularAlongJoint(column, None, None, (), None)
     found: list[tuple[float, float]] = []
-    for start in _candidates(search, column, is_revolute, low, high):
+    alone = search.chain.coupling[:, k : k + 1] if search.chain.is_coupled else np.ones((1, 1))
+    several = not np.array_equal(alone[alone != 0.0], [1.0])
+    starts = (
+        _sampled(search, column, is_revolute, low, high, float(np.abs(alone).sum()))
+        if several
+        else _candidates(search, column, is_revolute, low, high)
+    )
+    for start in starts:
         polished = _polished(search, column, start)
         if polished is None:
             continue
         value, sigma = polished
-        turn = 2 * np.pi if is_revolute else np.inf
-        first = int(np.ceil((low - 1e-9 - value) / turn)) if is_revolute else 0
-        last = int(np.floor((high + 1e-9 - value) / turn)) if is_revolute else 0
+        turn = 2 * np.pi if periodic else np.inf
+        first = int(np.ceil((low - 1e-9 - value) / turn)) if periodic else 0
+        last = int(np.floor((high + 1e-9 - value) / turn)) if periodic else 0
         for count in range(first, last + 1):
             shifted = value + count * turn if count else value
             inside = min(max(shifted, low), high)
@@ -121,6 +132,23 @@ def _candidates(
     minima = np.flatnonzero((smallest <= before) & (smallest <= after))
     minima = minima[np.argsort(smallest[minima])]
     return [*roots[:MOST_CANDIDATES], *grid[minima[: MOST_CANDIDATES // 2]].tolist()]
+
+
+def _sampled(
+    search: Search, column: int, is_revolute: bool, low: float, high: float, speed: float
+) -> list[float]:
+    """Return the minima of the smallest singular value over samples of the whole range."""
+    turns = (high - low) * speed / (2 * np.pi) if is_revolute else speed
+    count = int(np.clip(SAMPLES * max(1.0, turns), SAMPLES, FINEST))
+    grid = np.linspace(low, high, count)
+    batch = np.repeat(search.q[None], count, axis=0)
+    batch[:, column] = grid
+    smallest = np.linalg.svd(search.jacobians(batch), compute_uv=False)[:, -1]
+    before = np.append(np.inf, smallest[:-1])
+    after = np.append(smallest[1:], np.inf)
+    minima = np.flatnonzero((smallest <= before) & (smallest <= after))
+    minima = minima[np.argsort(smallest[minima])]
+    return [float(x) for x in grid[minima[: 4 * MOST_CANDIDATES]]]
 
 
 def _turning_roots(values: FloatArray, degree: int, start: float) -> list[float]:

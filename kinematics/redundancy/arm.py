@@ -24,7 +24,7 @@ class Arm:
         robot: The robot.
         frame: Name of the frame.
         task: The task space.
-        chain: The chain, of K joints; the robot's other joints are fixed.
+        chain: The chain, moved by K entries of q; the robot's others are fixed.
     """
 
     robot: Robot
@@ -69,8 +69,8 @@ class Arm:
 
     @property
     def K(self) -> int:  # noqa: N802
-        """Number of joints."""
-        return self.chain.length
+        """Number of entries of q that move the frame."""
+        return self.chain.dof
 
     @property
     def m(self) -> int:
@@ -86,7 +86,7 @@ class Arm:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Names of the joints."""
+        """Names of the entries of q."""
         return tuple(self.robot.joints[k].name for k in self.chain.columns)
 
     def reduced(self, q: FloatArray) -> FloatArray:
@@ -101,13 +101,14 @@ class Arm:
 
     def task_at(self, q: FloatArray, G: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return error to a pose (m,), Jacobian (m, K) and pose (12,) at q of shape (K,)."""
-        W, e, J = workspace(self.K), np.empty(self.m), np.empty((self.m, self.K))
+        W, e, J = workspace(self.chain.length), np.empty(self.m), np.empty((self.m, self.K))
         task_at(self.constants, G, q, W, e, J)
-        return e, J, W[self.K].copy()
+        return e, J, W[self.chain.length].copy()
 
     @cached_property
     def constants(self) -> ArmConstants:
         """First argument of compiled functions."""
-        chain = TaskChain(self.chain.placements, self.chain.is_revolute, self.task.mask)
+        own = self.chain
+        chain = TaskChain(own.placements, own.is_revolute, self.task.mask, own.coupling, own.offset)
         rows = np.array(self.task.rows, dtype=np.int64)
         return ArmConstants(chain, rows, self.task.own_axes)

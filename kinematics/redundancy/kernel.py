@@ -19,7 +19,7 @@ from kinematics.singularity import RANK_TOLERANCE
 
 
 class ArmConstants(NamedTuple):
-    """What compiled functions know of an arm of K joints with a task of m rows.
+    """What compiled functions know of an arm of K unknowns with a task of m rows.
 
     Attributes:
         chain: The chain, and the task as a mask.
@@ -42,8 +42,8 @@ def task_rows(arm: ArmConstants, W: Array, e: Array, J: Array) -> None:
         e: Filled with the error, m and rad, shape (m,).
         J: Filled with the Jacobian, shape (m, K).
     """
-    rows, K = arm.rows, len(arm.chain.is_revolute)
-    T, error = W[K], W[K + 1]
+    rows, joints = arm.rows, len(arm.chain.is_revolute)
+    T, error, K = W[joints], W[joints + 1], J.shape[1]
     for i in range(len(rows)):
         row = rows[i]
         if arm.own and row >= 3:

@@ -76,14 +76,14 @@ def errors_at(problem: PathProblem, Q: FloatArray, first: int = 0) -> tuple[Floa
 def error_vectors(arm: Arm, Q: FloatArray, targets: FloatArray) -> FloatArray:
     """Return task errors of Q, shape (n, K), to poses, shape (n, 12): m and rad, shape (n, 6)."""
     out = np.empty((len(Q), 6))
-    _errors(arm.constants.chain, np.ascontiguousarray(Q), targets, workspace(arm.K), out)
+    _errors(arm.constants.chain, np.ascontiguousarray(Q), targets, workspace(arm.chain.length), out)
     return out
 
 
 def clearances_at(problem: PathProblem, Q: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
     """Return the least clearances, m, and link and obstacle of each; Q has shape (n, K)."""
     found, whose = np.empty(len(Q)), np.empty((len(Q), 2), dtype=np.int64)
-    chain, W = problem.arm.constants.chain, workspace(problem.arm.K, len(problem.links))
+    chain, W = problem.arm.constants.chain, workspace(problem.arm.chain.length, len(problem.links))
     clearances(chain, np.ascontiguousarray(Q), problem.scene, W, found, whose)
     return found, whose
 
@@ -103,7 +103,7 @@ def segment_ends(arm: Arm, links: Links, Q: FloatArray) -> FloatArray:
     """Return the ends of the segments of an arm's links; see :func:`ends_of_links`."""
     rows = links.rows
     out = np.empty((len(Q), len(rows), 6))
-    chain, W = arm.constants.chain, workspace(arm.K, len(rows))
+    chain, W = arm.constants.chain, workspace(arm.chain.length, len(rows))
     link_ends(chain, np.ascontiguousarray(Q), rows, W, out)
     return out.reshape(len(Q), len(rows), 2, 3)
 
@@ -113,7 +113,8 @@ def swept_between(problem: PathProblem, Q: FloatArray) -> FloatArray:
     swept = np.full(len(Q) - 1, np.inf)
     if len(problem.obstacles):
         chain, scene = problem.arm.constants.chain, problem.scene
-        W, most = workspace(problem.arm.K, len(problem.links)), most_visits(scene, len(swept))
+        W = workspace(problem.arm.chain.length, len(problem.links))
+        most = most_visits(scene, len(swept))
         Q, least = np.ascontiguousarray(Q), np.inf
         for first in range(0, len(swept), SWEPT):
             checkpoint()

@@ -120,7 +120,7 @@ class PathProblem:
             raise WrongConfiguration(
                 f"q of joint {self.arm.names[worst]} is {q[worst]:.6g}, outside its limits"
                 f" [{chain.lower[worst]:.6g}, {chain.upper[worst]:.6g}]"
-                f" {'rad' if chain.is_revolute[worst] else 'm'}; start within them",
+                f" {'rad' if chain.is_angle[worst] else 'm'}; start within them",
                 argument="q",
                 index=(int(chain.columns[worst]),),
                 joint=self.arm.names[worst],

@@ -74,8 +74,9 @@ class Checker:
         for axis in self.chain.axes:
             pose = poses[self.chain.frames[axis.node]]
             z = axis.sign * pose[:3, 2]
-            J[:3, axis.joint - 1] = np.cross(z, tip[:3, 3] - pose[:3, 3]) if axis.is_revolute else z
-            J[3:, axis.joint - 1] = z if axis.is_revolute else 0.0
+            v = np.cross(z, tip[:3, 3] - pose[:3, 3]) if axis.is_revolute else z
+            w = z if axis.is_revolute else np.zeros(3)
+            J[:, axis.joint - 1] += axis.factor * np.concatenate((v, w))
         R = poses[expressed_in][:3, :3].T
         return np.concatenate((R @ J[:3], R @ J[3:]))
 

@@ -154,7 +154,8 @@ def _angle(name: str, names: Names) -> str:
     angle = names.angles[name[1:]]
     parts = []
     for joint, n in angle.multiples:
-        parts.append(f"{'-' if n < 0 else '+'} q[{joint - 1}]")
+        times = "" if abs(n) == 1 else f"{abs(n)}*"
+        parts.append(f"{'-' if n < 0 else '+'} {times}q[{joint - 1}]")
     if angle.constant:
         parts.append(f"{'-' if angle.constant < 0 else '+'} {abs(angle.constant)!r}")
     inside = " ".join(parts).removeprefix("+ ")

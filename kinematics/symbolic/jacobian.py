@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from kinematics.symbolic.chain import Axis, Chain
+from kinematics.symbolic.chain import Axis, Chain, factor_of
 from kinematics.symbolic.names import Names
 from kinematics.symbolic.polynomial import (
     ZERO,
@@ -49,11 +49,22 @@ def jacobian_columns(chain: Chain, dof: int, axes: int, point: int) -> list[Colu
     """
     poses = chain.poses(axes)
     columns: list[Column] = [(ZERO,) * 6] * dof
+    known: set[int] = set()
     for axis in chain.axes:
         if axes == 0:
-            columns[axis.joint - 1] = _derivative(axis, poses, poses[point].origin, chain.names)
+            made = _derivative(axis, poses, poses[point].origin, chain.names)
         else:
-            columns[axis.joint - 1] = column(axis, poses, poses[point].origin)
+            made = column(axis, poses, poses[point].origin)
+        # Of an entry of q that moves several joints, the derivative of the point is that of all.
+        done = 3 if axes == 0 else 0
+        if axis.factor != 1:
+            by = factor_of(axis.factor, chain.names)
+            made = (*made[:done], *(entry * by for entry in made[done:]))
+        if axis.joint in known:
+            before = columns[axis.joint - 1]
+            made = (*made[:done], *(a + b for a, b in zip(before[done:], made[done:], strict=True)))
+        columns[axis.joint - 1] = made
+        known.add(axis.joint)
     return columns
 
 

@@ -158,7 +158,10 @@ class Work:
 
     def determinant(self) -> Determinant:
         """Return the determinants to compute."""
-        joints = tuple(axis.joint for axis in self.chain.axes)
+        joints = tuple(dict.fromkeys(axis.joint for axis in self.chain.axes))
+        if self.table.is_coupled:
+            note = "the determinant is written for joints that are all free"
+            return Determinant((), joints, [], note)
         rows, note = self._rows(len(joints))
         count = comb(len(joints), len(rows)) if 0 < len(rows) <= len(joints) else 0
         if note or not count:

@@ -78,7 +78,7 @@ class Writing:
         """Return the answer so far, ready for JSON."""
         request, names = self.request, self.work.names
         used = used_symbols(self.entries, self.determinant)
-        joints = [self.table.rows[k].name for k in self.table.moving_rows]
+        joints = [self.table.rows[k].name for k in self.table.free_rows]
         found: dict[str, Any] = {
             "convention": self.table.convention.value,
             "parameters": request.parameters,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from dh_to_urdf.table import Mimic
+
 MOVING_TYPES = ("revolute", "prismatic", "continuous")
 Triple: TypeAlias = tuple[float, float, float]
 
@@ -37,6 +39,7 @@ class URDFJoint:
         upper: Largest value.
         velocity: Largest speed, rad/s or m/s, if the file gives one.
         effort: Largest torque or force, if the file gives one.
+        mimic: What it follows; None where it is a coordinate of q.
     """
 
     name: str
@@ -49,6 +52,7 @@ class URDFJoint:
     upper: float | None = None
     velocity: float | None = None
     effort: float | None = None
+    mimic: Mimic | None = None
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,7 @@ class URDFDescription:
 
     @property
     def moving(self) -> tuple[URDFJoint, ...]:
-        """Return the joints that are in q, in the order of the file."""
+        """Return the joints that move, free ones and followers, in the order of the file."""
         return tuple(joint for joint in self.joints if joint.type != "fixed")
 
     def default_tip(self) -> str:

@@ -1,79 +1,78 @@
-"""Joints that mimic another: checked, then treated as independent, with a warning.
-
-Every joint that moves is in q, so that q has the same entries in every reader of the file. The
-warning states the relation between the two entries of q.
-"""
+"""``<mimic>``: joints that follow another, checked and written to the canonical URDF."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 
-from dh_to_urdf.cells.notation import number_text
-from dh_to_urdf.errors import quoted
+from lxml import etree
+
+from dh_to_urdf import JointType, Limits
+from dh_to_urdf.couplings import CouplingError, MovingJoint, joint_map
+from dh_to_urdf.table import Mimic
+from dh_to_urdf.writer import UNBOUNDED
 from robots.errors import InvalidURDF
 from robots.urdf.description import URDFJoint
 from robots.urdf.values import Element, number
 
 
-def read_mimics(joints: Sequence[URDFJoint], elements: Sequence[Element]) -> tuple[str, ...]:
-    """Check the ``<mimic>`` of each joint.
+def read_mimics(
+    joints: Sequence[URDFJoint], elements: Sequence[Element], robot: Element
+) -> tuple[URDFJoint, ...]:
+    """Read the ``<mimic>`` of each joint that moves.
 
     Args:
         joints: The joints.
         elements: Their elements, in the same order.
+        robot: The canonical root element, with their twins.
 
     Returns:
-        A warning for each joint that moves and mimics another.
+        The joints, with what they follow.
 
     Raises:
-        InvalidURDF: A joint mimics one that does not exist, or itself; or a number is none.
+        InvalidURDF: A joint follows one that does not exist or move, or itself; limits of
+            followers leave nothing; or a number is none.
     """
-    moves = {joint.name: joint.type != "fixed" for joint in joints}
-    followed: dict[str, str] = {}
-    warnings = []
+    twins = {str(twin.get("name")): twin for twin in robot.iterfind("joint")}
+    found = []
     for joint, element in zip(joints, elements, strict=True):
         mimic = element.find("mimic")
         if mimic is None:
+            found.append(joint)
             continue
         where = f"joint {joint.name!r}"
         other = mimic.get("joint")
         if other is None:
             raise InvalidURDF(f"{where}: <mimic> lacks the name of a joint; give joint=…")
-        if other not in moves:
-            raise InvalidURDF(
-                f"{where} mimics {quoted(other, 64)}, which does not exist; mend the name or"
-                " remove <mimic>"
-            )
-        factor = number(mimic, "multiplier", where, "1")
+        multiplier = number(mimic, "multiplier", where, "1")
         offset = number(mimic, "offset", where, "0")
-        followed[joint.name] = other
-        if moves[joint.name] and not moves[other]:
-            warnings.append(
-                f"joint {joint.name!r} mimics {quoted(other, 64)}, which does not move; it is"
-                f" treated as independent: give it {number_text(offset)}"
-            )
-        elif moves[joint.name]:
-            warnings.append(
-                f"joint {joint.name!r} mimics another; it is treated as independent: give it"
-                f" {number_text(factor)} times the value of {quoted(other, 64)}"
-                + (f" plus {number_text(offset)}" if offset else "")
-            )
-    _refuse_loops(followed)
-    return tuple(warnings)
+        if joint.type == "fixed":
+            found.append(joint)
+            continue
+        written = {"joint": other, "multiplier": repr(multiplier), "offset": repr(offset)}
+        etree.SubElement(twins[joint.name], "mimic", written)
+        found.append(replace(joint, mimic=Mimic(other, multiplier, offset)))
+    if any(joint.mimic is not None for joint in found):
+        try:
+            joint_map(*moving_joints(found))
+        except CouplingError as error:
+            raise InvalidURDF(str(error)) from None
+    return tuple(found)
 
 
-def _refuse_loops(followed: Mapping[str, str]) -> None:
-    settled: set[str] = set()
-    for start in followed:
-        path: list[str] = []
-        name = start
-        while name in followed and name not in settled:
-            if name in path:
-                raise InvalidURDF(
-                    f"joint {name!r} mimics itself"
-                    + (f" by way of {followed[name]!r}" if followed[name] != name else "")
-                    + "; remove one <mimic>"
-                )
-            path.append(name)
-            name = followed[name]
-        settled.update(path)
+def moving_joints(
+    joints: Sequence[URDFJoint],
+) -> tuple[tuple[MovingJoint, ...], tuple[str, ...]]:
+    """Return the joints that move, and the names of those that do not."""
+    moving = tuple(
+        MovingJoint(joint.name, JointType(joint.type), _limits(joint), joint.mimic)
+        for joint in joints
+        if joint.type != "fixed"
+    )
+    return moving, tuple(joint.name for joint in joints if joint.type == "fixed")
+
+
+def _limits(joint: URDFJoint) -> Limits:
+    """Return the limits of a joint, without those that stand for none."""
+    given = (joint.lower, joint.upper, joint.velocity, joint.effort)
+    return Limits(*(None if v is None or abs(v) >= UNBOUNDED else v for v in given))

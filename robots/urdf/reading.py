@@ -47,8 +47,8 @@ def read_urdf(text: str | bytes) -> URDFDescription:
     known = frozenset(links)
     joints = tuple(read_joint(element, robot, known) for element in joint_elements)
     check_names("joint", [joint.name for joint in joints])
-    mimics = read_mimics(joints, joint_elements)
     root = check_tree(links, joints)
+    joints = read_mimics(joints, joint_elements, robot)
     if not any(joint.type != "fixed" for joint in joints):
         raise InvalidURDF("the robot has no joint that moves; give it one")
     doubts = doubts_of(joints)
@@ -62,7 +62,6 @@ def read_urdf(text: str | bytes) -> URDFDescription:
         *doubts,
         *look_alikes("joints", [joint.name for joint in joints]),
         *look_alikes("links", links),
-        *mimics,
     )
     return URDFDescription(
         name=name,

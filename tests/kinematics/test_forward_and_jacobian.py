@@ -28,7 +28,7 @@ def pinocchio_pose(robot, q, frame):
     data = robot.model.createData()
     full = pin.neutral(robot.model)
     tangent = np.zeros(robot.model.nv)
-    for value, joint in zip(q, robot.joints, strict=True):
+    for value, joint in zip(robot.joint_values(q), robot.moving, strict=True):
         tangent[robot.model.joints[robot.model.getJointId(joint.name)].idx_v] = value
     pin.framesForwardKinematics(robot.model, data, pin.integrate(robot.model, full, tangent))
     body = pin.FrameType.BODY

@@ -263,6 +263,21 @@ def _is_lost(text: str) -> bool:
     return row is not None or any(word in text for word in words)
 
 
+_DEPENDENCES = re.compile(r"^(?:followers|couplings): \(none\)\n", re.MULTILINE)
+_WITH_FOLLOWERS = ("baxter", "panda_urdf", "pr2", "romeo", "talos", "talos_arm", "tiago_pro")
+
+
+def _without_dependences(text: str) -> str:
+    """A record of a robot whose joints are all free, without the lists that say so."""
+    return _DEPENDENCES.sub("", text.replace('"followers":[],"couplings":[],', ""))
+
+
+def _has_followers(asked: Asked) -> bool:
+    """Whether a request is about a robot with joints that follow others, or its q has such."""
+    told = f"{asked.sent.path} {asked.sent.query} {asked.sent.body!r}"
+    return "<mimic" in told or any(f"{name}" in told for name in _WITH_FOLLOWERS)
+
+
 INTENDED: list[Intended] = [
     Intended(
         "what is probably not meant, and q outside limits, is told in warnings",
@@ -326,6 +341,16 @@ INTENDED: list[Intended] = [
         lambda old, text: (
             old.text if old.text is not None and _kind(old) in _PASTED and "[deg]" in text else text
         ),
+    ),
+    Intended(
+        "a record lists followers and couplings",
+        lambda asked, answer: answer.status < 300,
+        lambda old, text: _without_dependences(text),
+    ),
+    Intended(
+        "a joint that mimics another is no entry of q",
+        lambda asked, answer: _has_followers(asked),
+        lambda old, text: text if old.text is None else old.text,
     ),
     Intended(
         "warnings is a field of every JSON answer of a computation, and a line of its text",

@@ -147,7 +147,7 @@ def test_meshes_of_a_shipped_arm_come_from_the_service(open_page, client):
     visit.page.on(
         "response", lambda r: asked.append((r.url, r.status)) if "/meshes/" in r.url else None
     )
-    visit.go("robot=panda_urdf&q=0,-30,10,-120,5,100,45,0,0")
+    visit.go("robot=panda_urdf&q=0,-30,10,-120,5,100,45,0")
     files = {line["href"] for line in client.get("/v1/robots/panda_urdf/meshes").json()["meshes"]}
     visit.page.wait_for_function("() => document.querySelector('.host').probe.meshes() > 8")
     assert {url.split("/", 3)[3] for url, status in asked if status == 200} >= files

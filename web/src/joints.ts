@@ -1,10 +1,11 @@
 /** A slider and a field for each joint, with its limits. */
 import { h, replace } from './dom';
+import { type Follower, followerValue } from './followers';
 import { readNumber, typed } from './format';
 import { t } from './i18n';
 import type { Page } from './page';
 import type { SceneJoint } from './scene/types';
-import { fromRadians } from './units';
+import { fromRadians, toRadians } from './units';
 
 interface Line {
   readonly slider: HTMLInputElement;
@@ -18,6 +19,7 @@ export function jointsView(page: Page): HTMLElement {
   const { store, history } = page;
   const list = h('div', { class: 'joints' });
   let lines: Line[] = [];
+  let followers: ReturnType<typeof followerLine>[] = [];
   let built = '';
 
   function put(k: number, value: number): void {
@@ -83,15 +85,40 @@ export function jointsView(page: Page): HTMLElement {
     return { slider, field, element, lower, upper };
   }
 
+  /** A joint that follows another: its value, which cannot be changed. */
+  function followerLine(follower: Follower): { field: HTMLElement; element: HTMLElement } {
+    const turns = follower.type !== 'prismatic';
+    const unit = turns ? (store.state.angle === 'deg' ? '°' : 'rad') : 'm';
+    const field = h('output', { class: 'value', 'aria-label': follower.name });
+    const element = h(
+      'div',
+      { class: 'joint follower', title: t.follows(follower.joint) },
+      h('span', { class: 'name' }, follower.name),
+      h('span', { class: 'note' }, t.follows(follower.joint)),
+      field,
+      h('span', { class: 'unit' }, unit),
+    );
+    return { field, element };
+  }
+
   function render(): void {
     const joints = store.state.model?.joints ?? [];
+    const all = store.state.model?.followers ?? [];
     const { q, angle } = store.state;
-    const shape = JSON.stringify([joints, angle]);
+    const shape = JSON.stringify([joints, all, angle]);
     if (shape !== built) {
       built = shape;
       lines = joints.map(line);
-      replace(list, ...lines.map((one) => one.element));
+      followers = all.map(followerLine);
+      replace(list, ...[...lines, ...followers].map((one) => one.element));
     }
+    const inRad = toRadians(joints, q, angle);
+    followers.forEach(({ field }, k) => {
+      const one = all[k];
+      if (!one) return;
+      const value = followerValue(one, all, joints, inRad);
+      field.textContent = typed(Number(fromRadians(one, value, angle).toPrecision(9)));
+    });
     lines.forEach((one, k) => {
       const value = q[k] ?? 0;
       one.slider.value = String(value);

@@ -1,5 +1,6 @@
 /** A robot on the page: where it comes from, and as the service has resolved it. */
 import type { Convention, RobotRef, TableDocument } from './api';
+import type { Follower } from './followers';
 import type { SceneJoint } from './scene/types';
 import { typeOf } from './table/convention';
 
@@ -15,8 +16,10 @@ export interface Model {
   readonly ref: RobotRef;
   readonly title: string;
   readonly kind: 'dh' | 'urdf';
-  /** Limits are rad and m. */
+  /** The entries of q; limits are rad and m. */
   readonly joints: readonly SceneJoint[];
+  /** Joints that follow those of q. */
+  readonly followers: readonly Follower[];
   readonly urdf: string;
   /** The table as it is shown and edited. */
   readonly table: TableDocument | null;

@@ -1,5 +1,6 @@
 /** Asks the service for the joints, the table and the URDF of a robot. */
 import * as api from './api';
+import { type Follower, followersOfRows, narrowed } from './followers';
 import type { Model, Source } from './model';
 import type { SceneJoint } from './scene/types';
 import { typeOf } from './table/convention';
@@ -39,6 +40,7 @@ async function stored(
     title: view.title || id,
     kind: view.kind,
     joints: view.joints,
+    followers: view.followers.map((one) => ({ ...one, lower: null, upper: null })),
     urdf,
     table: table && editable(table),
     rows: table && inRadians(table),
@@ -67,12 +69,15 @@ async function fromTable(document: api.TableDocument, signal: AbortSignal): Prom
     api.json(api.convertTable(table, table.convention, 'rad'), signal),
     api.text(api.tableToURDF(table), signal),
   ]);
+  const followers = followersOfRows(rows.joints);
+  const free = rows.joints.filter((row) => typeOf(row) !== 'fixed' && !row.mimic).map(jointOf);
   return {
     key: urdf,
     ref: { table },
     title: document.title ?? document.name ?? '',
     kind: 'dh',
-    joints: rows.joints.filter((row) => typeOf(row) !== 'fixed').map(jointOf),
+    joints: narrowed(free, followers),
+    followers,
     urdf,
     table: document,
     rows,
@@ -91,7 +96,7 @@ async function fromURDF(
   const ref = { urdf };
   // The service checks the file first: the browser's parser would log an error for invalid XML.
   await api.send(api.workspace(ref, 1), signal);
-  const joints = jointsOfURDF(urdf);
+  const { joints, followers } = jointsOfURDF(urdf);
   const zero = joints.map(() => 0);
   const answer = await api.json(api.computation<api.FKAnswer>('fk', ref, { q: zero }), signal);
   const table = await tableIfAny(api.urdfToTable(urdf, 'standard', angle), signal);
@@ -101,6 +106,7 @@ async function fromURDF(
     title: name,
     kind: 'urdf',
     joints,
+    followers,
     urdf,
     table: table && editable(table),
     rows: table && inRadians(table),
@@ -123,17 +129,29 @@ function jointOf(row: api.TableRow): SceneJoint {
 }
 
 /** Joints in the order of the file, which is that of q; the service has checked the file. */
-function jointsOfURDF(urdf: string): SceneJoint[] {
+function jointsOfURDF(urdf: string): { joints: SceneJoint[]; followers: Follower[] } {
   const parsed = new DOMParser().parseFromString(urdf, 'application/xml');
-  return [...parsed.querySelectorAll('robot > joint')].flatMap((joint): SceneJoint[] => {
+  const joints: SceneJoint[] = [];
+  const followers: Follower[] = [];
+  for (const joint of parsed.querySelectorAll('robot > joint')) {
     const type = joint.getAttribute('type');
-    if (type !== 'revolute' && type !== 'prismatic' && type !== 'continuous') return [];
+    if (type !== 'revolute' && type !== 'prismatic' && type !== 'continuous') continue;
     const limit = joint.querySelector('limit');
     const bound = (name: string): number | null =>
       type === 'continuous' || !limit ? null : Number(limit.getAttribute(name) ?? 0);
     const name = joint.getAttribute('name') ?? '';
-    return [{ name, type, lower: bound('lower'), upper: bound('upper') }];
-  });
+    const found = { name, type, lower: bound('lower'), upper: bound('upper') } as const;
+    const mimic = joint.querySelector('mimic');
+    if (mimic) {
+      followers.push({
+        ...found,
+        joint: mimic.getAttribute('joint') ?? '',
+        multiplier: Number(mimic.getAttribute('multiplier') ?? 1),
+        offset: Number(mimic.getAttribute('offset') ?? 0),
+      });
+    } else joints.push(found);
+  }
+  return { joints: narrowed(joints, followers), followers };
 }
 
 /** A table of the service with angles in rad, for the scene; the service computes with its own. */

@@ -221,7 +221,7 @@ def _symbols(text: str) -> Value:
     found: list[Value] = []
     for name in names:
         variable = variable_of(name.lower())
-        found.append(Sum(coefficient=1.0, variable=variable) if variable else Unresolved(name))
+        found.append(Sum(terms=((variable, 1.0),)) if variable else Unresolved(name))
     return found[0] if len(found) == 1 else Items(found, is_tuple=True)
 
 

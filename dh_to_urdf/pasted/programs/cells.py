@@ -35,7 +35,8 @@ def text_of(value: Scalar) -> str:
     if value.variable is None:
         return f"{constant:.12g}"
     letter, index = value.variable
-    sign = "-" if value.coefficient < 0 else ""
-    factor = f"{abs(value.coefficient):g}*" if abs(value.coefficient) != 1 else ""
+    coefficient = value.terms[0][1]
+    sign = "-" if coefficient < 0 else ""
+    factor = f"{abs(coefficient):g}*" if abs(coefficient) != 1 else ""
     name = f"{sign}{factor}{letter}{'' if index is None else index}"
     return f"{name} {constant:+.12g}" if constant else name

@@ -192,7 +192,7 @@ class Expressions:
         found = self.library_name(name)
         variable = variable_of(name.lower())
         if isinstance(found, Unresolved) and variable is not None:
-            return Sum(coefficient=1.0, variable=variable)
+            return Sum(terms=((variable, 1.0),))
         return found
 
     def library_name(self, dotted: str) -> Value:

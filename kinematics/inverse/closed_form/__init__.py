@@ -104,7 +104,13 @@ def solutions(
     n = _SOLVERS[form.kind](
         FormConstants(
             form.constants,
-            TaskChain(chain.placements, chain.is_revolute.astype(np.float64), task.mask),
+            TaskChain(
+                chain.placements,
+                chain.is_revolute.astype(np.float64),
+                task.mask,
+                np.empty((count, 0)),
+                np.zeros(count),
+            ),
         ),
         np.ascontiguousarray(target, dtype=np.float64),
         np.zeros(count) if given is None else np.ascontiguousarray(given, dtype=np.float64),

@@ -100,7 +100,7 @@ def improve(chain: TaskChain, target: Array, q: Array, errors: Array, work: Arra
         for k in range(K):
             for i in range(6, 12):
                 scale += W[k, i] * W[k, i]
-        damped(W, K, DAMPING * scale)
+        damped(W, K, K, DAMPING * scale)
         for k in range(K):
             kept[k] = q[k]
             for i in range(6, 12):

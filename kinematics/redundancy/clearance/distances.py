@@ -264,9 +264,11 @@ def link_gradient(
         o: Number of the obstacle.
         W: Workspace.
         out: Witness, as :func:`link_distance` left it.
-        g: Filled, m/rad or m/m, shape (K,).
+        g: Filled, m/rad or m/m, shape (n,).
     """
-    is_revolute, links = chain.is_revolute, scene.links
+    is_revolute, links, coupled = chain.is_revolute, scene.links, chain.coupling.shape[1]
+    for f in range(coupled):
+        g[f] = 0.0
     t, nx, ny, nz = out[0], out[1], out[2], out[3]
     if scene.obstacles[o, 0] == HALF_SPACE and links[k, WHOLE] == 0.0:
         t = 1.0
@@ -279,15 +281,20 @@ def link_gradient(
         elif j <= last:  # it moves the link's end alone
             share = t
         else:
-            g[j] = 0.0
+            if coupled == 0:
+                g[j] = 0.0
             continue
         zx, zy, zz = W[j, 0], W[j, 1], W[j, 2]
         if is_revolute[j]:
             x, y, z = x - W[j, 3], y - W[j, 4], z - W[j, 5]
-            g[j] = nx * (zy * z - zz * y) + ny * (zz * x - zx * z) + nz * (zx * y - zy * x)
-            g[j] *= share
+            slope = nx * (zy * z - zz * y) + ny * (zz * x - zx * z) + nz * (zx * y - zy * x)
+            slope *= share
         else:
-            g[j] = share * (nx * zx + ny * zy + nz * zz)
+            slope = share * (nx * zx + ny * zy + nz * zz)
+        if coupled == 0:
+            g[j] = slope
+        for f in range(coupled):
+            g[f] += slope * chain.coupling[j, f]
 
 
 @inner

@@ -83,7 +83,8 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
     """
     shapes = link_shapes(arm.robot)
     poses, carriers = _placements(arm, start, shapes)
-    inverse = [np.linalg.inv(T) for T in carrier_poses(arm, arm.reduced(start))[:-1]]
+    values = arm.chain.values(arm.reduced(start))
+    inverse = [np.linalg.inv(T) for T in carrier_poses(arm, values)[:-1]]
     bones = skeleton(arm, radii)
     rows, names, segments, parts = [], [], [], []
     fixed, fixed_names = [], []
@@ -106,7 +107,7 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
         segments.append(-1)
         parts.append(_part(arm, carrier, shape, capsule))
     meshes = {carriers[s.link] for s in shapes if s.kind == "mesh"}
-    for k in range(arm.K):
+    for k in range(arm.chain.length):
         if k in meshes or k not in known:
             name = f"segment {k + 1}"
             for row, segment in zip(bones.rows, bones.segments, strict=True):
@@ -115,7 +116,8 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
                 rows.append(row)
                 names.append(name)
                 segments.append(k)
-                parts.append(Part(name, arm.names[k], "segment", float(row[RADIUS]), None, 0.0))
+                joint, radius = arm.chain.names[k], float(row[RADIUS])
+                parts.append(Part(name, joint, "segment", radius, None, 0.0))
     return LinkGeometry(
         Links(np.array(rows), tuple(names), tuple(segments)),
         tuple(parts),
@@ -141,7 +143,7 @@ def too_near(geometry: LinkGeometry, obstacles: FloatArray, d_safe: float) -> tu
 
 def _part(arm: Arm, carrier: int, shape: Shape, capsule: BoundingCapsule) -> Part:
     length = float(np.linalg.norm(capsule.end - capsule.start))
-    joint = arm.names[carrier]
+    joint = arm.chain.names[carrier]
     return Part(shape.link, joint, shape.kind, capsule.radius, length, capsule.excess)
 
 
@@ -157,7 +159,7 @@ def _placements(
     base = robot.frame_id(robot.base_frame)
     to_base = data.oMf[base].homogeneous
     to_base = np.linalg.inv(to_base)
-    ids = [int(model.getJointId(name)) for name in arm.names]
+    ids = [int(model.getJointId(name)) for name in arm.chain.names]
     order = {joint: k for k, joint in enumerate(ids)}
     base_path = _ancestors(model, int(model.frames[base].parentJoint))
     poses, carriers = {}, {}
@@ -191,12 +193,12 @@ def _warnings(
     found = []
     if meshes:
         found.append(f"meshes are not read, those of {_listed(meshes)}; {instead}")
-    bare = sorted(set(range(arm.K)) - {carriers[shape.link] for shape in moved})
+    bare = sorted(set(range(arm.chain.length)) - {carriers[shape.link] for shape in moved})
     if bare:
-        joints = _listed([arm.names[k] for k in bare])
+        joints = _listed([arm.chain.names[k] for k in bare])
         found.append(f"nothing that moves with {joints} alone has a shape; {instead}")
     kept = {carriers[s.link] for s in moved if s.kind == "mesh"} | set(bare)
-    if kept and max(radii[k] for k in kept) == 0.0:
+    if kept and max(radii[arm.chain.leaders[k]] for k in kept) == 0.0:
         found.append("link_radius is 0: these segments are lines without thickness; give one")
     return tuple(found)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.task_error import TaskChain
+from kinematics.inverse.task_error import TaskChain, joint_values
 from kinematics.kernels import Array, forward
 
 RADIUS, OFFSET, WHOLE, TURNED = 2, 3, 9, 10
@@ -27,10 +27,19 @@ def link_points(chain: TaskChain, q: Array, links: Array, W: Array) -> None:
 
     Args:
         chain: The chain.
-        q: Joint values, rad and m, shape (K,).
+        q: Unknowns, rad and m, shape (n,).
         links: See :class:`~.links.Links`; shape (L, 11).
         W: Workspace, filled.
     """
+    if chain.coupling.shape[1] > 0:
+        link_points_at(chain, joint_values(chain, q), links, W)
+    else:
+        link_points_at(chain, q, links, W)
+
+
+@inner
+def link_points_at(chain: TaskChain, q: Array, links: Array, W: Array) -> None:
+    """Compute what :func:`link_points` does, at joint values, rad and m, shape (K,)."""
     K, L = len(q), len(links)
     T = W[K + 1]
     trig = W[K + 2 :].reshape(-1)[: 2 * K]
@@ -66,7 +75,7 @@ def link_ends(chain: TaskChain, Q: Array, links: Array, W: Array, out: Array) ->
 
     Args:
         chain: The chain.
-        Q: Joint values, rad and m, shape (n, K).
+        Q: Unknowns, rad and m, one configuration a row.
         links: See :class:`~.links.Links`; shape (L, 11).
         W: Workspace.
         out: Filled, base axes, m, shape (n, L, 6).

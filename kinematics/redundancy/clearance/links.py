@@ -8,7 +8,14 @@ import numpy as np
 
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.link_points import OFFSET, RADIUS, TURNED, WHOLE
-from kinematics.redundancy.clearance.polyline import BASE, POINT, Piece, carrier_poses, polyline
+from kinematics.redundancy.clearance.polyline import (
+    BASE,
+    POINT,
+    Piece,
+    carrier_poses,
+    home_values,
+    polyline,
+)
 from robots.robot import FloatArray
 
 COLUMNS = 11
@@ -44,11 +51,12 @@ def skeleton(arm: Arm, radii: FloatArray | float) -> Links:
 
     Args:
         arm: The arm.
-        radii: Of each link, m; shape (K,), or one for all.
+        radii: Of each entry of q, m; shape (K,), or one for all. A piece after a follower has that
+            of the joint that it follows.
     """
     pieces = polyline(arm)
-    poses = carrier_poses(arm, np.zeros(arm.K))
-    radii = np.broadcast_to(np.asarray(radii, dtype=np.float64), (arm.K,))
+    poses = carrier_poses(arm, home_values(arm))
+    radii = np.broadcast_to(np.asarray(radii, dtype=np.float64), (arm.K,))[arm.chain.leaders]
     rows = np.array([_row(arm, poses, piece, float(radii[piece.link])) for piece in pieces])
     rows[1:, WHOLE] = rows[1:, RADIUS] > rows[:-1, RADIUS]
     links = tuple(piece.link for piece in pieces)
@@ -63,7 +71,7 @@ def _row(arm: Arm, poses: list[FloatArray], piece: Piece, radius: float) -> Floa
         row[end], at = carrier, slice(OFFSET + 3 * end, OFFSET + 3 * end + 3)
         # A joint's origin needs no offset; that of the next turning joint is on this link too.
         near = [carrier] if carrier >= 0 else []
-        if carrier + 1 == arm.K or arm.chain.is_revolute[carrier + 1]:
+        if carrier + 1 == arm.chain.length or arm.chain.is_revolute[carrier + 1]:
             near.append(carrier + 1)
         found = [k for k in near if np.linalg.norm(point - poses[k][:3, 3]) <= POINT]
         if found:

@@ -56,7 +56,7 @@ def polyline(arm: Arm) -> tuple[Piece, ...]:
     table = arm.robot.table
     rows = [] if table is None else _path(table, arm.frame)
     moving = sum(table.rows[k - 1].type is not JointType.FIXED for k in rows) if table else 0
-    if table is None or moving != arm.K or arm.chain.is_revolute.all():
+    if table is None or moving != arm.chain.length or arm.chain.is_revolute.all():
         pieces = _of_joints(arm)
     else:
         pieces = _of_table(arm, table, rows)
@@ -72,17 +72,27 @@ def polyline(arm: Arm) -> tuple[Piece, ...]:
     return tuple(kept)
 
 
-def carrier_poses(arm: Arm, q: FloatArray) -> list[FloatArray]:
-    """Return the pose of each joint of the chain in base axes at q of shape (K,), 4x4."""
+def home_values(arm: Arm) -> FloatArray:
+    """Return the values of the joints of the chain at q = 0, rad and m."""
+    return arm.chain.values(np.zeros(arm.K))
+
+
+def carrier_poses(arm: Arm, values: FloatArray) -> list[FloatArray]:
+    """Return the pose of each joint of the chain, and of the frame, in base axes, 4x4.
+
+    Args:
+        arm: The arm.
+        values: Of the joints of the chain, rad and m.
+    """
     chain, poses = arm.chain, []
     T = _square(chain.placements[0])
-    for k in range(arm.K):
+    for k in range(chain.length):
         M = np.eye(4)
         if chain.is_revolute[k]:
-            c, s = math.cos(q[k]), math.sin(q[k])
+            c, s = math.cos(values[k]), math.sin(values[k])
             M[:2, :2] = [[c, -s], [s, c]]
         else:
-            M[2, 3] = q[k]
+            M[2, 3] = values[k]
         T = T @ M
         poses.append(T)
         T = T @ _square(chain.placements[k + 1])
@@ -129,12 +139,17 @@ def _of_table(arm: Arm, table: DHTable, rows: list[int]) -> list[Piece]:
 
 
 def _of_joints(arm: Arm) -> list[Piece]:
-    origins = [T[:3, 3] for T in carrier_poses(arm, np.zeros(arm.K))]
+    K, values = arm.chain.length, home_values(arm)
+    poses = carrier_poses(arm, values)
+    origins = [T[:3, 3] for T in poses]
     pieces: list[Piece] = []
-    for k in range(arm.K + 1):
+    for k in range(K + 1):
         link = max(k - 1, 0)
+        slides = k < K and not arm.chain.is_revolute[k]
+        # A sliding joint is reached where it is at 0, and left where it has slid.
+        reached = origins[k] - values[k] * poses[k][:3, 2] if slides else origins[k]
         if k > 0:
-            pieces.append(Piece(link, (k - 1, k - 1), np.array([origins[k - 1], origins[k]])))
-        if k < arm.K and not arm.chain.is_revolute[k]:
-            pieces.append(Piece(link, (k - 1, k), np.array([origins[k], origins[k]])))
+            pieces.append(Piece(link, (k - 1, k - 1), np.array([origins[k - 1], reached])))
+        if slides:
+            pieces.append(Piece(link, (k - 1, k), np.array([reached, origins[k]])))
     return pieces

@@ -14,10 +14,10 @@ import math
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.task_error import TaskChain
+from kinematics.inverse.task_error import TaskChain, joint_values
 from kinematics.kernels import Array
 from kinematics.redundancy.clearance.distances import Scene, least_distance, link_distance
-from kinematics.redundancy.clearance.link_points import OFFSET, link_points
+from kinematics.redundancy.clearance.link_points import OFFSET, link_points_at
 
 RESOLUTION = 1e-5
 """Largest difference of a reported swept clearance below the true one, m."""
@@ -59,7 +59,7 @@ def swept_clearance(
 
     Args:
         chain: The chain.
-        a: One end, rad and m, shape (K,).
+        a: One end, unknowns in rad and m, shape (n,).
         b: The other.
         scene: Links and obstacles.
         enough: Clearance at whose proof the search stops, m.
@@ -72,12 +72,15 @@ def swept_clearance(
     is_revolute, links, K = chain.is_revolute, scene.links, len(chain.is_revolute)
     if len(scene.obstacles) == 0:
         return math.inf
+    if chain.coupling.shape[1] > 0:
+        # Joint values are linear in the unknowns, and so on a straight line as well.
+        a, b = joint_values(chain, a), joint_values(chain, b)
     d, q, out = b - a, np.empty(K), np.empty(4)
     R = np.zeros((K, K + 1))
-    link_points(chain, a, links, W)
+    link_points_at(chain, a, links, W)
     _reaches(W, R)
     attained, _, _ = least_distance(scene, W, out)
-    link_points(chain, b, links, W)
+    link_points_at(chain, b, links, W)
     _reaches(W, R)
     other, _, _ = least_distance(scene, W, out)
     attained = min(attained, other)
@@ -99,7 +102,7 @@ def swept_clearance(
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         for j in range(K):
             q[j] = a[j] + middle * d[j]
-        link_points(chain, q, links, W)
+        link_points_at(chain, q, links, W)
         visits += 1
         certain = math.inf
         for k in range(len(links)):

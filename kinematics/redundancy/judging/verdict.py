@@ -317,7 +317,7 @@ def _limits(problem: PathProblem, Q: FloatArray) -> str:
     chain = problem.arm.chain
     outside = np.maximum(chain.lower - Q, Q - chain.upper)
     at, joint = np.unravel_index(int(np.argmax(outside)), outside.shape)
-    unit = "rad" if chain.is_revolute[joint] else "m"
+    unit = "rad" if chain.is_angle[joint] else "m"
     return (
         f"joint {problem.arm.names[joint]} is {outside[at, joint]:.4g} {unit} outside its limits"
         f" at sample {at}"

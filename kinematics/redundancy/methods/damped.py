@@ -30,7 +30,7 @@ def follow(
 ) -> Generator[int, None, Stop | None]:
     """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     chain, m = problem.arm.constants.chain, problem.arm.m
-    course, W = course_of(problem, options, Q), workspace(Q.shape[1])
+    course, W = course_of(problem, options, Q), workspace(problem.arm.chain.length)
 
     def solve(first: int, last: int) -> tuple[int, int]:
         _follow(chain, course, first, last, options.damping, options.iterations, W)
@@ -50,7 +50,7 @@ def _follow(
     W: Array,
 ) -> None:
     """Fill samples from ``first`` up to before ``last``."""
-    G, K = course.targets, len(chain.is_revolute)
+    G, K, joints = course.targets, course.Q.shape[1], len(chain.is_revolute)
     trial, floor = np.empty(K), damping * damping
     for i in range(first, last):
         q, before, strength = course.Q[i], sample_before(course, i), floor
@@ -61,12 +61,12 @@ def _follow(
             if position <= EXACT * EXACT and rotation <= EXACT * EXACT:
                 break
             columns(chain, W)
-            damped(W, K, strength)
+            damped(W, K, joints, strength)
             moved = 0.0
             for k in range(K):
                 d = 0.0
                 for r in range(6, 12):
-                    d += W[k, r] * W[K + 1, r]
+                    d += W[k, r] * W[joints + 1, r]
                 low, high = before[k] - course.longest[k], before[k] + course.longest[k]
                 trial[k] = min(max(q[k] + d, low), high)
                 moved = max(moved, abs(trial[k] - q[k]))

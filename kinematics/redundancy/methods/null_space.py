@@ -65,7 +65,7 @@ def follow(
         Repulsion(float(problem.d_safe), float(options.reach_of_obstacles(problem))),
         np.array(astuple(chosen), np.float64),
     )
-    W = workspace(Q.shape[1], len(problem.links))
+    W = workspace(problem.arm.chain.length, len(problem.links))
 
     def solve(first: int, last: int) -> tuple[int, int]:
         return _follow(arm, scene, wishes, course, first, last, options.iterations, W)
@@ -104,7 +104,7 @@ def _follow(
     W: Array,
 ) -> tuple[int, int]:
     """Fill samples from ``first`` up to before ``last``; see :func:`~.blocks.in_blocks`."""
-    G, K, m = course.targets, len(arm.chain.is_revolute), len(arm.rows)
+    G, K, m = course.targets, course.Q.shape[1], len(arm.rows)
     e, y, step, z = np.empty(m), np.empty(m), np.empty(K), np.empty(K)
     J, B, L = np.empty((m, K)), np.empty((m, K)), np.empty((m, m))
     order = np.empty(m, dtype=np.int64)

@@ -40,7 +40,7 @@ def follow(
 ) -> Generator[int, None, Stop | None]:
     """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     arm = problem.arm.constants
-    course, W = course_of(problem, options, Q), workspace(Q.shape[1])
+    course, W = course_of(problem, options, Q), workspace(problem.arm.chain.length)
 
     def solve(first: int, last: int) -> tuple[int, int]:
         return _follow(arm, course, first, last, options.closed_loop, W)
@@ -54,7 +54,7 @@ def _follow(
 ) -> tuple[int, int]:
     """Fill samples from ``first`` up to before ``last``; see :func:`~.blocks.in_blocks`."""
     G, Q = course.targets, course.Q
-    K, m = len(arm.chain.is_revolute), len(arm.rows)
+    K, m = Q.shape[1], len(arm.rows)
     e, y, step = np.empty(m), np.empty(m), np.empty(K)
     J, B, L = np.empty((m, K)), np.empty((m, K)), np.empty((m, m))
     unused, order = np.empty((m, K)), np.empty(m, dtype=np.int64)

@@ -88,7 +88,7 @@ class _Program:
         self.near = Pairs(np.empty(room), np.empty((room, K)), whose)
         self.e, self.J, self.phi = np.empty(m), np.empty((m, K)), np.empty(K)
         self.way, self.arrays = Way(np.empty(K), np.ones(1)), self._arrays(1, 0)
-        self.W = workspace(K, len(problem.links))
+        self.W = workspace(problem.arm.chain.length, len(problem.links))
         self.seen = np.full(K, np.nan)
         self.value = 0.0
 
@@ -214,7 +214,7 @@ def look(
     else:
         ones = np.ones(7)
         ones[6] = 0.0
-        every = TaskChain(chain.C, chain.is_revolute, ones)
+        every = TaskChain(chain.C, chain.is_revolute, ones, chain.coupling, chain.offset)
         residual(every, target, q, W)
         columns(every, W)
         exact_error_columns(chain, W)

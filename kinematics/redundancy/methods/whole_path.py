@@ -324,6 +324,8 @@ def _forward(casadi: Any, problem: PathProblem, q: Any) -> tuple[list[Any], Any]
     chain = problem.arm.chain
     bottom = np.array([[0.0, 0.0, 0.0, 1.0]])
     constants = [np.concatenate((C.reshape(3, 4), bottom)) for C in chain.placements]
+    if chain.is_coupled:
+        q = casadi.mtimes(casadi.DM(chain.coupling), casadi.vec(q)) + casadi.DM(chain.offset)
     T, carriers = casadi.SX(constants[0]), []
     for k in range(chain.length):
         M = casadi.SX.eye(4)

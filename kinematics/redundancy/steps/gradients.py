@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.task_error import TaskChain
+from kinematics.inverse.task_error import TaskChain, unknowns
 from kinematics.kernels import Array
 from kinematics.redundancy.clearance.distances import Scene, link_distance, link_gradient
 from kinematics.redundancy.clearance.link_points import link_points
@@ -94,7 +94,8 @@ def manipulability_potential(arm: ArmConstants, W: Array, g: Array) -> float:
 
     ``∂w/∂q_j = w tr(J† ∂J/∂q_j)``, with the derivatives of the geometric Jacobian in closed form:
     a column of linear velocity changes with joint j by ``ω_j × v_i`` for j ≤ i and by
-    ``ω_i × v_j`` beyond, one of angular velocity by ``ω_j × ω_i`` for j < i.
+    ``ω_i × v_j`` beyond, one of angular velocity by ``ω_j × ω_i`` for j < i. Where unknowns are
+    coupled, by joint values first.
 
     Args:
         arm: Constants of the arm.
@@ -103,6 +104,7 @@ def manipulability_potential(arm: ArmConstants, W: Array, g: Array) -> float:
     """
     is_revolute, rows, own = arm.chain.is_revolute, arm.rows, arm.own
     K, m = len(is_revolute), len(rows)
+    n, coupled = unknowns(arm.chain), arm.chain.coupling.shape[1] > 0
     T = W[K]
     V, O = np.empty((K, 3)), np.zeros((K, 3))
     for k in range(K):
@@ -116,7 +118,9 @@ def manipulability_potential(arm: ArmConstants, W: Array, g: Array) -> float:
     for i in range(m):
         for k in range(K):
             J[i, k] = _component(V[k], O[k], rows[i], own, T)
-    Q, L = np.empty((m, K)), np.zeros((m, m))
+    if coupled:
+        J = in_unknowns(arm.chain, J)
+    Q, L = np.empty((m, n)), np.zeros((m, m))
     order = np.empty(m, dtype=np.int64)
     g[:] = 0.0
     if orthonormal_rows(J, Q, L, order) < m:
@@ -124,13 +128,15 @@ def manipulability_potential(arm: ArmConstants, W: Array, g: Array) -> float:
     w = 1.0
     for i in range(m):
         w *= L[i, i]
-    P, e, y, s = np.empty((K, m)), np.zeros(m), np.empty(m), np.empty(K)
+    P, e, y, s = np.empty((n, m)), np.zeros(m), np.empty(m), np.empty(n)
     for i in range(m):
         e[:] = 0.0
         e[i] = 1.0
         least_step(Q, L, order, e, y, s)
-        for k in range(K):
+        for k in range(n):
             P[k, i] = s[k]
+    if coupled:
+        P = in_joints(arm.chain, P)
     for j in range(K):
         trace = 0.0
         for i in range(K):
@@ -146,8 +152,36 @@ def manipulability_potential(arm: ArmConstants, W: Array, g: Array) -> float:
                 dw = _cross(O[i, 0], O[i, 1], O[i, 2], O[j, 0], O[j, 1], O[j, 2])
             for r in range(m):
                 trace += P[i, r] * _component(dv, dw, rows[r], own, T)
-        g[j] = -w * trace
+        if coupled:
+            for f in range(n):
+                g[f] -= w * trace * arm.chain.coupling[j, f]
+        else:
+            g[j] = -w * trace
     return -w
+
+
+@inner
+def in_unknowns(chain: TaskChain, J: Array) -> Array:
+    """Return a Jacobian by unknowns, shape (m, n), from one by joints, shape (m, K)."""
+    m, n = len(J), chain.coupling.shape[1]
+    found = np.zeros((m, n))
+    for i in range(m):
+        for k in range(J.shape[1]):
+            for j in range(n):
+                found[i, j] += J[i, k] * chain.coupling[k, j]
+    return found
+
+
+@inner
+def in_joints(chain: TaskChain, P: Array) -> Array:
+    """Return motions of joints, shape (K, m), from those of unknowns, shape (n, m)."""
+    K, n = chain.coupling.shape
+    found = np.zeros((K, P.shape[1]))
+    for k in range(K):
+        for j in range(n):
+            for i in range(P.shape[1]):
+                found[k, i] += chain.coupling[k, j] * P[j, i]
+    return found
 
 
 @inner

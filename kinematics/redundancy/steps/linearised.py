@@ -185,7 +185,7 @@ class Linearised:
         self.need = problem.d_safe + options.margin
         near, longest = self.need + 0.2 * problem.scale, 0.1 * problem.scale
         self.region = Region(np.empty(K), np.empty(K), near, longest)
-        self._W = workspace(K, len(problem.links))
+        self._W = workspace(arm.chain.length, len(problem.links))
         self._e, self._J = np.empty(m), np.empty((m, K))
         self.in_between = problem.d_safe + 0.25 * options.margin + 2 * RESOLUTION
         self.least = problem.d_safe + 2 * RESOLUTION

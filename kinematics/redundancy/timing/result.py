@@ -221,13 +221,18 @@ def _clearance(problem: PathProblem, spline: Spline, along: FloatArray) -> float
 
 
 def _levers(problem: PathProblem, Q: FloatArray) -> FloatArray:
-    """Return the largest distance of a link from each joint, m, shape (K,); 1 if prismatic."""
+    """Return the largest distance of a link from each joint, m; 1 if prismatic.
+
+    Shape (K,), by entries of q: of those that move several joints the sum.
+    """
     chain, rows = problem.arm.chain, problem.links.rows
+    Q = chain.values(Q)
     lengths = np.linalg.norm(chain.placements[1:, [3, 7, 11]], axis=1)
     lengths = lengths + np.where(chain.is_revolute, 0.0, np.abs(Q).max(axis=0))
     offsets = np.linalg.norm(rows[:, 3:9].reshape(-1, 2, 3), axis=2)
     ends = offsets[rows[:, :2] >= 0].max(initial=0.0)
-    return np.where(chain.is_revolute, np.cumsum(lengths[::-1])[::-1] + ends, 1.0)
+    levers = np.where(chain.is_revolute, np.cumsum(lengths[::-1])[::-1] + ends, 1.0)
+    return np.asarray(levers @ np.abs(chain.coupling)) if chain.is_coupled else levers
 
 
 def _arrived(result: PathResult) -> bool:

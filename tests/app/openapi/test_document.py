@@ -71,7 +71,7 @@ def test_batch_answers_fit_their_schemas(client, document):
 
 def test_paths_with_everything_fit_their_schemas(client, document):
     body = {
-        "q": [0, -0.5, 0, -2, 0, 1.6, 0.8, 0, 0],
+        "q": [0, -0.5, 0, -2, 0, 1.6, 0.8, 0],
         "target": {"position": [0.4, 0.2, 0.5]},
         "task": "position",
         "samples": 11,

@@ -28,7 +28,7 @@ def fk(client, table, q):
 
 def test_a_urdf_robot_has_a_table_in_every_convention_that_can_be_sent_back(client):
     q = [0.1, -0.4, 0.3, -1.2, 0.5, 1.1, 0.2]
-    pose = client.post("/v1/robots/panda_urdf/fk", json={"q": [*q, 0, 0]}).json()
+    pose = client.post("/v1/robots/panda_urdf/fk", json={"q": [*q, 0]}).json()
     expected = np.array(pose["poses"]["panda_hand_tcp"]["matrix"])
     for convention in ("standard", "modified", "khalil"):
         answer = client.get(f"/v1/robots/panda_urdf/dh?convention={convention}&explain=true")

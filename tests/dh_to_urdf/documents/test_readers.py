@@ -301,7 +301,7 @@ J2, J3 = "joint 2 (j2)", "joint 3 (j3)"
         (ARM, "joints/1/a", "q2", "", (J2, "'q2'", "variable belongs in theta")),
         (ARM, "joints/1/d", "d2", "", (J2, "'d2'", "variable belongs in theta")),
         (ARM, "joints/1/theta", "d2", "", (J2, "'d2'", "belongs")),
-        (ARM, "joints/1/theta", "q3", "", (J2, "variable of joint 3, not 2")),
+        (ARM, "joints/1/theta", "q7", "", (J2, "variable q7", "no such joint", "values q7:0.5")),
         (ARM, "joints/3/theta", "q4", "", ("joint 4 (j4)", "belongs")),
         (ARM, "joints/1/r", 0.3, "", (J2, "khalil convention only", "write a for")),
         (ARM, "joints/1/ant", 0, "", (J2, "unknown field 'ant'", "known are")),

@@ -1,6 +1,7 @@
 import pytest
 
 from dh_to_urdf import DHError, JointType, read_chain
+from dh_to_urdf.table import Mimic
 
 LIMIT = '<limit lower="-1" upper="2" effort="3" velocity="4"/>'
 URDF = f"""<robot name="tree"><link name="root"/><link name="a"/><link name="b"/><link name="c"/>
@@ -29,7 +30,11 @@ def test_up_one_branch_and_down_another():
     chain = read_chain(URDF, "b", "c")
     assert [joint.name for joint in chain.joints] == ["one", "three"]
     assert chain.joints[0].axis.tolist() == [0, 0, -1]
-    assert any("mimics" in warning for warning in chain.warnings)
+    assert chain.joints[1].mimic == Mimic("one")
+    with pytest.raises(
+        DHError, match="'three' depends on 'one', which is not between base and tip"
+    ):
+        read_chain(URDF, "root", "c")
 
 
 @pytest.mark.parametrize(

@@ -179,7 +179,7 @@ def test_closed_loops_are_refused_or_cut():
         ("Sigma = {0,", "Sigma = {5,", ("joints", 0, "sigma"), ("sigma is '5'", "give 0")),
         ("Ant = {0,1", "Ant = {0,2", ("joints", 1, "ant"), ("ant is the joint itself",)),
         ("0,Pi/2", "0,Pi/x", ("joints", 1, "alpha"), ("joint 2", "'Pi/x'", "unknown name 'x'")),
-        ("t1,t2", "t1,t3", ("joints", 1, "theta"), ("variable of joint 3, not 2",)),
+        ("t1,t2", "t1,t8", ("joints", 1, "theta"), ("theta8", "no such joint")),
         ("t1,t2", "t1,2*t2", ("joints", 1, "theta"), ("coefficient",)),
         ("'RX90'", "'../rx'", ("name",), ("'../rx'", "use letters")),
         ("Z = {1,", "Z = {2,", ("base",), ("no rotation",)),

@@ -227,8 +227,8 @@ def test_the_variable_tells_the_type():
         ("d1", "θ1", ("column d", "'d1' holds d1", "give values d1:0.5")),
         ("q1", "θ1", ("column d", "both hold a joint variable")),
         ("0.5", "30°", ("line 3", "its type is open", "write theta1 or d1")),
-        ("d2", "0", ("line 3", "type is open")),
-        ("0", "θ2", ("line 3", "type is open")),
+        ("d7", "0", ("line 3", "type is open")),
+        ("0", "θ7", ("line 3", "type is open")),
     ):
         with pytest.raises(DHError) as caught:
             first(d, theta)

@@ -210,7 +210,7 @@ def test_joints_that_mimic_each_other_are_refused(arm_urdf):
     text = arm_urdf.replace("<axis", '<mimic joint="reach"/><axis', 1)
     head, _, rest = text.partition('name="reach"')
     text = head + 'name="reach"' + rest.replace("<axis", '<mimic joint="turn"/><axis', 1)
-    assert "joint 'turn' mimics itself by way of 'reach'; remove one <mimic>" in refusal(text)
+    assert "mimics itself by way of" in refusal(text)
 
 
 def test_the_default_namespace_of_a_document_is_no_matter(arm_urdf):

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dh_to_urdf.table import Mimic
 from robots.errors import InvalidURDF, RobotError, RobotTooLarge
 from robots.robot import robot_from_urdf
 from robots.urdf import read_urdf
@@ -278,20 +279,25 @@ def test_limits_are_those_of_the_file(arm_urdf):
     assert (grip.lower, grip.upper, grip.velocity, grip.effort) == (-1.5, 1.5, 2, 10)
 
 
-def test_a_mimicking_joint_is_independent_and_a_warning_says_so(arm_urdf):
+def test_a_mimicking_joint_is_a_follower_of_the_canonical_text_too(arm_urdf):
     mimic = '<mimic joint="turn" multiplier="2" offset="-0.5"/></joint>\n</robot>'
     description = read_urdf(re.sub(r"</joint>\s*</robot>", mimic, arm_urdf))
     assert len(description.moving) == 3
-    assert description.warnings == (
-        "joint 'grip' mimics another; it is treated as independent: give it 2 times the value of"
-        " 'turn' plus -0.5",
-    )
+    assert description.moving[-1].mimic == Mimic("turn", 2.0, -0.5)
+    assert description.warnings == ()
+    assert read_urdf(description.canonical) == description
 
 
-def test_the_relation_of_a_mimic_is_told_with_all_digits(arm_urdf):
-    mimic = '<mimic joint="turn" multiplier="-0.7320508075688772"/></joint>\n</robot>'
-    (warning,) = read_urdf(re.sub(r"</joint>\s*</robot>", mimic, arm_urdf)).warnings
-    assert "give it -0.7320508075688772 times the value of 'turn'" in warning
+def test_the_relation_of_a_mimic_is_kept_with_all_digits(arm_urdf):
+    mimic = '<mimic joint="reach" multiplier="-0.7320508075688772"/></joint>\n</robot>'
+    description = read_urdf(re.sub(r"</joint>\s*</robot>", mimic, arm_urdf))
+    assert 'multiplier="-0.7320508075688772"' in description.canonical
+
+
+def test_a_fraction_of_a_continuous_joint_is_no_follower(arm_urdf):
+    mimic = '<mimic joint="turn" multiplier="0.5"/></joint>\n</robot>'
+    with pytest.raises(InvalidURDF, match=r"'grip'.*0\.5 times.*'turn'.*continuous"):
+        read_urdf(re.sub(r"</joint>\s*</robot>", mimic, arm_urdf))
 
 
 def test_the_canonical_text_is_its_own_canonical_text(arm_urdf):

@@ -29,7 +29,9 @@ export interface components {
         };
         /**
          * RobotView
-         * @description A robot; the answer to an upload also holds the D-H table as it was read, with its units.
+         * @description A robot. ``joints`` are the entries of q.
+         *
+         *         The answer to an upload also holds the D-H table as it was read, with its units.
          */
         RobotView: {
             id: string;
@@ -45,6 +47,8 @@ export interface components {
                 [key: string]: string;
             };
             joints: components["schemas"]["JointView"][];
+            followers: components["schemas"]["FollowerView"][];
+            couplings: components["schemas"]["CouplingView"][];
             base_frame: string;
             tip_frame: string;
             frames: string[];
@@ -63,6 +67,28 @@ export interface components {
             upper: number | null;
             velocity: number | null;
             effort: number | null;
+        };
+        /**
+         * FollowerView
+         * @description A joint that is no entry of q: its value is multiplier * (that of ``joint``) + offset.
+         */
+        FollowerView: {
+            name: string;
+            /** @enum {unknown} */
+            type: "continuous" | "prismatic" | "revolute";
+            joint: string;
+            multiplier: number;
+            offset: number;
+        };
+        /**
+         * CouplingView
+         * @description A joint whose geometry is moved by others besides: by their values times coefficients.
+         */
+        CouplingView: {
+            name: string;
+            joints: {
+                [key: string]: number;
+            };
         };
         /**
          * RobotList
@@ -2204,9 +2230,12 @@ export interface components {
         };
         /**
          * FKAnswer
-         * @description Poses by frame name.
+         * @description Poses by frame name; of a robot whose joints depend on others, the values of all of them.
          */
         FKAnswer: {
+            joint_values?: {
+                [key: string]: number;
+            };
             poses: {
                 [key: string]: components["schemas"]["PoseView"];
             };
@@ -2271,6 +2300,9 @@ export interface components {
             explanation?: string[];
             frame: string;
             iterations: number;
+            joint_values?: {
+                [key: string]: number;
+            };
             max_iterations: number;
             max_restarts: number;
             orientation_error: number;
@@ -2480,6 +2512,9 @@ export interface components {
             drift: number[] | null;
             first_lost: number | null;
             frame: string;
+            joint_values?: {
+                [key: string]: number[];
+            };
             links: components["schemas"]["LinkPart"][] | null;
             message: string;
             method: string;
@@ -2921,9 +2956,12 @@ export interface components {
         };
         /**
          * FKAnswerBatch
-         * @description Poses by frame name.
+         * @description Poses by frame name; of a robot whose joints depend on others, the values of all of them.
          */
         FKAnswerBatch: {
+            joint_values?: {
+                [key: string]: number[];
+            };
             poses: {
                 [key: string]: components["schemas"]["PoseViewBatch"];
             };
@@ -2988,6 +3026,9 @@ export interface components {
             explanation?: string[];
             frame: string;
             iterations: number[];
+            joint_values?: {
+                [key: string]: number[];
+            };
             max_iterations: number;
             max_restarts: number;
             orientation_error: number[];
@@ -3300,6 +3341,16 @@ export interface components {
                 };
                 inertial?: Record<string, never>;
                 visual?: boolean;
+                /** @description What a follower follows; it is no entry of q. As a text: "-2*q1 + 0.1". */
+                mimic?: string | {
+                    joint: string;
+                    multiplier?: components["schemas"]["DHCell"];
+                    offset?: components["schemas"]["DHCell"];
+                };
+                /** @description Other joints that move this one too, and coefficients. As a text: "q2". */
+                coupling?: string | {
+                    [key: string]: components["schemas"]["DHCell"];
+                };
             }[];
             /** @description In answers: largest deviation of the table's FK from its source over random q, m and rad (or deg). Not read. */
             residual?: Record<string, never>;

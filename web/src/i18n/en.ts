@@ -102,6 +102,7 @@ export const en = {
   joints: 'Joints',
   valueIn: (unit: string) => `value in ${unit}`,
   unlimited: 'no limits',
+  follows: (joint: string) => `follows ${joint}`,
   beyondLimit: 'Beyond the limit of the joint',
   scene: 'The robot',
   // numbers

@@ -100,6 +100,7 @@ export const fr: First = {
   joints: 'Articulations',
   valueIn: (unit) => `valeur en ${unit}`,
   unlimited: 'sans butées',
+  follows: (joint: string) => `suit ${joint}`,
   beyondLimit: 'Au-delà de la butée de l’articulation',
   scene: 'Le robot',
   pose: 'Pose',

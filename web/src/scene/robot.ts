@@ -41,8 +41,10 @@ export class RobotModel {
     this.urdf = loader.parse(robot.urdf);
     for (const joint of Object.values(this.urdf.joints)) {
       joint.ignoreLimits = true;
-      // q has an entry for each joint, also for one that mimics another.
-      joint.mimicJoints = [];
+    }
+    // Followers go with their leaders, and have offsets of their own at zero.
+    for (const name of Object.keys(this.urdf.joints)) {
+      if (this.urdf.joints[name]?.mimicJoints.length) this.urdf.setJointValue(name, 0);
     }
     this.object.add(this.urdf);
     this.setQ([]);

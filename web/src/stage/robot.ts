@@ -1,4 +1,5 @@
 /** A robot as the scene takes it. */
+import { rowValues } from '../followers';
 import type { Model } from '../model';
 import type { SceneRobot, SceneRow } from '../scene/types';
 import { ownColumn, typeOf } from '../table/convention';
@@ -20,10 +21,10 @@ export function sceneRows(model: Model, q: readonly number[]): SceneRow[] {
   const { rows } = model;
   if (model.kind !== 'dh' || !rows) return [];
   const isKhalil = rows.convention === 'khalil';
-  let joint = 0;
+  const values = rowValues(rows.joints, q);
   return rows.joints.map((row, k) => {
     const own = ownColumn(row, rows.convention);
-    const value = own === null ? 0 : (row.sign ?? 1) * (q[joint++] ?? 0) + Number(row.offset ?? 0);
+    const value = own === null ? 0 : (row.sign ?? 1) * (values[k] ?? 0) + Number(row.offset ?? 0);
     const cell = (name: 'a' | 'd' | 'r' | 'theta' | 'alpha' | 'b' | 'gamma'): number =>
       Number(row[name] ?? 0) + (own === name ? value : 0);
     return {

@@ -106,9 +106,9 @@ export function carried(
   return movingRows(after).map((row) => values.get(key(row)) ?? 0);
 }
 
-/** The rows that have a variable. */
+/** The rows that are entries of q. */
 export function movingRows(document: TableDocument): TableRow[] {
-  return document.joints.filter((row) => typeOf(row) !== 'fixed');
+  return document.joints.filter((row) => typeOf(row) !== 'fixed' && !row.mimic);
 }
 
 function freeName(rows: readonly TableRow[]): string {
