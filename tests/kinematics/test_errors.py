@@ -26,10 +26,12 @@ from kinematics.orientation import analytic_map, parse_sequence
 from kinematics.redundancy.methods import METHODS, method_from
 from kinematics.redundancy.path.geometry import Circle, Sampling
 from kinematics.redundancy.step import StepTask, differential_step
-from kinematics.spatial_vectors import TWIST_ROWS, check_same_length, spatial_vector
+from kinematics.spatial_vectors import check_same_length, spatial_vector
 from kinematics.task import TASKS, task_from
 from kinematics.velocity import check_options
 from robots.shipped import shipped_robot
+
+TWIST_ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 SOURCES = Path(kinematics.__file__).parent
 WEB = re.compile(r"pointer|/v1|DENAVIT_|angle=deg|If-Match|\bHTTP\b")

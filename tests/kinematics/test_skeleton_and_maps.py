@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from dh_to_urdf import read_json
+from kinematics.chain import chain_of
 from kinematics.errors import InvalidOption
 from kinematics.forward import fk
 from kinematics.jacobian import jacobian
@@ -26,6 +27,15 @@ def test_axes_of_every_shipped_robot_are_those_of_its_jacobian(robot_id):
     q = np.random.default_rng(1).uniform(-1, 1, robot.dof)
     skeleton = skeleton_of(robot, q)
     J, p = jacobian(robot, q), fk(robot, q)[robot.tip_frame][:3, 3]
+    if robot.coupled is not None:
+        names = [joint.name for joint in robot.moving]
+        columns = np.zeros((6, len(names)))
+        for k in map(names.index, chain_of(robot, robot.tip_frame).names):
+            axis, origin = skeleton.axes[k], skeleton.origins[k]
+            turn = np.r_[np.cross(axis, p - origin), axis]
+            columns[:, k] = turn if skeleton.is_revolute[k] else np.r_[axis, np.zeros(3)]
+        assert np.abs(columns @ robot.coupled.matrix - J).max() < 1e-10
+        return
     for k in np.flatnonzero(np.abs(J).max(axis=0) > 1e-12):
         axis, origin = skeleton.axes[k], skeleton.origins[k]
         if skeleton.is_revolute[k]:
