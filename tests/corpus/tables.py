@@ -61,7 +61,7 @@ CHANGES: dict[str, tuple[tuple[Any, ...], Any, tuple[str, ...]]] = {
     "many minus signs": (("joints", 0, "alpha"), "-" * 5000 + "1", ("joint 1", "alpha")),
     "long sum": (("joints", 0, "alpha"), "+".join(["1"] * 20_000), ("joint 1", "alpha")),
     "another name": (("joints", 0, "alpha"), "beta", ("joint 1", "alpha")),
-    "two variables": (("joints", 0, "theta"), "q1+q2", ("joint 1", "theta")),
+    "a variable of none": (("joints", 0, "theta"), "q1+q9", ("joint 1", "theta", "q9")),
     "variable times two": (("joints", 0, "theta"), "2*q1", ("joint 1", "theta")),
     "shell": (("joints", 0, "alpha"), "$(id)", ("joint 1", "alpha")),
     "template": (("joints", 0, "alpha"), "{{7*7}}", ("joint 1", "alpha")),
