@@ -234,7 +234,7 @@ def robot_from_urdf(
     if warnings is None:
         unused = () if tell_left_out else description.left_out
         kept = tuple(one for one in description.warnings if one not in unused)
-        warnings = (*kept, *narrow)
+        warnings = (*kept, *narrow) if tell_left_out else kept
     for role, name in (("base", base), ("tip", tip)):
         if name is not None and name not in description.links:
             raise UnknownFrame(name, description.links, role)
