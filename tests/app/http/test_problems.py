@@ -279,7 +279,7 @@ def test_costly_documents_are_refused_at_once(client, shared_service):
 
 
 def test_answers_that_would_fill_the_memory_are_refused(client):
-    q = [[0.0] * 44] * 8000
+    q = [[0.0] * 32] * 16_000
     check(client.post("/v1/robots/talos/singularity", json={"q": q}), 422, "/q", "parts")
 
 
