@@ -84,15 +84,23 @@ def _with_no_warnings(old: Answer, text: str) -> str:
     return f"{start}{line}{mark[1:]}{rest}"
 
 
-def _same_names(old: Answer, text: str) -> str:
-    """A text with the recorded names, where it lists the same ones or some of as many."""
+def _same_names(old: Answer, text: str, come: int) -> str:
+    """A text with the recorded names, where it lists the same, or cut lists of as many.
+
+    Args:
+        old: The recorded answer.
+        text: The new text.
+        come: How many names of a cut list may have come since.
+    """
     before, now = _KNOWN.findall(old.text or ""), _KNOWN.findall(text)
     more = " and "
     for one, other in zip(before, now, strict=False):
         names, others = (
             set(re.split(r", | and ", listed.removeprefix("known are "))) for listed in (one, other)
         )
-        cut = more in one and one.rpartition(more)[2] == other.rpartition(more)[2]
+        counts = [re.fullmatch(r"(\d+) more", cut.rpartition(more)[2]) for cut in (one, other)]
+        rest = [int(count[1]) for count in counts if count]
+        cut = len(rest) == 2 and rest[1] - rest[0] in (0, come)
         if names == others or cut:
             text = text.replace(other, one)
     return text
@@ -223,7 +231,11 @@ def _with_recorded_warnings(old: Answer, text: str) -> str:
     if text[:1] != "{":
         before = _WARNINGS.search(old.text or "")
         told = before[0] if before else ""
-        return _WARNINGS.sub(lambda _: told, text) if _WARNINGS.search(text) else text + told
+        if _WARNINGS.search(text):
+            return _WARNINGS.sub(lambda _: told, text)
+        following = (old.text or "").partition(told)[2].partition("\n")[0].partition(":")[0]
+        start, mark, rest = text.partition(f"\n{following}:") if following else (text, "", "")
+        return f"{start}\n{told}{mark[1:]}{rest}" if mark else text + told
     payload: dict[str, Any] = orjson.loads(text)
     if not isinstance(payload.get("warnings"), list):
         return text
@@ -363,9 +375,15 @@ INTENDED: list[Intended] = [
         lambda old, text: _with_no_warnings(old, text),
     ),
     Intended(
-        "names that are known are listed in the order in which fields are declared",
-        lambda asked, answer: answer.status == 422,
-        lambda old, text: _same_names(old, text),
+        "names that are known are listed in the order in which fields are declared; digits is one",
+        lambda asked, answer: answer.status == 422 and asked.operation != "ik",
+        lambda old, text: _same_names(old, text, come=1),
+    ),
+    Intended(
+        "names that are known are listed in the order in which fields are declared; digits and"
+        " with are among those of ik",
+        lambda asked, answer: answer.status == 422 and asked.operation == "ik",
+        lambda old, text: _same_names(old, text, come=2),
     ),
     Intended(
         "a fault in targets that are given field by field is found by field, then by number",
@@ -469,10 +487,22 @@ def adapted(asked: Asked, old: Answer, new: Answer, text: str | None) -> Answer:
         return old if _is_drawn_along_branches(asked) else new
     for entry in INTENDED:
         if entry.concerns(asked, new):
-            text = entry.adapted(old, text)
+            text = _adapted_by(entry, old, text, lines=_kind(new) == "application/x-ndjson")
     if len(text.encode()) <= LONGEST and old.digest is None:
         return replace(new, text=text, digest=None)
     return replace(new, text=None, digest=text_digest(text))
+
+
+def _adapted_by(entry: Intended, old: Answer, text: str, lines: bool) -> str:
+    """A text adapted by an entry: as a whole, or line by line, each a document of its own."""
+    if not lines:
+        return entry.adapted(old, text)
+    now = text.split("\n")
+    before = [None] * len(now) if old.text is None else old.text.split("\n")
+    if len(before) != len(now):
+        return text
+    pairs = zip(before, now, strict=True)
+    return "\n".join(entry.adapted(replace(old, text=a), b) if b else b for a, b in pairs)
 
 
 def is_refused_now(asked: Asked) -> bool:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+from dataclasses import replace
 
 import pytest
 
 from tests.recorded.compare import differences
 from tests.recorded.fixture import Asked, Recorded, records, written
 from tests.recorded.intended import adapted
-from tests.recorded.normalise import LONGEST, normalised
+from tests.recorded.normalise import LONGEST, normalised, text_digest
 from tests.torture.exchange import Sent
 
 FK = Asked("fk", "form", Sent("POST", "/v1/robots/ur5/fk", "", (), b"{}", what="a"))
@@ -105,6 +107,34 @@ def test_warnings_may_be_added(size, kind, old, new):
     after, text = normalised(200, headers, new.format(numbers).encode(), ADDRESS)
     assert differences(before, after)
     assert differences(before, adapted(FK, before, after, text)) == []
+
+
+def test_the_shape_of_a_long_text_is_that_of_the_recorded_digests():
+    shape = text_digest("a: 2\n   0.5 -0.7\n")["shape"]
+    assert shape == hashlib.sha256(b"a: #\n # #\n").hexdigest()
+
+
+@pytest.mark.parametrize("warned", [False, True])
+def test_where_a_text_said_that_it_has_no_warnings_matters_not(warned):
+    kind = "text/plain"
+    before = answer("links: -\nwarnings: (none)\nretimed: -\n", kind)
+    told = "warnings:\n  - q of joint a is 9 rad, outside its limits -1 to 1\n" * warned
+    after, text = normalised(
+        200, {"content-type": kind}, f"links: -\n{told}retimed: -\n".encode(), ADDRESS
+    )
+    assert differences(before, adapted(FK, before, after, text)) == []
+
+
+def test_lines_are_adapted_one_by_one():
+    kind = "application/x-ndjson"
+    before = answer('{"a":1}\n{"b":1}\n', kind)
+    after, text = normalised(
+        200, {"content-type": kind}, b'{"a":1,"explanation":["x"]}\n{"b":1}\n', ADDRESS
+    )
+    asked = replace(FK, operation="ik")
+    assert differences(before, adapted(asked, before, after, text)) == []
+    after, text = normalised(200, {"content-type": kind}, b'{"a":2}\n{"b":1}\n', ADDRESS)
+    assert differences(before, adapted(asked, before, after, text))
 
 
 def test_warnings_that_were_there_may_not_change():
