@@ -137,6 +137,47 @@ def test_lines_are_adapted_one_by_one():
     assert differences(before, adapted(asked, before, after, text))
 
 
+@pytest.mark.parametrize(
+    ("kind", "form"),
+    [("application/json", '{{"warnings":["{0}"]}}'), ("text/plain", "a: 1\nwarnings:\n  - {0}\n")],
+)
+def test_a_new_warning_is_meant_where_it_tells_a_doubt(kind, form):
+    doubt = "q of joint a is 9 rad, outside its limits -1 to 1; the robot cannot be there"
+    before = answer(form.format("a").replace('"a"', "") if kind != "text/plain" else "a: 1\n", kind)
+    for told, same in ((doubt, True), ("the robot is on fire", False)):
+        new, text = normalised(200, {"content-type": kind}, form.format(told).encode(), ADDRESS)
+        asked = replace(FK, operation="robots")
+        assert (differences(before, adapted(asked, before, new, text)) == []) is same
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "same"),
+    [
+        ('{"success":false,"retimed":null,"x":1}', '{"success":false,"retimed":null,"x":2}', True),
+        ('{"success":true,"retimed":{"success":false}}', '{"success":true,"retimed":null}', False),
+        (
+            '{"rows":[{"method":"a","success":false,"x":1.0},{"method":"b","success":true,"x":1.0}],'
+            '"messages":{"a":"k","b":"l"}}',
+            '{"rows":[{"method":"a","success":false,"x":2.0},{"method":"b","success":true,"x":1.0}],'
+            '"messages":{"a":"m","b":"l"}}',
+            True,
+        ),
+        (
+            '{"rows":[{"method":"a","success":false,"x":1.0},{"method":"b","success":true,"x":1.0}],'
+            '"messages":{"a":"k","b":"l"}}',
+            '{"rows":[{"method":"a","success":false,"x":2.0},{"method":"b","success":true,"x":2.0}],'
+            '"messages":{"a":"m","b":"l"}}',
+            False,
+        ),
+    ],
+)
+def test_only_what_is_lost_of_a_path_may_change(old, new, same):
+    asked = replace(FK, operation="path")
+    before = answer(old)
+    after, text = normalised(200, {"content-type": "application/json"}, new.encode(), ADDRESS)
+    assert (differences(before, adapted(asked, before, after, text)) == []) is same
+
+
 def test_warnings_that_were_there_may_not_change():
     before = answer('{"warnings":["a"]}')
     after, text = normalised(
