@@ -600,6 +600,9 @@ def adapted(asked: Asked, old: Answer, new: Answer, text: str | None) -> Answer:
 
 def _adapted_by(entry: Intended, old: Answer, text: str, lines: bool) -> str:
     """A text adapted by an entry: as a whole, or line by line, each a document of its own."""
+    if old.text is not None and old.text[:1] != text[:1] and "{" in (old.text[:1], text[:1]):
+        # One is JSON and the other is not: nothing of that kind is meant.
+        return text
     if not lines:
         return entry.adapted(old, text)
     now = text.split("\n")
@@ -607,7 +610,9 @@ def _adapted_by(entry: Intended, old: Answer, text: str, lines: bool) -> str:
     if len(before) != len(now):
         return text
     pairs = zip(before, now, strict=True)
-    return "\n".join(entry.adapted(replace(old, text=a), b) if b else b for a, b in pairs)
+    return "\n".join(
+        entry.adapted(replace(old, text=a), b) if b and a != "" else b for a, b in pairs
+    )
 
 
 def is_refused_now(asked: Asked) -> bool:
