@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+from dataclasses import replace
 
 import pytest
 
 from tests.recorded.compare import differences
 from tests.recorded.fixture import Asked, Recorded, records, written
 from tests.recorded.intended import adapted
-from tests.recorded.normalise import LONGEST, normalised
+from tests.recorded.normalise import LONGEST, normalised, text_digest
 from tests.torture.exchange import Sent
 
 FK = Asked("fk", "form", Sent("POST", "/v1/robots/ur5/fk", "", (), b"{}", what="a"))
 ADDRESS = "http://127.0.0.1:8000"
+DOUBT = "q of joint a is 9 rad, outside its limits -1 to 1; the robot cannot be there"
 
 
 def answer(body, kind="application/json", status=200, **headers):
@@ -93,8 +96,13 @@ def test_long_bodies():
 @pytest.mark.parametrize(
     ("kind", "old", "new"),
     [
-        ("application/json", '{{"a":[{0}],"b":1}}', '{{"a":[{0}],"warnings":["x"],"b":1}}'),
-        ("text/plain", "a: [{0}]\nb: 1\n", "a: [{0}]\nwarnings:\n  - long\n  - more\nb: 1\n"),
+        ("application/json", '{{"a":[{0}],"b":1}}', '{{"a":[{0}],"warnings":[],"b":1}}'),
+        (
+            "application/json",
+            '{{"a":[{0}],"b":1}}',
+            '{{"a":[{0}],"warnings":["{1}"],"b":1}}',
+        ),
+        ("text/plain", "a: [{0}]\nb: 1\n", "a: [{0}]\nwarnings:\n  - {1}\nb: 1\n"),
         ("text/plain", "a: [{0}]\nb: 1\n", "a: [{0}]\nb: 1\nwarnings: (none)\n"),
     ],
 )
@@ -102,9 +110,80 @@ def test_warnings_may_be_added(size, kind, old, new):
     numbers = ",".join(["0.25"] * (size // 4 + 1))
     before = answer(old.format(numbers), kind)
     headers = {"content-type": kind}
-    after, text = normalised(200, headers, new.format(numbers).encode(), ADDRESS)
+    after, text = normalised(200, headers, new.format(numbers, DOUBT).encode(), ADDRESS)
     assert differences(before, after)
     assert differences(before, adapted(FK, before, after, text)) == []
+
+
+def test_the_shape_of_a_long_text_is_that_of_the_recorded_digests():
+    shape = text_digest("a: 2\n   0.5 -0.7\n")["shape"]
+    assert shape == hashlib.sha256(b"a: #\n # #\n").hexdigest()
+
+
+@pytest.mark.parametrize("warned", [False, True])
+def test_where_a_text_said_that_it_has_no_warnings_matters_not(warned):
+    kind = "text/plain"
+    before = answer("links: -\nwarnings: (none)\nretimed: -\n", kind)
+    told = "warnings:\n  - q of joint a is 9 rad, outside its limits -1 to 1\n" * warned
+    after, text = normalised(
+        200, {"content-type": kind}, f"links: -\n{told}retimed: -\n".encode(), ADDRESS
+    )
+    assert differences(before, adapted(FK, before, after, text)) == []
+
+
+def test_lines_are_adapted_one_by_one():
+    kind = "application/x-ndjson"
+    before = answer('{"a":1}\n{"b":1}\n', kind)
+    after, text = normalised(
+        200, {"content-type": kind}, b'{"a":1,"explanation":["x"]}\n{"b":1}\n', ADDRESS
+    )
+    asked = replace(FK, operation="ik")
+    assert differences(before, adapted(asked, before, after, text)) == []
+    after, text = normalised(200, {"content-type": kind}, b'{"a":2}\n{"b":1}\n', ADDRESS)
+    assert differences(before, adapted(asked, before, after, text))
+
+
+@pytest.mark.parametrize(
+    ("kind", "old", "new"),
+    [
+        ("application/json", '{"a":1}', '{{"a":1,"warnings":["{0}"]}}'),
+        ("application/json", '{"warnings":[]}', '{{"warnings":["{0}"]}}'),
+        ("text/plain", "a: 1\n", "a: 1\nwarnings:\n  - {0}\n"),
+    ],
+)
+def test_a_new_warning_is_meant_where_it_tells_a_doubt(kind, old, new):
+    before = answer(old, kind)
+    for told, same in ((DOUBT, True), ("the robot is on fire", False)):
+        after, text = normalised(200, {"content-type": kind}, new.format(told).encode(), ADDRESS)
+        assert (differences(before, adapted(FK, before, after, text)) == []) is same
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "same"),
+    [
+        ('{"success":false,"retimed":null,"x":1}', '{"success":false,"retimed":null,"x":2}', True),
+        ('{"success":true,"retimed":{"success":false}}', '{"success":true,"retimed":null}', False),
+        (
+            '{"rows":[{"method":"a","success":false,"x":1.0},{"method":"b","success":true,"x":1.0}],'
+            '"messages":{"a":"k","b":"l"}}',
+            '{"rows":[{"method":"a","success":false,"x":2.0},{"method":"b","success":true,"x":1.0}],'
+            '"messages":{"a":"m","b":"l"}}',
+            True,
+        ),
+        (
+            '{"rows":[{"method":"a","success":false,"x":1.0},{"method":"b","success":true,"x":1.0}],'
+            '"messages":{"a":"k","b":"l"}}',
+            '{"rows":[{"method":"a","success":false,"x":2.0},{"method":"b","success":true,"x":2.0}],'
+            '"messages":{"a":"m","b":"l"}}',
+            False,
+        ),
+    ],
+)
+def test_only_what_is_lost_of_a_path_may_change(old, new, same):
+    asked = replace(FK, operation="path")
+    before = answer(old)
+    after, text = normalised(200, {"content-type": "application/json"}, new.encode(), ADDRESS)
+    assert (differences(before, adapted(asked, before, after, text)) == []) is same
 
 
 def test_warnings_that_were_there_may_not_change():
