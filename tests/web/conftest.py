@@ -62,7 +62,7 @@ def chromium() -> str:
     return found
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def browsers() -> Iterator[object]:
     """Starts a browser by its flags. Closed before other tests come: its loop runs until then."""
     executable = chromium()
