@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 from dh_to_urdf.cells.expressions import Cell, CellError, Quantity, cell_of_sum, parse_cell
@@ -152,7 +153,9 @@ class CellReader:
         return parsed.index if parsed.variable is not None else None
 
 
-def foreign_variable(cell: Cell, column: str, own: bool, number: int) -> str | None:
+def foreign_variable(
+    cell: Cell, column: str, own: bool, number: int, numbers: Sequence[int]
+) -> str | None:
     """Say why a joint variable cannot stand in a cell; None where it can, or there is none.
 
     Args:
@@ -160,6 +163,7 @@ def foreign_variable(cell: Cell, column: str, own: bool, number: int) -> str | N
         column: Its column.
         own: Whether the column is that of the joint's variable.
         number: Number of the joint's variable, from 1.
+        numbers: Those of all rows.
     """
     if cell.variable is None:
         return None
@@ -170,6 +174,9 @@ def foreign_variable(cell: Cell, column: str, own: bool, number: int) -> str | N
             f"{quoted(cell.text)} holds {cell.name}, which is not the joint variable of this"
             f" column; if it is a constant, give values {cell.name}:0.5"
         )
+    for (_, index), _ in cell.terms:
+        if index is not None and index not in numbers:
+            return f"{quoted(cell.text)} is the variable of joint {index}, not {number}"
     if any(abs(c) != 1.0 for _, c in mine):
         return f"is {quoted(cell.text)}; the joint variable must have coefficient +1 or -1"
     return None

@@ -88,7 +88,7 @@ def _row(cells: CellReader, k: int, row: RawRow, type_: JointType, z_column: str
                 " the cell",
             )
             continue
-        fault = foreign_variable(parsed, key, key == own, cells.numbers[k])
+        fault = foreign_variable(parsed, key, key == own, cells.numbers[k], cells.numbers)
         if fault:
             cells.add(k, cell, fault)
         elif key in LIMIT_FIELDS:
