@@ -108,7 +108,7 @@ def create_app(
                 diff.DiffResponse,
             )
             app.openapi_schema = build_openapi(app, offered, types)
-            describe(app.openapi_schema, chosen)
+            describe(app.openapi_schema, needs_keys=app.state.keys.required)
         return app.openapi_schema
 
     app.openapi = openapi  # type: ignore[method-assign]

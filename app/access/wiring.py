@@ -97,13 +97,13 @@ def protect(app: FastAPI, settings: Settings) -> KeySource:
     return keys
 
 
-def describe(document: dict[str, Any], settings: Settings) -> None:
-    """Adds to an OpenAPI document that the service may be busy, and keys where they are needed."""
+def describe(document: dict[str, Any], *, needs_keys: bool) -> None:
+    """Add to an OpenAPI document that the service may be busy, and keys where they are needed."""
     paths = {path: item for path, item in document["paths"].items() if "/health/" not in path}
     for item in paths.values():
         for operation in item.values():
             operation.setdefault("responses", {}).setdefault("503", PROBLEMS["4XX"])
-    if not key_source(settings).required:
+    if not needs_keys:
         return
     schemes = document.setdefault("components", {}).setdefault("securitySchemes", {})
     schemes["bearer"] = {"type": "http", "scheme": "bearer"}

@@ -170,3 +170,14 @@ def test_two_different_keys_in_one_request_are_refused(serve):
         ):
             answer = httpx.get(f"{server.address}{FK}", headers=headers, timeout=PATIENCE)
             assert answer.status_code == status
+
+
+def test_a_file_that_is_emptied_leaves_the_document_of_the_api_readable(serve, tmp_path):
+    _, key = new_key("ada", Scope.READ)
+    file = tmp_path / "keys"
+    file.write_text(f"{key.line}\n")
+    with serve(api_keys_file=file) as server:
+        file.write_text("")
+        answer = httpx.get(f"{server.address}/openapi.json", timeout=PATIENCE)
+        assert answer.status_code == 200
+        assert "securitySchemes" in answer.json()["components"]
