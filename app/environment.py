@@ -21,7 +21,8 @@ _ADDRESS = re.compile(r"(tcp|udp|sctp)://\S+")
 
 def faults_of(environment: Mapping[str, str]) -> list[str]:
     """Return a sentence for each variable that looks like a setting and is none."""
-    known = {PREFIX + name.upper() for name in Settings.model_fields}
+    settings = [name.upper() for name in Settings.model_fields]
+    known = {PREFIX + name for name in settings}
     faults = []
     for name in sorted(environment):
         upper = name.upper()
@@ -32,7 +33,6 @@ def faults_of(environment: Mapping[str, str]) -> list[str]:
             or is_service_address(name, environment[name])
         ):
             continue
-        settings = [setting.removeprefix(PREFIX) for setting in known]
         near = difflib.get_close_matches(upper.removeprefix(PREFIX), settings, 1, 0.7)
         hint = f"; {PREFIX}{near[0]} is meant?" if near else "; docs/settings.md lists them"
         faults.append(f"{name} is no setting{hint}")

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import Literal
 
 from pydantic import Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
+
+
+def listed(text: str) -> list[str]:
+    """Return the entries of a setting that is a list, with commas or blanks between them."""
+    return [one for one in re.split(r"[,\s]+", text) if one]
 
 
 def default_data_dir() -> Path:

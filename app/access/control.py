@@ -7,7 +7,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from app.access.keys import Key, KeySource
 from app.access.keys import Scope as KeyScope
 from app.access.rates import RateLimits, Standing, network_of
-from app.access.refusal import CALLER, ITSELF, changes_robots, path_of, refuse
+from app.access.refusal import changes_robots, is_from_outside, path_of, refuse
 from app.http.problems import FORBIDDEN, TOO_MANY, TWO_KEYS, UNAUTHORISED
 
 OPEN = ("/", "/docs", "/guide", "/openapi.json", "/favicon.ico")
@@ -34,7 +34,7 @@ class AccessControl:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handles one ASGI connection."""
-        if scope["type"] != "http" or scope.get(CALLER) is ITSELF:
+        if not is_from_outside(scope):
             await self.app(scope, receive, send)
             return
         path = path_of(scope)

@@ -12,9 +12,9 @@ from functools import lru_cache
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.access.refusal import CALLER, ITSELF, path_of, refuse
+from app.access.refusal import is_from_outside, path_of, refuse
 from app.http.problems import MALFORMED_HOST, MISDIRECTED
-from app.settings import Settings
+from app.settings import Settings, listed
 from dh_to_urdf.errors import quoted
 
 ANY = "*"
@@ -38,7 +38,7 @@ def allowed_hosts(settings: Settings) -> tuple[str, ...]:
     Raises:
         InvalidHosts: One is no host name.
     """
-    given = [one.lower() for one in re.split(r"[,\s]+", settings.allowed_hosts) if one]
+    given = [one.lower() for one in listed(settings.allowed_hosts)]
     wrong = next((one for one in given if not _PATTERN.fullmatch(one)), None)
     if wrong is not None:
         raise InvalidHosts(
@@ -81,7 +81,7 @@ class AllowedHosts:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handles one ASGI connection."""
-        if scope["type"] != "http" or scope.get(CALLER) is ITSELF:
+        if not is_from_outside(scope):
             await self.app(scope, receive, send)
             return
         hosts = [value for name, value in scope["headers"] if name == b"host"]

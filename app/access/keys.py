@@ -17,6 +17,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
+from app.settings import listed
+
 LOG = logging.getLogger("denavit.access")
 PREFIX = "dnv_"
 LOOK_SECONDS = 1.0
@@ -155,7 +157,7 @@ def read_keys(text: str, file: Path | None = None, *, may_be_empty: bool = False
     Raises:
         InvalidKeys: A line is none, a name is used twice, or the file cannot be read.
     """
-    entries = [("DENAVIT_API_KEYS", item) for item in re.split(r"[,\s]+", text) if item]
+    entries = [("DENAVIT_API_KEYS", item) for item in listed(text)]
     if file is not None:
         try:
             content = file.read_text("utf-8")

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.access.refusal import CALLER, ITSELF, changes_robots, refuse
+from app.access.refusal import changes_robots, is_from_outside, refuse
 from app.http.problems import CROSS_ORIGIN
 
 OWN_SITES = (b"same-origin", b"none")
@@ -32,20 +32,14 @@ class CrossOrigin:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handles one ASGI connection."""
-        if (
-            scope["type"] != "http"
-            or scope["method"] in ("GET", "HEAD", "OPTIONS")
-            or scope.get(CALLER) is ITSELF
-            or not changes_robots(scope)
-            or not self._is_foreign(scope)
-        ):
+        if is_from_outside(scope) and changes_robots(scope) and self._is_foreign(scope):
+            detail = (
+                "a page of another origin asks for this; who runs the service may add that origin"
+                " to DENAVIT_CORS_ORIGINS"
+            )
+            await refuse(scope, receive, send, CROSS_ORIGIN, detail)
+        else:
             await self.app(scope, receive, send)
-            return
-        detail = (
-            "a page of another origin asks for this; who runs the service may add that origin to"
-            " DENAVIT_CORS_ORIGINS"
-        )
-        await refuse(scope, receive, send, CROSS_ORIGIN, detail)
 
     def _is_foreign(self, scope: Scope) -> bool:
         if b"*" in self.origins:

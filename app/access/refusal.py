@@ -13,6 +13,11 @@ UPLOADS = "/v1/robots"
 CHANGING = ("PUT", "DELETE", "PATCH")
 
 
+def is_from_outside(scope: Scope) -> bool:
+    """Return whether this is an HTTP request that the service does not make to itself."""
+    return scope["type"] == "http" and scope.get(CALLER) is not ITSELF
+
+
 def path_of(scope: Scope) -> str:
     """Return the path of a request, without the prefix of a reverse proxy."""
     path: str = scope["path"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 from fastapi import FastAPI
@@ -17,7 +16,7 @@ from app.access.rates import RateLimits
 from app.admission.buffers import BodyBudget
 from app.middleware.request_id import RequestId
 from app.openapi.problems import PROBLEMS
-from app.settings import Settings
+from app.settings import Settings, listed
 
 READABLE = (
     "ETag",
@@ -81,7 +80,7 @@ def protect(app: FastAPI, settings: Settings) -> KeySource:
     app.add_middleware(BodyBudget)
     if keys.required or rates is not None:
         app.add_middleware(AccessControl, keys=keys, rates=rates)
-    origins = [one for one in re.split(r"[,\s]+", settings.cors_origins) if one]
+    origins = listed(settings.cors_origins)
     app.add_middleware(CrossOrigin, origins=origins)
     if origins:
         app.add_middleware(
