@@ -24,8 +24,8 @@ class Token:
     """A token.
 
     Attributes:
-        kind: ``number``, ``word``, ``string`` (text without quotes), ``symbol``, ``newline``
-            or ``comment``.
+        kind: ``number``, ``word``, ``string`` (text without quotes), ``symbol``, ``newline``,
+            ``comment``, or ``end`` of a program.
         text: What it says.
         line: From 1.
         spaced: Whether blanks stand before it.

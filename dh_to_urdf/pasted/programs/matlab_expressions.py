@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
 from dh_to_urdf.pasted.programs import tree
-from dh_to_urdf.pasted.programs.matlab_tokens import Token
 from dh_to_urdf.pasted.programs.tree import Expression
+from dh_to_urdf.pasted.source_tokens import Token
 
 _LEVELS: tuple[tuple[str, ...], ...] = (
     ("||",),

@@ -6,8 +6,9 @@ from dh_to_urdf.errors import quoted
 from dh_to_urdf.pasted.programs import tree
 from dh_to_urdf.pasted.programs.harmless import COMMANDS
 from dh_to_urdf.pasted.programs.matlab_expressions import MatlabExpressions
-from dh_to_urdf.pasted.programs.matlab_tokens import Token, matlab_tokens
+from dh_to_urdf.pasted.programs.matlab_tokens import matlab_tokens
 from dh_to_urdf.pasted.programs.tree import Expression, Program, Statement
+from dh_to_urdf.pasted.source_tokens import Token
 
 _BLOCKS = ("while", "parfor", "switch", "try", "do", "unwind_protect", "spmd")
 _ENDS = (

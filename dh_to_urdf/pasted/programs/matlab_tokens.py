@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from dh_to_urdf.errors import DHError, DHSyntaxError
 from dh_to_urdf.pasted.programs.tree import Comment
+from dh_to_urdf.pasted.source_tokens import MAX_TOKENS, Token
 
-MAX_TOKENS = 40_000
 _NUMBER = r"(?:[0-9]+(?:\.(?![*/^'])[0-9]*)?|\.[0-9]+)(?:[eEdD][+-]?[0-9]+)?"
 _TOKEN = re.compile(
     rf"(?P<space>[ \t\r\f\v\u00a0]+)|(?P<newline>\n)|(?P<joined>\.\.\.[^\n]*\n?)"
@@ -19,23 +18,6 @@ _TOKEN = re.compile(
 _SINGLE = re.compile(r"'((?:[^'\n]|'')*)'")
 _DOUBLE = re.compile(r'"((?:[^"\n]|"")*)"')
 _SIGNS = str.maketrans({"−": "-", "–": "-", "‘": "'", "’": "'", "“": '"', "”": '"'})
-
-
-@dataclass(frozen=True, slots=True)
-class Token:
-    """A token.
-
-    Attributes:
-        kind: ``number``, ``word``, ``string`` (without quotes), ``symbol``, ``newline`` or ``end``.
-        text: What it says.
-        line: From 1.
-        spaced: Whether blanks stand before it.
-    """
-
-    kind: str
-    text: str
-    line: int
-    spaced: bool
 
 
 def matlab_tokens(text: str) -> tuple[list[Token], tuple[Comment, ...]]:

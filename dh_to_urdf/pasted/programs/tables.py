@@ -16,10 +16,8 @@ from dh_to_urdf.pasted.programs.values import Array, Items, Placed, Unread, Valu
 from dh_to_urdf.pasted.raw_table import RawRow, RawTable, headings_of
 from dh_to_urdf.table import Convention
 
-_LISTS = ("a", "d", "alpha", "theta", "offset", "type", "r", "gamma", "b", "ant")
 _COLUMN_NAME = re.compile(r"(?:dh_?|link_?)?(a|d|r|alpha|theta|offset|sigma|type|gamma|b)s?")
 _KEY = re.compile(r"(alpha|theta|q|a|d|r)_?([0-9]{1,3})")
-_PASTE = "paste the table with its numbers as they are used"
 
 
 def table_of(

@@ -317,8 +317,3 @@ def nodes_of(root: Node) -> Iterator[Node]:
         elif hasattr(found, "__dataclass_fields__"):
             yield found  # type: ignore[misc]
             stack.extend(getattr(found, field.name) for field in fields(found))  # type: ignore[arg-type]
-
-
-def names_of(root: Node) -> set[str]:
-    """Return the names that occur in a node."""
-    return {node.name for node in nodes_of(root) if isinstance(node, Name)}
