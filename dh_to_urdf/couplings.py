@@ -22,6 +22,18 @@ WHOLE = 1e-12
 """Distance from a whole number below which a multiplier counts as one."""
 
 
+def coefficient_in(turn: float, coefficient: float, *, turns: bool, leader_turns: bool) -> float:
+    """Return a coefficient between joint values in rad and m for values with another angle unit.
+
+    Args:
+        turn: One rad in that unit, such as 180/π.
+        coefficient: Of the leader's value, in rad and m.
+        turns: Whether the joint that depends is an angle.
+        leader_turns: Whether its leader is.
+    """
+    return float(coefficient * turn ** (turns - leader_turns))
+
+
 class CouplingError(ValueError):
     """Joints that depend on each other in a way that is no robot.
 

@@ -20,6 +20,7 @@ from app.http.responses import respond
 from app.http.units import Units
 from app.openapi.answers import REF
 from app.openapi.problems import PROBLEMS
+from dh_to_urdf.couplings import coefficient_in
 from dh_to_urdf.documents.layouts import document
 from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.revisions import ANY
@@ -197,15 +198,15 @@ def _dependences(robot: Robot, units: Units) -> dict[str, Any]:
     turns = {joint.name: joint.type.is_revolute for joint in coupled.joints}
     turn = float(units.angles_out(np.array(1.0)))
 
-    def factor(name: str, leader: str) -> float:
-        return turn ** (turns[name] - turns[leader])
+    def shown(coefficient: float, name: str, leader: str) -> float:
+        return coefficient_in(turn, coefficient, turns=turns[name], leader_turns=turns[leader])
 
     followers = [
         {
             "name": joint.name,
             "type": joint.type.value,
             "joint": joint.mimic.joint,
-            "multiplier": joint.mimic.multiplier * factor(joint.name, joint.mimic.joint),
+            "multiplier": shown(joint.mimic.multiplier, joint.name, joint.mimic.joint),
             "offset": joint.mimic.offset * (turn if turns[joint.name] else 1.0),
         }
         for joint in coupled.followers
@@ -214,7 +215,7 @@ def _dependences(robot: Robot, units: Units) -> dict[str, Any]:
     couplings = [
         {
             "name": joint.name,
-            "joints": {other: c * factor(joint.name, other) for other, c in joint.coupling},
+            "joints": {other: shown(c, joint.name, other) for other, c in joint.coupling},
         }
         for joint in coupled.couplings
     ]

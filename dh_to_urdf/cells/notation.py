@@ -7,9 +7,11 @@ from collections.abc import Iterable
 from fractions import Fraction
 
 from dh_to_urdf.cells.expressions import Quantity, parse_cell
-from dh_to_urdf.couplings import joint_map, moving_joints
+from dh_to_urdf.couplings import coefficient_in, joint_map, moving_joints
 from dh_to_urdf.table import DHTable
 
+DEGREES = 180.0 / math.pi
+"""One rad in degrees."""
 ROUNDED = 2e-3
 """Distance from a multiple of π/2 below which an angle looks like that multiple, rounded."""
 
@@ -78,10 +80,6 @@ def variable_cell(table: DHTable, k: int, turn: str, slide: str, *, degrees: boo
 
     turns = {other.name: other.type.is_revolute for other in table.rows}
 
-    def factor(leader: str) -> float:
-        """Return a coefficient with degrees for one with rad."""
-        return (180.0 / math.pi) ** (row.type.is_revolute - turns[leader]) if degrees else 1.0
-
     variables = {
         other.name: f"{turn if other.type.is_revolute else slide}{n}"
         for n, other in enumerate(table.rows, start=1)
@@ -94,8 +92,12 @@ def variable_cell(table: DHTable, k: int, turn: str, slide: str, *, degrees: boo
     first = (row.name, 1.0)
     if row.mimic is not None:
         first = (row.mimic.joint, row.mimic.multiplier)
+    unit, own = DEGREES if degrees else 1.0, row.type.is_revolute
     terms = (
-        (variables[name], row.sign * c * (1.0 if name == row.name else factor(name)))
+        (
+            variables[name],
+            row.sign * coefficient_in(unit, c, turns=own, leader_turns=turns[name]),
+        )
         for name, c in (first, *row.coupling)
     )
     return sum_text(terms, write(constant))

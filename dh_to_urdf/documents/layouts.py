@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from ruamel.yaml import YAML
 
-from dh_to_urdf.cells.notation import in_degrees, number_text, sum_text
+from dh_to_urdf.cells.notation import DEGREES, in_degrees, number_text, sum_text
+from dh_to_urdf.couplings import coefficient_in
 from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.writing import table_to_mapping
 from dh_to_urdf.extraction.explanation import explain
@@ -217,9 +218,13 @@ def _degrees(item: dict[str, Any], row: DHRow, table: DHTable) -> dict[str, Any]
     """Return a row of a document with its angles in degrees."""
     turns = {other.name: other.type.is_revolute for other in table.rows}
 
-    def factor(leader: str) -> float:
-        """Return a multiplier with degrees for one with rad."""
-        return (180.0 / math.pi) ** (row.type.is_revolute - turns[leader])
+    def per_degree(coefficient: float, leader: str) -> float:
+        return coefficient_in(
+            DEGREES,
+            coefficient,
+            turns=row.type.is_revolute,
+            leader_turns=turns[leader],
+        )
 
     angles = {"alpha", "theta", "gamma"} | ({"offset"} if row.type.is_revolute else set())
     turned = {key: in_degrees(x) if key in angles else x for key, x in item.items()}
@@ -231,11 +236,11 @@ def _degrees(item: dict[str, Any], row: DHRow, table: DHTable) -> dict[str, Any]
         offset = row.mimic.offset
         turned["mimic"] = {
             "joint": row.mimic.joint,
-            "multiplier": row.mimic.multiplier * factor(row.mimic.joint),
+            "multiplier": per_degree(row.mimic.multiplier, row.mimic.joint),
             "offset": in_degrees(offset) if row.type.is_revolute else offset,
         }
     if row.coupling:
-        turned["coupling"] = {name: c * factor(name) for name, c in row.coupling}
+        turned["coupling"] = {name: per_degree(c, name) for name, c in row.coupling}
     return turned
 
 
