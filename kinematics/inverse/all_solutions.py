@@ -17,7 +17,7 @@ from kinematics.inverse.closed_form import closed_form_of, solutions, swivel_of
 from kinematics.inverse.damped_step import TURN
 from kinematics.inverse.result import IKOptions, IKStatus, Tolerance
 from kinematics.inverse.starts import starts
-from kinematics.inverse.task_error import TaskChain, residual, workspace
+from kinematics.inverse.task_error import residual, task_chain, workspace
 from kinematics.jacobian import jacobian, task_jacobian
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
@@ -255,15 +255,10 @@ def _on_limits(
 
 def task_errors(chain: Chain, target: FloatArray, task: Task, q: FloatArray) -> tuple[float, float]:
     """Return the position error, m, and the rotation error, rad, of a chain's q, shape (K,)."""
-    constants = TaskChain(
-        chain.placements,
-        chain.is_revolute.astype(np.float64),
-        task.mask,
-        chain.coupling,
-        chain.offset,
-    )
     pose = np.array(target, dtype=np.float64).reshape(16)
-    position, rotation = residual(constants, pose, np.array(q), workspace(chain.length))
+    position, rotation = residual(
+        task_chain(chain, task), pose, np.array(q), workspace(chain.length)
+    )
     return float(np.sqrt(position)), float(np.sqrt(rotation))
 
 

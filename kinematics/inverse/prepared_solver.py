@@ -20,7 +20,7 @@ from kinematics.inverse.compiled_solve import KINDS, solve_many, solve_one
 from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus
 from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, packed
 from kinematics.inverse.starts import starts
-from kinematics.inverse.task_error import TaskChain
+from kinematics.inverse.task_error import task_chain
 from kinematics.kernels import Array
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
@@ -99,13 +99,7 @@ class Solver:
             form = None
         made = packed(
             SolverConstants(
-                TaskChain(
-                    chain.placements,
-                    chain.is_revolute,
-                    self.task.mask,
-                    chain.coupling,
-                    chain.offset,
-                ),
+                task_chain(chain, self.task),
                 np.array([chain.lower, chain.upper, self.bounds.wraps[columns]]),
                 starts(random_seed, low[columns], high[columns]),
                 chain.reach if chain.length else np.inf,

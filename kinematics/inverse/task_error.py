@@ -11,8 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from kinematics.chain import Chain
 from kinematics.compiled import inner, jit
 from kinematics.kernels import Array, forward
+from kinematics.task import Task
 
 
 class TaskChain(NamedTuple):
@@ -31,6 +33,17 @@ class TaskChain(NamedTuple):
     mask: Array
     coupling: Array
     offset: Array
+
+
+def task_chain(chain: Chain, task: Task) -> TaskChain:
+    """Return what compiled functions know of a chain and a task, every array of floats."""
+    return TaskChain(
+        chain.placements,
+        chain.is_revolute.astype(np.float64),
+        task.mask,
+        chain.coupling,
+        chain.offset,
+    )
 
 
 @inner

@@ -10,7 +10,7 @@ import numpy as np
 from dh_to_urdf.errors import Location, quoted
 from kinematics.chain import Chain, chain_of
 from kinematics.errors import InvalidOption
-from kinematics.inverse.task_error import TaskChain
+from kinematics.inverse.task_error import task_chain
 from kinematics.redundancy.kernel import ArmConstants, task_at, workspace
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
@@ -108,7 +108,5 @@ class Arm:
     @cached_property
     def constants(self) -> ArmConstants:
         """First argument of compiled functions."""
-        own = self.chain
-        chain = TaskChain(own.placements, own.is_revolute, self.task.mask, own.coupling, own.offset)
         rows = np.array(self.task.rows, dtype=np.int64)
-        return ArmConstants(chain, rows, self.task.own_axes)
+        return ArmConstants(task_chain(self.chain, self.task), rows, self.task.own_axes)

@@ -13,7 +13,7 @@ from kinematics.chain import Chain
 from kinematics.inverse.closed_form import parallel_axes, planar, spherical_wrist, srs
 from kinematics.inverse.closed_form.candidates import SAME, Candidates, FormConstants
 from kinematics.inverse.closed_form.classify import ClosedForm, Kind, classify
-from kinematics.inverse.task_error import TaskChain
+from kinematics.inverse.task_error import task_chain
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray
 
@@ -104,13 +104,7 @@ def solutions(
     n = _SOLVERS[form.kind](
         FormConstants(
             form.constants,
-            TaskChain(
-                chain.placements,
-                chain.is_revolute.astype(np.float64),
-                task.mask,
-                np.empty((count, 0)),
-                np.zeros(count),
-            ),
+            task_chain(chain, task),
         ),
         np.ascontiguousarray(target, dtype=np.float64),
         np.zeros(count) if given is None else np.ascontiguousarray(given, dtype=np.float64),
