@@ -29,7 +29,7 @@ from tests.processes import symbolic_processes
 
 TOLERANCE = 1e-12
 SPARE = 20
-"""Requests at the end that no kill is planned for: some find no process yet, and are made up for."""
+"""Requests at the end that no kill is planned for: some kills find no process yet."""
 TYPICAL = 50
 """Requests whose times tell how long a request takes."""
 
