@@ -20,7 +20,9 @@ from app.settings import Settings
 from dh_to_urdf import DHError, read_json, read_par, read_yaml
 from kinematics.errors import KinematicsError
 from robots.errors import RobotError, StorageError
+from robots.namespaces import Namespaces
 from robots.robot import Robot, robot_from_table, robot_from_urdf
+from robots.storage.usage_record import Quotas
 from robots.store import RobotStore
 
 
@@ -79,10 +81,10 @@ def _told(error: ValidationError) -> str:
 @click.option("--name", required=True, help="Whose key it is.")
 @click.option(
     "--scope",
-    type=click.Choice(["read", "write"]),
+    type=click.Choice([scope.value for scope in Scope]),
     default="read",
     show_default=True,
-    help="write also uploads and deletes robots.",
+    help="write also uploads and deletes robots; share does so for all keys.",
 )
 def make_key(name: str, scope: str) -> None:
     """Makes an API key: shows it once, with the line for DENAVIT_API_KEYS(_FILE)."""
@@ -95,9 +97,14 @@ def make_key(name: str, scope: str) -> None:
 
 
 @main.command("robots")
-def list_robots() -> None:
+@click.option("--namespace", help="As the key of this name sees them.")
+def list_robots(namespace: str | None) -> None:
     """Lists the robots that the service knows."""
-    store = RobotStore(Settings().data_dir)
+    directory = Settings().data_dir
+    if namespace is None:
+        store = RobotStore(directory)
+    else:
+        store = Namespaces(directory, Quotas(), Quotas()).of(namespace)
     for robot_id in store.ids():
         try:
             line = store.summary(robot_id)

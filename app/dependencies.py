@@ -11,6 +11,8 @@ from typing import Annotated, Any, TypeVar
 import msgspec
 from fastapi import Depends, Request
 
+from app.access.control import key_of
+from app.access.keys import Scope
 from app.admission.buffers import Buffers
 from app.admission.thread_pool import ThreadPool, while_connected
 from app.documents import robot_from_inline
@@ -18,10 +20,12 @@ from app.http.problems import INVALID_REQUEST, TOO_LARGE, RequestProblem
 from app.http.strict_json import decode_json, refuse_doubled_keys
 from app.settings import Settings
 from kinematics.symbolic import SymbolicWorkers
+from robots.namespaces import Namespaces
 from robots.robot import Robot
 from robots.storage.usage_record import Quotas
 from robots.store import RobotStore
 from robots.stored_robot import StoredRobot
+from robots.writer import Writer
 
 T = TypeVar("T")
 INLINE_WEIGHT = 20_000
@@ -82,8 +86,13 @@ class Services:
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
-        self.store = RobotStore(
-            settings.data_dir, Quotas(settings.max_robots, settings.max_stored_bytes)
+        total = Quotas(settings.max_robots, settings.max_stored_bytes)
+        each = Quotas(settings.max_namespace_robots, settings.max_namespace_bytes, "namespace")
+        self.namespaces = (
+            Namespaces(settings.data_dir, total, each) if settings.namespaces else None
+        )
+        self.store = (
+            self.namespaces.shared if self.namespaces else RobotStore(settings.data_dir, total)
         )
         self.inline = InlineRobots()
         self.symbolic = SymbolicWorkers(settings.symbolic_workers)
@@ -137,23 +146,47 @@ class Services:
     def check_uploads(self) -> None:
         """Checks all uploads, of many only the first ones before it returns."""
         check = threading.Thread(
-            target=self.store.check, args=(self._stopping.is_set,), name="uploads", daemon=True
+            target=(self.namespaces or self.store).check,
+            args=(self._stopping.is_set,),
+            name="uploads",
+            daemon=True,
         )
         check.start()
         check.join(CHECKED_AT_START)
 
-    async def robot(self, robot_id: str) -> StoredRobot:
-        """A robot by id; loaded in a thread where it is not in memory.
+    def store_of(self, request: Request) -> RobotStore:
+        """The store of a request: that of its key's namespace, else what all see."""
+        if self.namespaces is None:
+            return self.store
+        key = key_of(request.scope)
+        if key is None or key.scope is Scope.SHARE:
+            return self.store
+        return self.namespaces.of(key.name)
+
+    def writer_of(self, request: Request, *, overwrite: bool) -> Writer:
+        """Who changes robots by a request, and whether those of others are spared.
+
+        In a namespace there are no others. Without keys nobody is known, so all are others.
+        """
+        key = key_of(request.scope)
+        own = self.store_of(request) is not self.store
+        return Writer(key.name if key else None, spares=not (own or overwrite))
+
+    async def robot(self, robot_id: str, request: Request) -> StoredRobot:
+        """A robot by id, as a request sees it; loaded in a thread where it is not in memory.
 
         Raises:
             RobotNotFound: No robot has this id.
         """
-        loaded = self.store.in_memory(robot_id)
+        store = self.store_of(request)
+        loaded = store.in_memory(robot_id)
         if loaded is not None:
             return loaded
-        return await self.loaded(lambda: self.store.get(robot_id))
+        return await self.loaded(lambda: store.get(robot_id))
 
-    async def inline_robot(self, raw: msgspec.Raw) -> tuple[Robot, tuple[str, ...]]:
+    async def inline_robot(
+        self, raw: msgspec.Raw, request: Request
+    ) -> tuple[Robot, tuple[str, ...]]:
         """The robot of a body's ``robot`` field, and what its answer says of it.
 
         The field holds a table, a URDF or an id. Of a stored robot the answer tells the doubts; of
@@ -169,7 +202,7 @@ class Services:
                 TOO_LARGE, f"robot is larger than the {limit} bytes read here", "/robot"
             )
         if document[:1] == b'"':
-            stored = await self.robot(decode_json(document, str, "/robot"))
+            stored = await self.robot(decode_json(document, str, "/robot"), request)
             return stored.robot, stored.robot.doubts
         robot = self.inline.known(document)
         if robot is None:
@@ -187,9 +220,9 @@ async def services_of(request: Request) -> Services:
 ServicesDep = Annotated[Services, Depends(services_of)]
 
 
-async def stored_robot(robot_id: str, services: ServicesDep) -> StoredRobot:
+async def stored_robot(robot_id: str, request: Request, services: ServicesDep) -> StoredRobot:
     """The robot that a path names."""
-    return await services.robot(robot_id)
+    return await services.robot(robot_id, request)
 
 
 RobotDep = Annotated[StoredRobot, Depends(stored_robot)]

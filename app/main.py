@@ -6,6 +6,7 @@ import sys
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 from anyio.to_thread import run_sync
@@ -39,13 +40,18 @@ aligned matrices; batches also travel as `application/x-npy`."""
 
 
 def create_app(
-    settings: Settings | None = None, operations: Sequence[Operation] | None = None
+    settings: Settings | None = None,
+    operations: Sequence[Operation] | None = None,
+    *,
+    counters: Path | None = None,
 ) -> FastAPI:
     """Return the application.
 
     Args:
         settings: What a deployment chose; default from the environment, read at start-up.
         operations: The computations that it offers; default all of ``app.operations``.
+        counters: The file in which all workers of the service count requests; None: this process
+            serves alone.
     """
     chosen = settings or Settings()
     offered = OPERATIONS if operations is None else operations
@@ -90,7 +96,7 @@ def create_app(
     handlers.install(app)
     app.add_middleware(RequestLine)
     admission.install(app)
-    app.state.keys = protect(app, chosen)
+    app.state.keys = protect(app, chosen, counters)
     app.add_middleware(
         Observed, counted, access_log=chosen.access_log, log_clients=chosen.log_clients
     )

@@ -45,6 +45,12 @@ class Settings(BaseSettings):
     max_stored_bytes: int = Field(
         default=1_000_000_000, ge=0, description="Most bytes in the files of uploaded robots."
     )
+    max_namespace_robots: int = Field(
+        default=300, ge=0, description="Most uploaded robots of one namespace."
+    )
+    max_namespace_bytes: int = Field(
+        default=30_000_000, ge=0, description="Most bytes in the files of one namespace."
+    )
     max_batch: int = Field(default=200_000, ge=1, description="Most configurations in one request.")
     max_ik_batch: int = Field(default=10_000, ge=1, description="Most IK targets in one request.")
     max_request_seconds: float = Field(
@@ -82,6 +88,9 @@ class Settings(BaseSettings):
         default=SecretStr(""), description="Hash lines of API keys, as `denavit key` prints them."
     )
     api_keys_file: Path | None = Field(default=None, description="A file of such lines, besides.")
+    namespaces: bool = Field(
+        default=False, description="Each key sees and changes robots of its own; needs keys."
+    )
     rate_limit: str = Field(
         default="", description="Requests of one key or address, such as 10/second;600/minute."
     )

@@ -13,6 +13,8 @@ DAMAGED: Final = "damaged"
 """Stands for the revision of a robot whose file cannot be served."""
 
 Quota: TypeAlias = Literal["robots", "bytes"]
+QuotaHolder: TypeAlias = Literal["store", "namespace"]
+"""Whose uploads are counted: all, or those of one namespace."""
 
 
 class RobotError(ValueError):
@@ -117,6 +119,35 @@ class RobotExists(RobotError):
         super().__init__(f"robot {robot_id!r} exists already")
 
 
+Change: TypeAlias = Literal["replace", "delete"]
+
+
+class AnothersRobot(RobotError):
+    """A stored robot that this maker may not replace or delete unasked.
+
+    Attributes:
+        robot_id: Its id.
+        change: What was to be done with it.
+    """
+
+    def __init__(self, robot_id: str, change: Change = "replace") -> None:
+        self.robot_id = robot_id
+        self.change = change
+        super().__init__(f"the id {robot_id!r} holds another robot, perhaps of somebody else")
+
+
+class SharedRobot(RobotError):
+    """A robot that all see and that cannot be changed from a namespace.
+
+    Attributes:
+        robot_id: Its id.
+    """
+
+    def __init__(self, robot_id: str) -> None:
+        self.robot_id = robot_id
+        super().__init__(f"robot {robot_id!r} is shared by all and not changed by this key")
+
+
 class ReadOnlyRobot(RobotError):
     """A shipped robot, which cannot be changed.
 
@@ -189,15 +220,17 @@ class QuotaReached(RobotError):
 
     Attributes:
         quota: What is counted.
-        limit: How much the store takes at most.
+        limit: How much is taken at most.
+        holder: Whose uploads are counted.
     """
 
-    def __init__(self, quota: Quota, limit: int) -> None:
+    def __init__(self, quota: Quota, limit: int, holder: QuotaHolder = "store") -> None:
         self.quota = quota
         self.limit = limit
+        self.holder = holder
         counted = "bytes of uploaded robots" if quota == "bytes" else "uploaded robots"
         super().__init__(
-            f"the store takes {limit} {counted} at most, and this robot would exceed that"
+            f"the {holder} takes {limit} {counted} at most, and this robot would exceed that"
         )
 
 

@@ -10,17 +10,19 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Final
 
 from dh_to_urdf.look_alikes import by_case, by_shape
 from robots.errors import (
+    DAMAGED,
     InvalidRobotId,
     ReadOnlyRobot,
     RobotError,
     RobotExists,
     RobotNotFound,
+    SharedRobot,
     StorageError,
 )
 from robots.revisions import check_revision, named_revisions
@@ -28,9 +30,10 @@ from robots.robot import Robot
 from robots.shipped import is_shipped, shipped_file, shipped_ids, shipped_robot
 from robots.storage.directory import RobotDirectory
 from robots.storage.stored_file import ROBOT_ID, encode
-from robots.storage.uploads import UploadReader
-from robots.storage.usage_record import Quotas, Usage
+from robots.storage.uploads import UploadMemory, UploadReader
+from robots.storage.usage_record import Quotas, Total, Usage
 from robots.stored_robot import RobotSummary, StoredRobot
+from robots.writer import ANYBODY, Writer
 
 _NEAR: Final = 100
 """Ids on either side of an unknown one among which the nearest names are sought."""
@@ -39,22 +42,42 @@ _STARTING_PATIENCE: Final = 2.0
 
 
 class RobotStore:
-    """Robots by id: the shipped library and a directory of uploads."""
+    """Robots by id: the shipped library and a directory of uploads, perhaps above shared ones."""
 
-    def __init__(self, directory: Path, quotas: Quotas | None = None) -> None:
+    def __init__(
+        self,
+        directory: Path,
+        quotas: Quotas | None = None,
+        *,
+        shared: RobotStore | None = None,
+        total: Callable[[], Total] | None = None,
+        memory: UploadMemory | None = None,
+        namespace: str = "",
+    ) -> None:
         """Open a store, creating its directory where it is missing.
 
-        Removes what killed writers left behind. A directory that cannot be written to is no
-        hindrance: what can be read is served.
+        Removes what killed writers left behind, but for a namespace, whose first writer does that.
+        A directory that cannot be written to is no hindrance: what can be read is served.
 
         Args:
             directory: Where uploads are kept; several processes may share it.
-            quotas: How much may be kept.
+            quotas: How much may be kept in it.
+            shared: Of a namespace, the store whose robots are seen too and never changed.
+            total: Tells, while ``shared`` is locked, what is taken with the other directories.
+            memory: Where loaded uploads are remembered; stores may share it.
+            namespace: Name of the namespace.
         """
         self._directory = RobotDirectory(directory, quotas or Quotas())
-        self._uploads = UploadReader(self._directory)
-        self._shipped: dict[str, StoredRobot] = {}
-        self._merged: tuple[tuple[str, ...] | None, tuple[str, ...]] = (None, ())
+        self._uploads = UploadReader(self._directory, memory, namespace)
+        self._shared = shared
+        self._total = total
+        self._shipped: dict[str, StoredRobot] = {} if shared is None else shared._shipped
+        self._merged: tuple[tuple[tuple[str, ...], ...] | None, tuple[str, ...]] = (None, ())
+        if shared is None:
+            self.recover()
+
+    def recover(self) -> None:
+        """Remove what killed writers left behind, where the directory can be written to."""
         with (
             suppress(StorageError),
             self._directory.write_transaction(_STARTING_PATIENCE) as transaction,
@@ -67,12 +90,14 @@ class RobotStore:
         Raises:
             StorageUnavailable: The directory cannot be read.
         """
-        uploaded, merged = self._merged
-        current = self._directory.ids()
-        if current is not uploaded:
-            merged = tuple(sorted({*shipped_ids(), *current}))
+        known, merged = self._merged
+        own = self._directory.ids()
+        current = (own,) if self._shared is None else (own, self._shared.ids())
+        # The same objects as long as nothing comes or goes.
+        if known is None or any(a is not b for a, b in zip(known, current, strict=True)):
+            merged = tuple(sorted({*shipped_ids()}.union(*current)))
             self._merged = current, merged
-            self._uploads.limit_summaries(len(current))
+            self._uploads.limit_summaries(len(own))
         return merged
 
     def ids_after(self, robot_id: str, count: int) -> tuple[str, ...]:
@@ -84,6 +109,14 @@ class RobotStore:
         ids = self.ids()
         first = bisect_right(ids, robot_id)
         return ids[first : first + count]
+
+    def usage_now(self) -> Usage:
+        """Return how many uploads there are and their bytes, without waiting for writers.
+
+        Raises:
+            StorageUnavailable: The directory cannot be read.
+        """
+        return self._directory.usage()
 
     def usage(self) -> Usage:
         """Return how many uploads there are and how many bytes they take.
@@ -106,6 +139,9 @@ class RobotStore:
             head = shipped_file(robot_id)
             return RobotSummary(robot_id, "urdf" if head.urdf else "dh", head.title, head.dof, True)
         found = self._uploads.summary(robot_id)
+        if found is None and self._is_shared(robot_id):
+            assert self._shared is not None
+            return self._shared.summary(robot_id)
         if found is None:
             raise self._not_found(robot_id)
         return found
@@ -116,7 +152,10 @@ class RobotStore:
         Raises:
             StorageUnavailable: The directory cannot be looked into.
         """
-        return self._shipped.get(robot_id) or self._uploads.in_memory(robot_id)
+        found = self._shipped.get(robot_id) or self._uploads.in_memory(robot_id)
+        if found is None and self._shared is not None and not self._uploads.knows(robot_id):
+            return self._shared.in_memory(robot_id)
+        return found
 
     def get(self, robot_id: str) -> StoredRobot:
         """Load a robot.
@@ -134,9 +173,20 @@ class RobotStore:
             stored = StoredRobot(robot_id, shipped_robot(robot_id), True, head.title, head.source)
             return self._shipped.setdefault(robot_id, stored)
         found = self._uploads.get(robot_id)
+        if found is None and self._is_shared(robot_id):
+            assert self._shared is not None
+            return self._shared.get(robot_id)
         if found is None:
             raise self._not_found(robot_id)
         return found
+
+    def hides_shared(self, robot_id: str) -> bool:
+        """Return whether an upload of this namespace hides a shared robot of the same id.
+
+        Raises:
+            StorageUnavailable: The directory cannot be looked into.
+        """
+        return self._is_shared(robot_id) and self._uploads.knows(robot_id)
 
     def look_alikes(self, robot_id: str) -> tuple[str, ...]:
         """Return the ids of other robots that differ from one by case or by look-alike letters.
@@ -169,6 +219,7 @@ class RobotStore:
         robot_id: str,
         robot: Robot,
         *,
+        writer: Writer = ANYBODY,
         create_only: bool = False,
         if_match: tuple[str, ...] = (),
         if_none_match: tuple[str, ...] = (),
@@ -178,6 +229,8 @@ class RobotStore:
         Args:
             robot_id: Its id.
             robot: The robot.
+            writer: Who stores it. The robot of another is replaced only by one with the same
+                content, or where ``if_match`` holds.
             create_only: Refuse to replace a robot.
             if_match: Revisions one of which must be stored now, ``ANY`` for any; empty: no matter.
             if_none_match: Revisions none of which may be stored now, ``ANY`` for any.
@@ -188,26 +241,39 @@ class RobotStore:
         Raises:
             InvalidRobotId: The id has other characters than letters, digits and ``. _ -``.
             ReadOnlyRobot: The id belongs to the shipped library.
+            AnothersRobot: The id holds what another has stored.
             RobotExists: ``create_only`` and the id is taken.
             RevisionMismatch: ``if_match`` or ``if_none_match`` does not hold.
             QuotaReached: It would exceed a quota.
             StorageError: The disk does not take it; what was stored before is intact.
         """
         self.check_id(robot_id)
-        content = encode(robot)
-        exact = self._needs_revision(robot_id, if_match, if_none_match)
-        with self._directory.write_transaction() as transaction:
+        maker, content = writer.name, encode(robot, writer.name)
+        exact = self._needs_revision(robot_id, if_match, if_none_match, spares=writer.spares)
+        with ExitStack() as locked:
+            if self._shared is not None:
+                locked.enter_context(self._shared._directory.write_transaction())
+            total = self._total() if self._total is not None else None
+            transaction = locked.enter_context(self._directory.write_transaction())
             current = self._uploads.revision(robot_id, exact=exact)
             if create_only and current is not None:
                 raise RobotExists(robot_id)
-            check_revision(robot_id, current, if_match, if_none_match)
-            transaction.write(robot_id, content)
-        return StoredRobot(robot_id, robot, False, robot.name), current is None
+            seen = current if current is not None else self._shared_revision(robot_id, exact=exact)
+            check_revision(robot_id, seen, if_match, if_none_match)
+            if current not in (None, DAMAGED) and not if_match:
+                if current != robot.revision:
+                    writer.check(robot_id, self._uploads.maker(robot_id))
+                elif writer.spares:
+                    maker = self._uploads.maker(robot_id)
+                    content = encode(robot, maker)
+            transaction.write(robot_id, content, total)
+        return StoredRobot(robot_id, robot, False, robot.name, maker=maker), current is None
 
     def delete(
         self,
         robot_id: str,
         *,
+        writer: Writer = ANYBODY,
         if_match: tuple[str, ...] = (),
         if_none_match: tuple[str, ...] = (),
     ) -> None:
@@ -215,21 +281,25 @@ class RobotStore:
 
         Raises:
             ReadOnlyRobot: The robot is shipped.
+            SharedRobot: The robot is no upload of this namespace, but shared.
             RobotNotFound: No robot has this id.
+            AnothersRobot: Another has stored the robot, and there is no ``if_match``.
             RevisionMismatch: ``if_match`` or ``if_none_match`` does not hold.
             StorageError: The directory cannot be written to.
         """
         if is_shipped(robot_id):
             raise ReadOnlyRobot(robot_id)
-        exact = self._needs_revision(robot_id, if_match, if_none_match)
+        exact = self._needs_revision(robot_id, if_match, if_none_match, spares=writer.spares)
         with self._directory.write_transaction() as transaction:
             current = self._uploads.revision(robot_id, exact=exact)
             if current is not None:
                 check_revision(robot_id, current, if_match, if_none_match)
+                if current != DAMAGED and not if_match:
+                    writer.check(robot_id, self._uploads.maker(robot_id), "delete")
                 transaction.remove(robot_id)
         self._uploads.forget(robot_id)
         if current is None:
-            raise self._not_found(robot_id)
+            raise SharedRobot(robot_id) if self._is_shared(robot_id) else self._not_found(robot_id)
 
     def check(self, stopped: Callable[[], bool] = lambda: False) -> None:
         """Verify the checksum of every upload, and remember what a list shows of it.
@@ -252,12 +322,24 @@ class RobotStore:
         """
         return self._uploads.damaged()
 
-    def _needs_revision(self, robot_id: str, *conditions: tuple[str, ...]) -> bool:
-        """Tell whether conditions name revisions; load the robot then, before the lock is held."""
-        if not named_revisions(*conditions):
+    def _needs_revision(
+        self, robot_id: str, *conditions: tuple[str, ...], spares: bool = False
+    ) -> bool:
+        """Tell whether revisions are compared; load the robot then, before the lock is held."""
+        if not spares and not named_revisions(*conditions):
             return False
-        self._uploads.warm(robot_id)
+        for store in (self, self._shared):
+            if store is not None and store._directory.signature(robot_id) is not None:
+                store._uploads.warm(robot_id)
         return True
+
+    def _is_shared(self, robot_id: str) -> bool:
+        return self._shared is not None and self._shared._uploads.knows(robot_id)
+
+    def _shared_revision(self, robot_id: str, *, exact: bool) -> str | None:
+        if self._shared is None:
+            return None
+        return self._shared._uploads.revision(robot_id, exact=exact)
 
     def _not_found(self, robot_id: str) -> RobotNotFound:
         ids = self.ids()

@@ -17,6 +17,7 @@ class StoredRobot:
         shipped: True for the read-only library.
         title: Name for people.
         source: Where the numbers come from, for shipped robots.
+        maker: Name of the key that stored it, for uploads; None where it is not known.
     """
 
     id: str
@@ -24,6 +25,7 @@ class StoredRobot:
     shipped: bool
     title: str
     source: str | None = None
+    maker: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

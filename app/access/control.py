@@ -5,7 +5,6 @@ from __future__ import annotations
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.access.keys import Key, KeySource
-from app.access.keys import Scope as KeyScope
 from app.access.rates import RateLimits, Standing, network_of
 from app.access.refusal import changes_robots, is_from_outside, path_of, refuse
 from app.http.problems import FORBIDDEN, TOO_MANY, TWO_KEYS, UNAUTHORISED
@@ -15,6 +14,8 @@ OPEN_BELOW = ("/health/", "/docs-assets/", "/guide/", "/assets/", "/problems/")
 """Open to everybody: whether the service lives, and documents that tell nothing about robots."""
 UNCOUNTED = ("/health/live", "/health/ready")
 """Asked by load balancers, which must not be turned away."""
+KEY = "denavit.key"
+"""Entry of the scope of a request: the key that it shows."""
 BEARER = 'Bearer realm="denavit"'
 
 
@@ -40,6 +41,8 @@ class AccessControl:
         path = path_of(scope)
         secrets = _secrets_of(scope) if self.keys.required else ()
         key = self.keys.find(secrets[0]) if len(secrets) == 1 else None
+        if key is not None:
+            scope[KEY] = key
         if self.rates is not None and path not in UNCOUNTED:
             standing = self.rates.count(_client_of(scope, key))
             send = _with_headers(send, standing)
@@ -70,7 +73,7 @@ class AccessControl:
                     BEARER + (', error="invalid_token"' if secrets else ""),
                 )
                 return
-            if key.scope is not KeyScope.WRITE and changes_robots(scope):
+            if not key.scope.changes and changes_robots(scope):
                 await refuse(
                     scope,
                     receive,
@@ -81,6 +84,13 @@ class AccessControl:
                 )
                 return
         await self.app(scope, receive, send)
+
+
+def key_of(scope: Scope) -> Key | None:
+    """Return the key that a request shows, where keys are needed and it is known."""
+    key = scope.get(KEY)
+    assert key is None or isinstance(key, Key)
+    return key
 
 
 def _secrets_of(scope: Scope) -> list[bytes]:

@@ -23,14 +23,24 @@ LOG = logging.getLogger("denavit.access")
 PREFIX = "dnv_"
 LOOK_SECONDS = 1.0
 """How often it is looked whether the file of the keys has changed."""
-_LINE = re.compile(r"([A-Za-z0-9._-]{1,64}):(read|write):([0-9a-f]{64})")
+_LINE = re.compile(r"([A-Za-z0-9._-]{1,64}):(read|write|share):([0-9a-f]{64})")
 
 
 class Scope(StrEnum):
-    """What a key allows: ``read`` reads and computes, ``write`` also changes stored robots."""
+    """What a key allows.
+
+    ``read`` reads and computes, ``write`` also changes stored robots, ``share`` changes those that
+    all keys see; without namespaces these are all robots.
+    """
 
     READ = "read"
     WRITE = "write"
+    SHARE = "share"
+
+    @property
+    def changes(self) -> bool:
+        """Whether stored robots may be changed."""
+        return self is not Scope.READ
 
 
 class InvalidKeys(ValueError):

@@ -1,6 +1,7 @@
-"""How often one key or address may ask: windows of the package limits, in bounded memory.
+"""How often one key or address may ask: counted in bounded memory.
 
-Each process counts for itself: with N workers a client gets at most N times as much.
+The workers of a service count together (:mod:`app.access.shared_counters`); a process that serves
+alone counts in its own memory.
 """
 
 from __future__ import annotations
@@ -9,13 +10,12 @@ import ipaddress
 import math
 import time
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, Protocol
 
-from limits import RateLimitItem, parse_many
-from limits.storage import Storage
-from limits.strategies import FixedWindowRateLimiter
+from limits import parse_many
 
 CLIENTS = 100_000
 """Counters that are kept; the ones not used for longest give way: some 30 MB."""
@@ -54,100 +54,82 @@ class Standing:
         return found if self.allowed else [*found, (b"retry-after", b"%d" % self.reset)]
 
 
+class Counters(Protocol):
+    """Where requests are counted."""
+
+    def count(self, client: str, windows: Sequence[float]) -> list[tuple[int, float]]:
+        """Count a request of a client, in windows that begin with their first one.
+
+        Args:
+            client: Whose.
+            windows: Their lengths, s.
+
+        Returns:
+            Of each window its requests, and its end in s since the epoch.
+        """
+
+
 class RateLimits:
-    """Counts requests.
+    """Counts requests, in windows that begin with their first one.
 
     Args:
         text: Such as ``10/second;600/minute``.
+        counters: Where it counts; default a memory of its own.
 
     Raises:
         InvalidRate: It is not.
     """
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, counters: Counters | None = None) -> None:
         try:
-            self._items: list[RateLimitItem] = parse_many(text)
+            items = parse_many(text)
         except ValueError:
             raise InvalidRate(
                 "DENAVIT_RATE_LIMIT cannot be read; give such as 600/minute or 10/second;600/minute"
             ) from None
-        if any(item.amount < 1 for item in self._items):
+        if any(item.amount < 1 for item in items):
             raise InvalidRate("DENAVIT_RATE_LIMIT allows nothing; give at least 1 request")
-        self._windows = FixedWindowRateLimiter(BoundedMemory(CLIENTS))
+        self._amounts = [item.amount for item in items]
+        self._windows = [item.get_expiry() for item in items]
+        self._counters = BoundedMemory(CLIENTS) if counters is None else counters
 
     def count(self, client: str) -> Standing:
-        """Counts a request of a client, in each window."""
+        """Count a request of a client, in each window."""
+        now = time.time()
         standing = None
-        for item in self._items:
-            allowed = self._windows.hit(item, client)
-            end, remaining = self._windows.get_window_stats(item, client)
-            reset = max(1, math.ceil(end - time.time()))
-            one = Standing(allowed, item.amount, remaining, reset)
-            if standing is None or (one.allowed, one.remaining) < (
-                standing.allowed,
-                standing.remaining,
-            ):
-                standing = one
+        counted = self._counters.count(client, self._windows)
+        for amount, (count, end) in zip(self._amounts, counted, strict=True):
+            allowed, remaining = count <= amount, max(0, amount - count)
+            if standing is None or (allowed, remaining) < (standing.allowed, standing.remaining):
+                reset = max(1, math.ceil(end - now))
+                standing = Standing(allowed, amount, remaining, reset)
         assert standing is not None
         return standing
 
 
-class BoundedMemory(Storage):
-    """Counters in memory, as many as there is room for.
-
-    The memory of the package itself grows with the number of addresses, and a thread goes through
-    all of them a hundred times a second. One event loop uses this, so there is nothing to lock.
-    """
-
-    STORAGE_SCHEME = ["denavit-bounded-memory"]  # noqa: RUF012  as the base class has it
+class BoundedMemory:
+    """Counters in memory, as many as there is room for; one event loop uses them."""
 
     def __init__(self, most: int) -> None:
-        super().__init__()
         self._most = most
-        self._counters: OrderedDict[str, tuple[int, float]] = OrderedDict()
-
-    @property
-    def base_exceptions(self) -> type[Exception]:
-        """What can go wrong: nothing."""
-        return ValueError
+        self._counters: OrderedDict[str, list[tuple[int, float]]] = OrderedDict()
 
     def __len__(self) -> int:
         return len(self._counters)
 
-    def incr(self, key: str, expiry: float, amount: int = 1) -> int:
-        """Counts, in a window that begins with its first request."""
+    def count(self, client: str, windows: Sequence[float]) -> list[tuple[int, float]]:
+        """Count a request; see :meth:`Counters.count`."""
         now = time.time()
-        count, end = self._counters.get(key, (0, 0.0))
-        if end <= now:
-            count, end = 0, now + expiry
-        self._counters[key] = count + amount, end
-        self._counters.move_to_end(key)
+        before = self._counters.get(client) or [(0, 0.0)] * len(windows)
+        counted = [
+            (count + 1, end) if end > now else (1, now + seconds)
+            for (count, end), seconds in zip(before, windows, strict=True)
+        ]
+        self._counters[client] = counted
+        self._counters.move_to_end(client)
         if len(self._counters) > self._most:
             self._counters.popitem(last=False)
-        return count + amount
-
-    def get(self, key: str) -> int:
-        """The count of a window that has not ended."""
-        count, end = self._counters.get(key, (0, 0.0))
-        return count if end > time.time() else 0
-
-    def get_expiry(self, key: str) -> float:
-        """When the window ends, s since the epoch."""
-        return self._counters.get(key, (0, time.time()))[1]
-
-    def check(self) -> bool:
-        """It is always there."""
-        return True
-
-    def reset(self) -> int | None:
-        """Forgets all counters; gives their number."""
-        count = len(self._counters)
-        self._counters.clear()
-        return count
-
-    def clear(self, key: str) -> None:
-        """Forgets one counter."""
-        self._counters.pop(key, None)
+        return counted
 
 
 @lru_cache(maxsize=4096)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
@@ -10,9 +11,10 @@ from starlette.middleware.cors import CORSMiddleware
 from app.access.control import AccessControl
 from app.access.headers import SafeHeaders
 from app.access.hosts import AllowedHosts, allowed_hosts
-from app.access.keys import KeySource
+from app.access.keys import InvalidKeys, KeySource
 from app.access.origins import CrossOrigin
 from app.access.rates import RateLimits
+from app.access.shared_counters import SharedCounters
 from app.admission.buffers import BodyBudget
 from app.middleware.request_id import RequestId
 from app.openapi.problems import PROBLEMS
@@ -45,9 +47,15 @@ def key_source(settings: Settings) -> KeySource:
     """Return the keys that a deployment accepts.
 
     Raises:
-        InvalidKeys: They cannot be read.
+        InvalidKeys: They cannot be read, or there are none and each is to have a namespace.
     """
-    return KeySource(settings.api_keys.get_secret_value(), settings.api_keys_file)
+    keys = KeySource(settings.api_keys.get_secret_value(), settings.api_keys_file)
+    if settings.namespaces and not keys.required:
+        raise InvalidKeys(
+            "DENAVIT_NAMESPACES gives each key robots of its own, and no keys are set: make some"
+            " with denavit key and set DENAVIT_API_KEYS_FILE, or leave DENAVIT_NAMESPACES out"
+        )
+    return keys
 
 
 def check_access(settings: Settings) -> None:
@@ -64,8 +72,13 @@ def check_access(settings: Settings) -> None:
         RateLimits(settings.rate_limit)
 
 
-def protect(app: FastAPI, settings: Settings) -> KeySource:
+def protect(app: FastAPI, settings: Settings, counters: Path | None = None) -> KeySource:
     """Add middleware; the last added is the outermost.
+
+    Args:
+        app: The application.
+        settings: What a deployment chose.
+        counters: The file in which all workers of the service count; None: this one is alone.
 
     Returns:
         The keys that it accepts.
@@ -76,7 +89,10 @@ def protect(app: FastAPI, settings: Settings) -> KeySource:
         InvalidRate: The rate limit cannot be read.
     """
     keys = key_source(settings)
-    rates = RateLimits(settings.rate_limit) if settings.rate_limit.strip() else None
+    rates = None
+    if settings.rate_limit.strip():
+        storage = SharedCounters(counters) if counters is not None else None
+        rates = RateLimits(settings.rate_limit, storage)
     app.add_middleware(BodyBudget)
     if keys.required or rates is not None:
         app.add_middleware(AccessControl, keys=keys, rates=rates)

@@ -53,6 +53,20 @@ def units_of(request: Request) -> Units:
     return Units(angle == "deg")
 
 
+def flag_of(request: Request, name: str) -> bool:
+    """What a parameter that is true or false says; default false.
+
+    Raises:
+        RequestProblem: Neither.
+    """
+    text = request.query_params.get(name, "false").lower()
+    if text not in ("true", "false", "1", "0"):
+        raise RequestProblem(
+            INVALID_REQUEST, f"{name} is {text[:32]!r}; give true or false", f"/{name}"
+        )
+    return text in ("true", "1")
+
+
 def digits_of(request: Request, wanted: str) -> int | None:
     """The decimals that ``?digits=`` asks for in text and CSV; None where it does not.
 

@@ -34,7 +34,19 @@ class Rendering:
 
 
 def _robot_exists(error: robots.RobotExists) -> str:
-    return f"{error}; PUT /v1/robots/{error.robot_id} replaces it, or choose another name"
+    return f"{error}; choose another name, or repeat the request with ?overwrite=true to replace it"
+
+
+def _robot_of_another(error: robots.AnothersRobot) -> str:
+    return (
+        f"{error}; to {error.change} it, send If-Match with its ETag (GET"
+        f" /v1/robots/{error.robot_id}), or add ?overwrite=true"
+        + ("; else choose another id" if error.change == "replace" else "")
+    )
+
+
+def _shared_robot(error: robots.SharedRobot) -> str:
+    return f"{error}; one of scope share changes it; PUT stores a robot of your own under this id"
 
 
 def _revision_mismatch(error: robots.RevisionMismatch) -> str:
@@ -49,12 +61,15 @@ def _damaged_robot(error: robots.DamagedRobot) -> str:
 
 def _quota_reached(error: robots.QuotaReached) -> str:
     counted, setting = {
-        "robots": ("uploaded robots", "DENAVIT_MAX_ROBOTS"),
-        "bytes": ("bytes of uploaded robots", "DENAVIT_MAX_STORED_BYTES"),
-    }[error.quota]
+        ("robots", "store"): ("uploaded robots", "DENAVIT_MAX_ROBOTS"),
+        ("bytes", "store"): ("bytes of uploaded robots", "DENAVIT_MAX_STORED_BYTES"),
+        ("robots", "namespace"): ("uploaded robots", "DENAVIT_MAX_NAMESPACE_ROBOTS"),
+        ("bytes", "namespace"): ("bytes of uploaded robots", "DENAVIT_MAX_NAMESPACE_BYTES"),
+    }[error.quota, error.holder]
+    whose = "store" if error.holder == "store" else "namespace of a key"
     return (
-        f"the store takes {error.limit} {counted} at most ({setting}), and this robot would exceed"
-        " that; delete robots (DELETE /v1/robots/{id}), or send the robot in the body of a"
+        f"the {whose} takes {error.limit} {counted} at most ({setting}), and this robot would"
+        " exceed that; delete robots (DELETE /v1/robots/{id}), or send the robot in the body of a"
         " computation: that stores nothing"
     )
 
@@ -90,6 +105,13 @@ RENDERINGS: dict[type[Exception], Rendering] = {
     ),
     robots.RobotExists: Rendering(
         ProblemType("robot-exists", 409, "The id is taken"), _robot_exists
+    ),
+    robots.AnothersRobot: Rendering(
+        ProblemType("unconfirmed-overwrite", 428, "The id holds another robot"), _robot_of_another
+    ),
+    robots.SharedRobot: Rendering(
+        ProblemType("shared-robot", 403, "Shared robots are changed by keys that share"),
+        _shared_robot,
     ),
     robots.ReadOnlyRobot: Rendering(
         ProblemType("read-only-robot", 409, "Shipped robots are read-only")

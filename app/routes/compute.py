@@ -91,7 +91,7 @@ class _Handlers:
     async def post(self, request: Request) -> Response:
         """Compute on a stored robot, from a JSON or npy body."""
         services = await services_of(request)
-        stored = await services.robot(request.path_params["robot_id"])
+        stored = await services.robot(request.path_params["robot_id"], request)
         kind = require_type(request, *self.bodies)
         units, query = PLAIN, None
         if request.scope["query_string"]:
@@ -113,7 +113,7 @@ class _Handlers:
     async def get(self, request: Request) -> Response:
         """Compute on a stored robot, from a query."""
         services = await services_of(request)
-        stored = await services.robot(request.path_params["robot_id"])
+        stored = await services.robot(request.path_params["robot_id"], request)
         check_query(request, *self.form.parameters, common=self.operation.parameters)
         units, wanted = units_of(request), wanted_type(request, *self.operation.forms)
         reading = _reading(stored.robot, units, services.settings, stored.robot.doubts)
@@ -134,7 +134,7 @@ class _Handlers:
             )
         else:
             decoded = self._with_robot(body, services.settings)
-        robot, told = await services.inline_robot(decoded.robot)
+        robot, told = await services.inline_robot(decoded.robot, request)
         reading = _reading(robot, units, services.settings, told)
         return await self._answer(request, reading, wanted, len(body), lambda: decoded)
 

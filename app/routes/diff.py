@@ -169,7 +169,7 @@ def build_router(max_body: int) -> APIRouter:
     async def diff(request: Request, stored: RobotDep, services: ServicesDep) -> Response:
         """Joint by joint, up to base, tool and zero offsets of the joints."""
         asked = await _asked(request, max_body, DiffRequest)
-        other = await _other(services, asked)
+        other = await _other(services, asked, request)
         robot = stored.robot
         return await _answer(request, services, asked, (robot, robot.doubts), other)
 
@@ -181,8 +181,8 @@ def build_router(max_body: int) -> APIRouter:
     )
     async def diff_inline(request: Request, services: ServicesDep) -> Response:
         asked = await _asked(request, max_body, InlineDiffRequest)
-        robot, told = await services.inline_robot(asked.robot)
-        other = await _other(services, asked)
+        robot, told = await services.inline_robot(asked.robot, request)
+        other = await _other(services, asked, request)
         return await _answer(request, services, asked, (robot, told), other)
 
     return router
@@ -199,10 +199,10 @@ async def _asked(request: Request, max_body: int, type_: type[T]) -> T:
     return decode_body(await read_body(request, max_body), type_)
 
 
-async def _other(services: ServicesDep, asked: DiffRequest) -> Told:
+async def _other(services: ServicesDep, asked: DiffRequest, request: Request) -> Told:
     """The robot of ``other``, and what the answer says of it; errors point there."""
     try:
-        return await services.inline_robot(asked.other)
+        return await services.inline_robot(asked.other, request)
     except DHError as error:
         faults = [Fault(_of_other(one.location), one.message) for one in error.faults]
         raise type(error)(faults) from None

@@ -50,12 +50,17 @@ def add_checks(readiness: Readiness, services: Services, kernels: Callable[[], C
     readiness.add("library", library)
 
     def damaged() -> Check:
-        names = services.store.damaged()
-        if not names:
+        if services.namespaces is None:
+            names, unnamed = services.store.damaged(), 0
+        else:
+            # Anybody may ask: of namespaces only the number is told.
+            names, unnamed = services.namespaces.damaged()
+        count = len(names) + unnamed
+        if not count:
             return Check(status="ok", detail="no upload is known to be damaged")
-        detail = (
-            f"{len(names)} uploads are damaged and not served; upload them again or delete them"
-        )
+        detail = f"{count} uploads are damaged and not served; upload them again or delete them"
+        if unnamed:
+            detail += f"; {unnamed} of them are in namespaces, the log names their files"
         return Check(status="warning", detail=detail, names=names[:MAX_NAMED])
 
     readiness.add("robots", damaged)

@@ -20,10 +20,12 @@ def add_route(app: FastAPI, metrics: Metrics) -> None:
     limiter = anyio.CapacityLimiter(1)
 
     async def scrape(request: Request) -> Response:
-        store = request.app.state.services.store
+        services = request.app.state.services
 
         def robots() -> int:
-            return len(store.ids()) - len(shipped_ids())
+            if services.namespaces is not None:
+                return int(services.namespaces.usage().robots)
+            return len(services.store.ids()) - len(shipped_ids())
 
         body = await run_sync(metrics.exposition, robots, limiter=limiter)
         return Response(body, media_type=CONTENT_TYPE_PLAIN_0_0_4)

@@ -10,12 +10,13 @@ import msgspec
 import numpy as np
 from fastapi import APIRouter, Path, Request, Response
 
+from app.access.control import key_of
 from app.dependencies import RobotDep, ServicesDep
 from app.documents import PAR_TYPES, PASTED_TYPES, id_from_name, robot_from_body
 from app.http.bodies import read_body
 from app.http.negotiation import JSON, TEXT, media_type, wanted_type
 from app.http.problems import INVALID_REQUEST, RequestProblem
-from app.http.query import check_query, units_of
+from app.http.query import check_query, flag_of, units_of
 from app.http.responses import respond
 from app.http.units import Units
 from app.openapi.answers import REF
@@ -25,10 +26,13 @@ from dh_to_urdf.documents.layouts import document
 from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.revisions import ANY
 from robots.robot import Robot
+from robots.store import RobotStore
 from robots.stored_robot import StoredRobot
 
 NEAR = 3
 """Look-alike ids that an answer names."""
+OVERWRITE = "overwrite"
+"""Query parameter that allows to replace or delete the robot of another."""
 DEFAULT_PAGE, MAX_PAGE = 100, 1000
 """Written forms of a table by media type."""
 
@@ -276,6 +280,12 @@ def build_router(max_body: int) -> APIRouter:
             },
         }
     }
+    overwriting = {
+        "name": OVERWRITE,
+        "in": "query",
+        "required": False,
+        "schema": {"type": "boolean", "default": False},
+    }
     documents = {
         "requestBody": {
             "required": True,
@@ -310,7 +320,8 @@ def build_router(max_body: int) -> APIRouter:
                 ("tip", "URDF: default tip frame."),
                 ("base", "URDF: frame in whose axes results are given."),
             )
-        ],
+        ]
+        + [overwriting | {"description": "Replace a robot that another has stored."}],
     }
 
     @router.get(
@@ -342,7 +353,8 @@ def build_router(max_body: int) -> APIRouter:
             raise RequestProblem(
                 INVALID_REQUEST, f"page_size is {text[:32]!r}; give 1 to {MAX_PAGE}", "/page_size"
             )
-        return await services.loaded(lambda: _page(services, page_size, page_token, wanted))
+        store = services.store_of(request)
+        return await services.loaded(lambda: _page(store, page_size, page_token, wanted))
 
     @router.post(
         "",
@@ -353,7 +365,10 @@ def build_router(max_body: int) -> APIRouter:
     )
     async def create_robot(request: Request, services: ServicesDep) -> Response:
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
-        robot = await services.loaded(lambda: robot_from_body(request, body, default_name=None))
+        overwrite = flag_of(request, OVERWRITE)
+        robot = await services.loaded(
+            lambda: robot_from_body(request, body, default_name=None, also=(OVERWRITE,))
+        )
         name = request.query_params.get("name", robot.name)
         robot_id = id_from_name(name)
         if not robot_id:
@@ -363,10 +378,11 @@ def build_router(max_body: int) -> APIRouter:
                 " give one in the query, such as ?name=my-arm",
                 "/name",
             )
-        stored, _ = await services.stored(
-            lambda: services.store.put(robot_id, robot, create_only=True)
+        store, writer = services.store_of(request), services.writer_of(request, overwrite=overwrite)
+        stored, created = await services.stored(
+            lambda: store.put(robot_id, robot, writer=writer, create_only=not overwrite)
         )
-        return await _uploaded(request, services, stored, wanted, created=True)
+        return await _uploaded(request, services, stored, wanted, created=created)
 
     @router.get("/{robot_id}", summary="Read a robot", responses=view)
     async def read_robot(request: Request, stored: RobotDep) -> Response:
@@ -387,20 +403,23 @@ def build_router(max_body: int) -> APIRouter:
     async def put_robot(
         request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
     ) -> Response:
-        services.store.check_id(robot_id)
+        store = services.store_of(request)
+        store.check_id(robot_id)
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
         unless = _if_none_match(request)
+        writer = services.writer_of(request, overwrite=flag_of(request, OVERWRITE))
 
         def read() -> Robot:
-            robot = robot_from_body(request, body, default_name=robot_id)
+            robot = robot_from_body(request, body, default_name=robot_id, also=(OVERWRITE,))
             _check_name(request, robot, robot_id)
             return robot
 
         def put() -> tuple[StoredRobot, bool]:
             try:
-                return services.store.put(
+                return store.put(
                     robot_id,
                     robot,
+                    writer=writer,
                     create_only=ANY in unless,
                     if_match=_if_match(request),
                     if_none_match=unless,
@@ -412,14 +431,25 @@ def build_router(max_body: int) -> APIRouter:
         stored, created = await services.stored(put)
         return await _uploaded(request, services, stored, wanted, created=created)
 
-    @router.delete("/{robot_id}", status_code=204, summary="Delete a robot")
+    @router.delete(
+        "/{robot_id}",
+        status_code=204,
+        summary="Delete a robot",
+        openapi_extra={
+            "parameters": [overwriting | {"description": "Delete what another key has stored."}]
+        },
+    )
     async def delete_robot(
         request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
     ) -> Response:
-        check_query(request)
+        check_query(request, OVERWRITE)
         if_match, unless = _if_match(request), _if_none_match(request)
+        store = services.store_of(request)
+        # Without keys nobody is known, and who asks for a deletion means no other change.
+        overwrite = flag_of(request, OVERWRITE) or key_of(request.scope) is None
+        writer = services.writer_of(request, overwrite=overwrite)
         await services.stored(
-            lambda: services.store.delete(robot_id, if_match=if_match, if_none_match=unless)
+            lambda: store.delete(robot_id, writer=writer, if_match=if_match, if_none_match=unless)
         )
         return Response(status_code=204)
 
@@ -439,13 +469,13 @@ def build_router(max_body: int) -> APIRouter:
     return router
 
 
-def _page(services: Any, page_size: int, page_token: str, wanted: str) -> Response:
-    later = services.store.ids_after(page_token, page_size + 1)
+def _page(store: RobotStore, page_size: int, page_token: str, wanted: str) -> Response:
+    later = store.ids_after(page_token, page_size + 1)
     lines = []
     for robot_id in later[:page_size]:
         # Deleted a moment ago, or damaged: then /health/ready names it.
         with suppress(RobotError):
-            line = services.store.summary(robot_id)
+            line = store.summary(robot_id)
             lines.append({name: getattr(line, name) for name in RobotLine.__struct_fields__})
     token = later[page_size - 1] if len(later) > page_size else None
     return respond({"robots": lines, "next_page_token": token}, wanted)
@@ -456,7 +486,13 @@ async def _uploaded(
 ) -> Response:
     """The answer to an upload: the robot, its table as it was read, and what was doubtful."""
     view, table = robot_view(stored, Units()), stored.robot.table
-    near = await services.loaded(lambda: services.store.look_alikes(stored.id))
+    store = services.store_of(request)
+    near = await services.loaded(lambda: store.look_alikes(stored.id))
+    if store.hides_shared(stored.id):
+        view["warnings"] += [
+            f"'{stored.id}' is the id of a shared robot too; requests with this key mean yours,"
+            " until you delete it"
+        ]
     if near:
         shown = ", ".join(f"'{other}'" for other in near[:NEAR])
         view["warnings"] += [

@@ -12,7 +12,7 @@ from app.documents import XML_TYPES, robot_from_body
 from app.http.bodies import read_body
 from app.http.negotiation import CSV, JSON, TEXT, YAML, require_type, wanted_type
 from app.http.problems import INVALID_REQUEST, RequestProblem
-from app.http.query import check_query, number, units_of
+from app.http.query import check_query, flag_of, number, units_of
 from app.http.responses import respond, told_in_header
 from app.http.strict_json import decode_body
 from app.http.units import Units
@@ -88,7 +88,7 @@ def build_router(max_body: int) -> APIRouter:
         if found is not None:
             return found
         call = _robot_table(stored.robot, request)
-        explained = _flag(request, "explain")
+        explained = flag_of(request, "explain")
         return await services.computed(
             lambda: _written(call(), wanted, units, explained, headers), request
         )
@@ -203,8 +203,8 @@ async def _extracted(
     read: Callable[[], SerialChain],
 ) -> Response:
     units, wanted = units_of(request), wanted_type(request, *OFFERS)
-    snap, explained = _snap(request), _flag(request, "explain")
-    positive_a = _flag(request, "positive_a")
+    snap, explained = _snap(request), flag_of(request, "explain")
+    positive_a = flag_of(request, "positive_a")
 
     def answer() -> Response:
         found = extract(read(), convention, snap=snap, positive_a=positive_a)
@@ -221,7 +221,7 @@ def _robot_table(robot: Robot, request: Request) -> Callable[[], DHTable | Extra
         convention = own.convention if named is None else _convention(named)
         return lambda: to_convention(own, convention, tip)
     convention = own.convention if own is not None and named is None else _convention(named)
-    snap, positive_a = _snap(request), _flag(request, "positive_a")
+    snap, positive_a = _snap(request), flag_of(request, "positive_a")
     return lambda: extract(
         chain_of_robot(robot, base, tip), convention, snap=snap, positive_a=positive_a
     )
@@ -272,15 +272,6 @@ def _snap(request: Request) -> float:
             INVALID_REQUEST, f"snap is {snap:g}; give an angle from 0 to {MAX_SNAP} rad", "/snap"
         )
     return snap
-
-
-def _flag(request: Request, name: str) -> bool:
-    text = request.query_params.get(name, "false").lower()
-    if text not in ("true", "false", "1", "0"):
-        raise RequestProblem(
-            INVALID_REQUEST, f"{name} is {text[:32]!r}; give true or false", f"/{name}"
-        )
-    return text in ("true", "1")
 
 
 _DESCRIPTIONS = {

@@ -11,6 +11,7 @@ import socket
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -107,13 +108,24 @@ class Server(uvicorn.Server):
         LOG.info("stopped")
 
 
-def run_server(settings: Settings, sockets: list[socket.socket], server_class: type[Server]) -> int:
+def run_server(
+    settings: Settings,
+    sockets: list[socket.socket],
+    server_class: type[Server],
+    counters: Path | None = None,
+) -> int:
     """Serves until a signal comes.
+
+    Args:
+        settings: What a deployment chose.
+        sockets: What it accepts from.
+        server_class: The server.
+        counters: The file in which all workers of the service count requests.
 
     Returns:
         0, or FAILED_TO_START.
     """
-    app = create_app(settings)
+    app = create_app(settings, counters=counters)
     config = uvicorn.Config(app, **server_options(settings))
     server = server_class(config, app.state.readiness, settings.drain_seconds, app.state.keys)
     with contextlib.suppress(SystemExit):  # raised where the application does not start

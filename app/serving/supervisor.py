@@ -16,6 +16,7 @@ from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from types import FrameType
 
+from app.access.shared_counters import create_counters
 from app.serving.worker import BEAT_SECONDS, HANGUP, SERVING, WorkerTask, work
 from app.settings import Settings
 from app.telemetry.metrics import forget_worker
@@ -79,6 +80,7 @@ class Supervisor:
         self._failed_starts = 0
         self._served = time.monotonic()
         self._signals: list[signal.Signals] = []
+        self._counters: Path | None = None
         self._context = multiprocessing.get_context("spawn")
 
     def run(self) -> int:
@@ -93,6 +95,9 @@ class Supervisor:
             signal.signal(HANGUP, lambda number, _: self._send(signal.Signals(number)))
         with tempfile.TemporaryDirectory(prefix="denavit-metrics-") as name:
             directory = Path(name)
+            if self._settings.rate_limit.strip():
+                self._counters = directory / "rates"
+                create_counters(self._counters)
             self._due = dict.fromkeys(range(self._settings.workers), 0.0)
             try:
                 while not self._signals:
@@ -126,7 +131,7 @@ class Supervisor:
         for slot in [slot for slot, moment in self._due.items() if moment <= now]:
             del self._due[slot]
             ours, theirs = self._context.Pipe()
-            task = WorkerTask(slot, self._settings, self._sockets, directory)
+            task = WorkerTask(slot, self._settings, self._sockets, directory, self._counters)
             name = f"denavit-worker-{slot}"
             process = self._context.Process(target=work, args=(task, theirs), name=name)
             process.start()

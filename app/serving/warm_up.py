@@ -25,7 +25,7 @@ ROUNDS = 10
 async def rehearse(app: FastAPI, services: Services, operations: Iterable[Operation]) -> None:
     """Loads the whole library, computes with each robot once, and sends examples as requests."""
     for robot_id in shipped_ids():
-        stored = await services.robot(robot_id)
+        stored = await run_sync(services.store.get, robot_id)
         await run_sync(warm_up_on, stored.robot)
     for operation in operations:
         if operation.needs is None:

@@ -31,12 +31,14 @@ class WorkerTask:
         settings: The service's settings.
         sockets: What it accepts from.
         directory: Where it counts.
+        counters: Where all workers count the requests of a client, if there is a rate limit.
     """
 
     slot: int
     settings: Settings
     sockets: list[socket.socket]
     directory: Path
+    counters: Path | None = None
 
 
 def work(task: WorkerTask, connection: Connection) -> None:
@@ -65,7 +67,7 @@ def work(task: WorkerTask, connection: Connection) -> None:
             if sig == signal.SIGQUIT or (sig == signal.SIGTERM and not self.should_exit):
                 super().handle_exit(sig, frame)
 
-    leave(run_server(task.settings, task.sockets, Worker))
+    leave(run_server(task.settings, task.sockets, Worker, task.counters))
 
 
 class _State:

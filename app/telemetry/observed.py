@@ -15,7 +15,9 @@ from app.telemetry.metrics import Metrics
 ACCESS = logging.getLogger("denavit.access")
 LOG = logging.getLogger("denavit")
 UNMATCHED = "unmatched"
-"""Stands for the route of requests that no route takes, or that are turned away before."""
+"""Stands for the route of requests that no route takes."""
+REFUSED_ROUTE = "denavit.refused_route"
+"""Entry of the scope of a request that is turned away before it is routed: the template."""
 REHEARSAL = "denavit.rehearsal"
 """Marks the scope of requests that the service sends itself; they are not counted."""
 _QUIET = frozenset(("/health/live", "/health/ready", "/metrics"))
@@ -75,7 +77,10 @@ class Observed:
                 self._write(scope, route, status, seconds, size)
 
     def _route(self, scope: Scope) -> str:
-        """The template of the route that took the request."""
+        """The template of the route that took the request, or would have taken it."""
+        refused = scope.get(REFUSED_ROUTE)
+        if refused is not None:
+            return str(refused)
         route = scope.get("route")
         if route is not None:
             return str(route.path)

@@ -15,6 +15,7 @@ import tempfile
 import threading
 import time
 from collections import OrderedDict
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 from typing import IO, Any
@@ -225,7 +226,8 @@ class _Worker:
 
     def end(self) -> None:
         """End the process, and log what it has written to standard error."""
-        with self._process:
+        # A task that a dead process has not read cannot be flushed when its input is closed.
+        with suppress(BrokenPipeError), self._process:
             status = self._process.poll()
             self._process.kill()
         with self._errors:

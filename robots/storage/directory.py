@@ -22,8 +22,8 @@ from robots.errors import StorageUnavailable
 from robots.storage.durable import storage_errors, sync_directory
 from robots.storage.quarantine import Quarantine
 from robots.storage.stored_file import ROBOT_ID, SUFFIX, Signature, signature_of
-from robots.storage.usage_record import Quotas, Usage, read_usage_record, usage_in
-from robots.storage.write_transaction import WriteTransaction
+from robots.storage.usage_record import NOTHING, Quotas, Usage, read_usage_record, usage_in
+from robots.storage.write_transaction import WriteTransaction, counted
 
 PATIENCE: Final = 4.0
 """Seconds that a writer waits for the lock; a change takes milliseconds."""
@@ -37,7 +37,7 @@ class RobotDirectory:
     def __init__(self, directory: Path, quotas: Quotas) -> None:
         self.files = directory / "robots"
         self.quarantine = Quarantine(directory / "quarantine")
-        self._directory = directory
+        self.directory = directory
         self._lock_path = directory / "robots.lock"
         self._quotas = quotas
         self._threads = threading.Lock()
@@ -81,6 +81,20 @@ class RobotDirectory:
             if version is not None and version == self._version():
                 self._listed = version, ids
             return ids
+
+    def usage(self) -> Usage:
+        """Return what is stored now, without the lock.
+
+        Raises:
+            StorageUnavailable: The directory cannot be read.
+        """
+        with storage_errors():
+            version = self._version()
+            known = None if version is None else usage_in(*version)
+            try:
+                return known or counted(self.files)
+            except (FileNotFoundError, NotADirectoryError):
+                return NOTHING
 
     @contextmanager
     def write_transaction(self, patience: float = PATIENCE) -> Iterator[WriteTransaction]:
@@ -129,8 +143,12 @@ class RobotDirectory:
     def _make(self) -> None:
         """Create the directory, also where it was removed under a running service."""
         if not self.files.is_dir():
+            missing = [one for one in (self.files, *self.files.parents) if not one.is_dir()]
             self.files.mkdir(parents=True, exist_ok=True)
-            sync_directory(self._directory)
+            for one in reversed(missing):
+                # What lies above the data directory may be closed to the service.
+                with suppress(PermissionError):
+                    sync_directory(one.parent)
 
     def _transaction(self, descriptor: int) -> WriteTransaction:
         record = read_usage_record(descriptor)

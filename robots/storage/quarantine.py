@@ -87,7 +87,7 @@ class Quarantine:
         sync_directory(self._folder)
         sync_directory(path.parent)
         sync_directory(self._folder.parent)
-        _log.warning("robot %s: its file was moved to quarantine/%s", robot_id, target.name)
+        _log.warning("robot %s: its file was moved to %s", robot_id, target)
 
     def settle(self, robot_id: str) -> None:
         """Remove what was moved aside from an id.

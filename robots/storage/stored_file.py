@@ -76,13 +76,20 @@ class FileHead:
     dof: int
 
 
-def encode(robot: Robot) -> bytes:
+def encode(robot: Robot, maker: str | None = None) -> bytes:
     """Write the content of a robot's file.
+
+    Args:
+        robot: The robot.
+        maker: Name of the key that stores it.
 
     Raises:
         RobotTooLarge: The file would be larger than any that is read.
     """
-    head = {"format": FORMAT, "kind": robot.kind, "title": robot.name, "dof": robot.dof}
+    head: dict[str, Any] = {"format": FORMAT, "kind": robot.kind}
+    head |= {"title": robot.name, "dof": robot.dof}
+    if maker is not None:
+        head["maker"] = maker
     document: dict[str, Any] = {"kind": robot.kind, "warnings": list(robot.warnings)}
     if robot.table is not None:
         document.update(table=table_to_mapping(robot.table), doubts=list(robot.doubts))
@@ -156,6 +163,13 @@ def decode(content: bytes) -> Robot:
         return _robot_of(json.loads(head if body is None else body))
     except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
         raise UnusableFile("holds a robot that this version of the service refuses") from None
+
+
+def maker_in(content: bytes) -> str | None:
+    """Return the name of the key that stored a robot, of a file that :func:`decode` has read."""
+    lines = content.split(b"\n", 2)
+    maker = json.loads(lines[1]).get("maker") if len(lines) > 2 else None
+    return maker if isinstance(maker, str) else None
 
 
 def _unread(path: Path, error: OSError) -> Exception:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Final, TypeVar
+from typing import Final, TypeAlias, TypeVar
 
 from robots.errors import DAMAGED, DamagedRobot, StorageError
 from robots.revisions import ANY
@@ -24,12 +24,14 @@ from robots.storage.stored_file import (
     Signature,
     UnusableFile,
     decode,
+    maker_in,
     read_file,
     read_head,
 )
 from robots.stored_robot import RobotSummary, StoredRobot
 
 T = TypeVar("T")
+UploadMemory: TypeAlias = RobotMemory[tuple[Signature, StoredRobot]]
 _UNKNOWN: Final = "was found damaged"
 _PATIENCE: Final = 1.0
 """Seconds that a reader waits for the lock to move a broken file."""
@@ -38,9 +40,20 @@ _PATIENCE: Final = 1.0
 class UploadReader:
     """Reads the robots of a directory and remembers the last used ones."""
 
-    def __init__(self, directory: RobotDirectory) -> None:
+    def __init__(
+        self, directory: RobotDirectory, memory: UploadMemory | None = None, namespace: str = ""
+    ) -> None:
+        """Read a directory.
+
+        Args:
+            directory: The directory.
+            memory: Where robots are remembered; several readers may share it.
+            namespace: Tells the robots of this reader from those of others in the memory.
+        """
         self._directory = directory
-        self._memory: RobotMemory[tuple[Signature, StoredRobot]] = RobotMemory()
+        self._memory: UploadMemory = RobotMemory() if memory is None else memory
+        # No id has this character.
+        self._prefix = f"{namespace}/"
         self._summaries: dict[str, tuple[Signature, RobotSummary]] = {}
         self._unusable: dict[str, int | None] = {}
 
@@ -50,7 +63,7 @@ class UploadReader:
         Raises:
             StorageUnavailable: The directory cannot be looked into.
         """
-        entry = self._memory.get(robot_id)
+        entry = self._memory.get(self._prefix + robot_id)
         if entry is None or self._directory.signature(robot_id) != entry[0]:
             return None
         return entry[1]
@@ -96,8 +109,27 @@ class UploadReader:
         """
         if self._directory.signature(robot_id) is None:
             return DAMAGED if self._directory.quarantine.of(robot_id) else None
-        if not exact:
-            return ANY
+        return self._stored_revision(robot_id) if exact else ANY
+
+    def maker(self, robot_id: str) -> str | None:
+        """Return the maker of a robot that is stored now; None where it is not known."""
+        with suppress(BrokenFile, UnusableFile):
+            stored = self._current(robot_id)
+            return stored.maker if stored else None
+        return None
+
+    def knows(self, robot_id: str) -> bool:
+        """Return whether an upload has the id, sound or damaged.
+
+        Raises:
+            StorageUnavailable: The directory cannot be looked into.
+        """
+        if ROBOT_ID.fullmatch(robot_id) is None:
+            return False
+        with storage_errors():
+            return self.revision(robot_id, exact=False) is not None
+
+    def _stored_revision(self, robot_id: str) -> str | None:
         try:
             stored = self._current(robot_id)
         except (BrokenFile, UnusableFile):
@@ -111,7 +143,7 @@ class UploadReader:
 
     def forget(self, robot_id: str) -> None:
         """Drop what is in memory of a robot."""
-        self._memory.forget(robot_id)
+        self._memory.forget(self._prefix + robot_id)
         self._summaries.pop(robot_id, None)
 
     def limit_summaries(self, count: int) -> None:
@@ -144,8 +176,8 @@ class UploadReader:
             return None
         content, signature = found
         robot = decode(content)
-        stored = StoredRobot(robot_id, robot, False, robot.name)
-        self._memory.keep(robot_id, (signature, stored), weight_of(robot))
+        stored = StoredRobot(robot_id, robot, False, robot.name, maker=maker_in(content))
+        self._memory.keep(self._prefix + robot_id, (signature, stored), weight_of(robot))
         return stored
 
     def _summarised(self, robot_id: str) -> tuple[Signature, RobotSummary] | None:

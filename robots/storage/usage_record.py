@@ -13,7 +13,7 @@ import time
 from dataclasses import dataclass
 from typing import Final
 
-from robots.errors import QuotaReached
+from robots.errors import QuotaHolder, QuotaReached
 
 _SIZE: Final = 128
 _BLANK: Final = b"-" * _SIZE
@@ -21,10 +21,11 @@ _BLANK: Final = b"-" * _SIZE
 
 @dataclass(frozen=True, slots=True)
 class Quotas:
-    """Most uploaded robots, and most bytes in their files."""
+    """Most uploaded robots, and most bytes in their files, of all or of one namespace."""
 
     robots: int = 10_000
     bytes: int = 1_000_000_000
+    holder: QuotaHolder = "store"
 
     def check(self, before: Usage, after: Usage) -> None:
         """Refuse growth beyond a quota; what shrinks may exceed it still.
@@ -33,9 +34,9 @@ class Quotas:
             QuotaReached: Names the quota.
         """
         if after.robots > max(self.robots, before.robots):
-            raise QuotaReached("robots", self.robots)
+            raise QuotaReached("robots", self.robots, self.holder)
         if after.bytes > max(self.bytes, before.bytes):
-            raise QuotaReached("bytes", self.bytes)
+            raise QuotaReached("bytes", self.bytes, self.holder)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +50,34 @@ class Usage:
 
     robots: int
     bytes: int
+
+    def __add__(self, other: Usage) -> Usage:
+        """Return the usage of both together."""
+        return Usage(self.robots + other.robots, self.bytes + other.bytes)
+
+
+NOTHING: Final = Usage(0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Total:
+    """What several directories may take together, and what the others take.
+
+    Attributes:
+        quotas: Of all.
+        elsewhere: What is stored in the others.
+    """
+
+    quotas: Quotas
+    elsewhere: Usage
+
+    def check(self, before: Usage, after: Usage) -> None:
+        """Refuse growth of one directory that exceeds a quota of all.
+
+        Raises:
+            QuotaReached: Names the quota.
+        """
+        self.quotas.check(before + self.elsewhere, after + self.elsewhere)
 
 
 def read_usage_record(descriptor: int) -> bytes:

@@ -12,7 +12,14 @@ from pathlib import Path
 from robots.storage.durable import LEFTOVER, sync_directory, write_durably
 from robots.storage.quarantine import Quarantine
 from robots.storage.stored_file import ROBOT_ID, SUFFIX
-from robots.storage.usage_record import Quotas, Usage, blank, read_usage_record, write_usage_record
+from robots.storage.usage_record import (
+    Quotas,
+    Total,
+    Usage,
+    blank,
+    read_usage_record,
+    write_usage_record,
+)
 
 
 @dataclass
@@ -33,8 +40,13 @@ class WriteTransaction:
     _descriptor: int
     _record: bytes
 
-    def write(self, robot_id: str, content: bytes) -> None:
+    def write(self, robot_id: str, content: bytes, total: Total | None = None) -> None:
         """Store or replace a file.
+
+        Args:
+            robot_id: The robot.
+            content: Of its file.
+            total: What this directory and others may take together.
 
         Raises:
             QuotaReached: It would exceed a quota.
@@ -47,6 +59,8 @@ class WriteTransaction:
             self.usage.robots + (old is None), self.usage.bytes + len(content) - (old or 0)
         )
         self.quotas.check(self.usage, usage)
+        if total is not None:
+            total.check(self.usage, usage)
         with self._change(usage):
             write_durably(path, content)
             sync_directory(path.parent)
@@ -79,17 +93,13 @@ class WriteTransaction:
 
     def recover(self) -> None:
         """Remove what killed writers left behind, and count what is stored."""
-        robots = size = 0
         blank(self._descriptor, self._record)
         with os.scandir(self.files) as entries:
             for entry in entries:
                 if entry.name.startswith(".") and entry.name.endswith(LEFTOVER):
                     with suppress(OSError):
                         os.unlink(entry.path)  # noqa: PTH108
-                elif _is_robots(entry.name) and entry.is_file(follow_symlinks=False):
-                    robots += 1
-                    size += entry.stat(follow_symlinks=False).st_size
-        self._write(Usage(robots, size))
+        self._write(counted(self.files))
 
     def _path(self, robot_id: str) -> Path:
         return self.files / f"{robot_id}{SUFFIX}"
@@ -115,6 +125,21 @@ class WriteTransaction:
         with suppress(OSError):
             write_usage_record(self._descriptor, usage, mtime, self._record)
             self._record = read_usage_record(self._descriptor)
+
+
+def counted(files: Path) -> Usage:
+    """Count the robots of a folder, file by file.
+
+    Raises:
+        OSError: It cannot be read.
+    """
+    robots = size = 0
+    with os.scandir(files) as entries:
+        for entry in entries:
+            if _is_robots(entry.name) and entry.is_file(follow_symlinks=False):
+                robots += 1
+                size += entry.stat(follow_symlinks=False).st_size
+    return Usage(robots, size)
 
 
 def _is_robots(name: str) -> bool:

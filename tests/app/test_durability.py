@@ -12,6 +12,7 @@ from tests.scenes import one_scene
 from tests.torture.disks import small_disk
 
 TABLE = {"convention": "standard", "joints": [{"type": "R", "a": 1, "alpha": 0, "d": 0}]}
+OVERWRITE = {"overwrite": "true"}
 LARGE = {"convention": "standard", "joints": TABLE["joints"] * 60}
 
 
@@ -116,12 +117,12 @@ def test_a_lock_that_cannot_be_had_refuses_uploads_and_says_when_to_come_back(se
     lock = service.directory / "robots.lock"
     lock.unlink()
     lock.mkdir()
-    answer = service.put(path, json=LARGE)
+    answer = service.put(path, json=LARGE, params=OVERWRITE)
     assert (answer.status_code, answer.headers["retry-after"]) == (503, "5")
     assert answer.json()["type"] == "/problems/storage-unavailable"
     assert service.get(path).json()["dof"] == 1
     lock.rmdir()
-    assert service.put(path, json=LARGE).status_code == 200
+    assert service.put(path, json=LARGE, params=OVERWRITE).status_code == 200
     assert service.delete(path).status_code == 204
 
 

@@ -17,6 +17,10 @@ from tests.recorded.fixture import Answer, Asked
 from tests.recorded.normalise import LONGEST, split, text_digest, top_keys
 from tests.recorded.requests.bases import BODIES
 
+_EXISTS = re.compile(
+    r"robot '([^']*)' exists already; choose another name, or repeat the request with"
+    r" \?overwrite=true to replace it"
+)
 _WARNINGS = re.compile(r"^warnings:(?: .*)?\n(?: {2}.*\n)*", re.MULTILINE)
 
 
@@ -389,6 +393,19 @@ def _has_followers(asked: Asked) -> bool:
 
 INTENDED: list[Intended] = [
     Intended(
+        "uploads and deletions take overwrite",
+        lambda asked, answer: answer.status == 422,
+        lambda old, text: text.replace(", overwrite", "").replace("overwrite, ", ""),
+    ),
+    Intended(
+        "a robot under a name that is taken is replaced by overwrite",
+        lambda asked, answer: answer.status == 409,
+        lambda old, text: _EXISTS.sub(
+            r"robot '\1' exists already; PUT /v1/robots/\1 replaces it, or choose another name",
+            text,
+        ),
+    ),
+    Intended(
         "robots of the library do not tell what is left out of their files",
         lambda asked, answer: asked.operation == "robots" and asked.sent.method == "GET",
         _with_left_out,
@@ -631,9 +648,15 @@ def _adapted_by(entry: Intended, old: Answer, text: str, lines: bool) -> str:
     )
 
 
-def is_refused_now(asked: Asked) -> bool:
-    """Whether a request was accepted and no longer is: maps took an empty name for the tip."""
+def is_refused_now(asked: Asked, status: int) -> bool:
+    """Whether a request was accepted and no longer is.
+
+    Maps took an empty name for the tip; an upload replaced another robot unasked: the table that
+    was sent before, with its lengths in m.
+    """
     sent = asked.sent
+    if status != 422:
+        return status == 428 and sent.method == "PUT" and sent.query.endswith("length=mm")
     empty = b'"frame": ""' in (sent.body or b"") or sent.query.endswith("frame=")
     return asked.operation in _MAPS and (empty or "&frame=&" in sent.query)
 

@@ -94,7 +94,7 @@ def replay(address: str, chosen: Iterable[Recorded]) -> Report:
             new, text = session.ask(asked)
             report.slow[asked.operation] += time.perf_counter() - before  # type: ignore[assignment]
             report.count += 1
-            if new == one.answer or (new.status == 422 and is_refused_now(asked)):
+            if new == one.answer or is_refused_now(asked, new.status):
                 continue
             if one.answer.status == 422 and new.status < 300 and is_accepted_now(asked):
                 if new.status == 201:

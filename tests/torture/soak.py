@@ -33,7 +33,7 @@ CLIENTS = 16
 """Connections that find out how much the service can do."""
 MOST_IN_FLIGHT = 400
 """Connections at a time; what comes while all are busy counts as not sent."""
-DELIBERATE = {200, 201, 204, 409, 412, 429, 503}
+DELIBERATE = {200, 201, 204, 409, 412, 428, 429, 503}
 CORES = max(1, (os.cpu_count() or 2) - 1)
 P99 = 0.05
 """Seconds in which /health/live answers, 99 times of 100, where the machine does nothing else."""

@@ -425,7 +425,7 @@ def two_workers(service: Service, rounds: int) -> Report:
             writer, reader = workers[k % 2], workers[(k + 1) % 2]
             path = f"/v1/robots/robot{k % 3}"
             with only(writer, workers):
-                status, tag, _ = caller.call("PUT", path, table(k))
+                status, tag, _ = caller.call("PUT", f"{path}?overwrite=true", table(k))
                 report.expect(status in (200, 201), f"PUT got {status}")
                 deleted = k % 5 == 4
                 if deleted:

@@ -180,7 +180,7 @@ def test_the_link_opens_the_same_page(open_page):
 
 def test_nothing_is_stored_until_it_is_saved(open_page, client):
     before = client.get("/v1/robots?page_size=1000").json()["robots"]
-    visit = open_page("robot=planar_2r&q=10,20&open=pose")
+    visit = open_page("robot=planar_2r&q=10,20&open=pose", refusals=True)
     page = visit.page
     page.get_by_label("Row 1, a", exact=True).fill("1.25")
     visit.settled()
@@ -191,6 +191,16 @@ def test_nothing_is_stored_until_it_is_saved(open_page, client):
     page.wait_for_function("() => location.hash.includes('robot=from-the-page')")
     saved = client.get("/v1/robots/from-the-page/dh").json()
     assert saved["joints"][0]["a"] == 1.25
+    page.get_by_label("Row 1, a", exact=True).fill("1.5")
+    visit.settled()
+    page.get_by_role("button", name="Save …").click()
+    page.get_by_label("Name").fill("from-the-page")
+    page.get_by_role("dialog").get_by_role("button", name="Save …").click()
+    page.get_by_role("dialog").get_by_text("stored already").wait_for()
+    assert client.get("/v1/robots/from-the-page/dh").json() == saved
+    page.get_by_role("button", name="Replace it").click()
+    page.wait_for_function("() => location.hash.includes('robot=from-the-page')")
+    assert client.get("/v1/robots/from-the-page/dh").json()["joints"][0]["a"] == 1.5
     assert client.delete("/v1/robots/from-the-page").status_code == 204
 
 

@@ -8,6 +8,7 @@ from kinematics.errors import KinematicsError
 from robots import errors
 from robots.errors import (
     DAMAGED,
+    AnothersRobot,
     DamagedRobot,
     InvalidRobotId,
     InvalidURDF,
@@ -19,6 +20,7 @@ from robots.errors import (
     RobotExists,
     RobotNotFound,
     RobotTooLarge,
+    SharedRobot,
     StorageError,
     StorageFull,
     StorageUnavailable,
@@ -67,8 +69,30 @@ from robots.errors import (
             RobotExists("probe"),
             409,
             "",
-            "robot 'probe' exists already; PUT /v1/robots/probe replaces it, or choose another"
-            " name",
+            "robot 'probe' exists already; choose another name, or repeat the request with"
+            " ?overwrite=true to replace it",
+        ),
+        (
+            AnothersRobot("probe"),
+            428,
+            "",
+            "the id 'probe' holds another robot, perhaps of somebody else; to replace it, send"
+            " If-Match with its ETag (GET /v1/robots/probe), or add ?overwrite=true; else choose"
+            " another id",
+        ),
+        (
+            AnothersRobot("probe", "delete"),
+            428,
+            "",
+            "the id 'probe' holds another robot, perhaps of somebody else; to delete it, send"
+            " If-Match with its ETag (GET /v1/robots/probe), or add ?overwrite=true",
+        ),
+        (
+            SharedRobot("probe"),
+            403,
+            "",
+            "robot 'probe' is shared by all and not changed by this key; one of scope share changes"
+            " it; PUT stores a robot of your own under this id",
         ),
         (
             ReadOnlyRobot("ur5"),

@@ -219,7 +219,7 @@ def test_an_upload_echoes_its_table_and_names_ids_that_look_alike(client):
     assert view["table"]["joints"][0]["a"] == 0.0003
     assert any("'UR5' looks like that of another robot: 'ur5'" in one for one in view["warnings"])
     csv = "name,type,alpha,a,d,theta\nj1,R,90,0.3,0,0\n"
-    query = {"convention": "standard", "angle": "deg", "name": "UR5"}
+    query = {"convention": "standard", "angle": "deg", "name": "UR5", "overwrite": "true"}
     headers = {"content-type": "text/csv"}
     answer = client.put("/v1/robots/UR5", content=csv, params=query, headers=headers)
     assert answer.status_code == 200, answer.text

@@ -10,6 +10,7 @@ from contextlib import suppress
 import httpx
 import pytest
 
+from app.access.keys import Scope, new_key
 from tests.conftest import PATIENCE, until
 
 SECRET = "s3cret-value"
@@ -97,6 +98,44 @@ def test_nothing_that_a_request_carries_makes_a_line(logged, workers):
     assert not [line for line in lines if line["level"] not in ("info", "warning")]
     assert not any("forged" in str(line) for line in lines)
     assert sum(line["event"] == "request" for line in lines) > 15
+
+
+def test_requests_that_are_turned_away_are_logged_with_their_route(logged, monkeypatch):
+    secret, key = new_key("reader", Scope.READ)
+    monkeypatch.setenv("DENAVIT_API_KEYS", key.line)
+    monkeypatch.setenv("DENAVIT_RATE_LIMIT", "6/hour")
+    monkeypatch.setenv("DENAVIT_ALLOWED_HOSTS", "127.0.0.1")
+    mine = {"Authorization": f"Bearer {secret}"}
+    asked = [
+        (401, "GET", "/v1/robots/puma560/fk", "/v1/robots/{robot_id}/fk", {}),
+        (403, "DELETE", "/v1/robots/mine", "/v1/robots/{robot_id}", mine),
+        (403, "PUT", "/v1/robots/mine", "/v1/robots/{robot_id}", {"Origin": "http://x.example"}),
+        (421, "POST", "/v1/ik", "/v1/ik", {"Host": "x.example"}),
+        (400, "POST", "/v1/robots", "/v1/robots", {"Host": "a b"}),
+        (400, "GET", "/v1/robots/a/urdf", "/v1/robots/{robot_id}/urdf", mine | {"X-API-Key": "b"}),
+        (401, "GET", "/v1/nothing", "unmatched", {}),
+        (429, "GET", "/v1/robots/a/meshes/b/c", "/v1/robots/{robot_id}/meshes/{name:path}", {}),
+    ]
+
+    def act(address):
+        for number, (status, method, path, _, headers) in enumerate(asked):
+            if status == 429:
+                for _ in range(6):
+                    httpx.get(f"{address}/v1/robots", timeout=PATIENCE)
+            answer = httpx.request(
+                method,
+                address + path,
+                headers=headers | {"X-Request-ID": f"asked-{number}"},
+                timeout=PATIENCE,
+            )
+            assert answer.status_code == status, path
+
+    lines = [json.loads(line) for line in logged(act).splitlines()]
+    by_id = {line.get("request_id"): line for line in lines}
+    for number, (status, method, _, route, _) in enumerate(asked):
+        line = by_id[f"asked-{number}"]
+        assert (line["status"], line["method"], line["route"]) == (status, method, route)
+        assert secret not in json.dumps(line)
 
 
 @pytest.mark.scene

@@ -102,6 +102,22 @@ def test_a_worker_that_is_killed_is_replaced(pool, monkeypatch):
     assert answer["simplified"] == {"T": True}
 
 
+def test_a_worker_that_dies_as_it_is_given_its_task_is_replaced(pool, monkeypatch):
+    table = shipped_robot("planar_2r").table
+    pool.run(table, SymbolicRequest())
+    original = workers._Worker.is_alive
+
+    def dies_now(worker):
+        monkeypatch.setattr(workers._Worker, "is_alive", original)
+        os.kill(worker._process.pid, signal.SIGKILL)
+        os.waitid(os.P_PID, worker._process.pid, os.WEXITED | os.WNOWAIT)
+        return True
+
+    monkeypatch.setattr(workers._Worker, "is_alive", dies_now)
+    answer = pool.run(table, SymbolicRequest(quantities=(Quantity.POSITION,)))
+    assert answer["simplified"] == {"position": True}
+
+
 def test_a_late_worker_is_killed():
     sleeping = subprocess.Popen(
         [sys.executable, "-c", "import time; print('{}', flush=True); time.sleep(600)"],

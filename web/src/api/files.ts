@@ -50,11 +50,18 @@ export const readPasted = (
   type: 'text/plain',
 });
 
-/** Store a robot on the service; refused where the name is taken. */
-export const createRobot = (name: string, document: TableDocument | string): Call<RobotView> => ({
+/** Store a robot on the service; refused where the name is taken, unless it may overwrite. */
+export const createRobot = (
+  name: string,
+  document: TableDocument | string,
+  overwrite: boolean,
+): Call<RobotView> => ({
   method: 'POST',
   path: 'v1/robots',
-  query: typeof document === 'string' ? { name } : {},
+  query: {
+    ...(typeof document === 'string' ? { name } : {}),
+    ...(overwrite ? { overwrite: 'true' } : {}),
+  },
   body: document,
   ...(typeof document === 'string' ? { type: 'application/xml' } : {}),
 });

@@ -14,6 +14,8 @@ export class Refusal extends Error {
     readonly status: number,
     readonly detail: string,
     readonly errors: readonly FieldError[],
+    /** The last part of the problem's type, '' where it is none. */
+    readonly kind = '',
   ) {
     super(detail);
   }
@@ -56,11 +58,16 @@ export async function send(call: Call, signal?: AbortSignal): Promise<Response> 
 
 async function refusal(response: Response): Promise<Refusal> {
   try {
-    const problem = (await response.json()) as { detail?: string; errors?: FieldError[] };
+    const problem = (await response.json()) as {
+      type?: string;
+      detail?: string;
+      errors?: FieldError[];
+    };
     return new Refusal(
       response.status,
       problem.detail ?? response.statusText,
       problem.errors ?? [],
+      problem.type?.split('/').pop(),
     );
   } catch {
     return new Refusal(response.status, response.statusText, []);

@@ -1,5 +1,5 @@
 /** Stores the robot on the service under a name. */
-import { json } from '../api';
+import { json, Refusal } from '../api';
 import { createRobot } from '../api/files';
 import { dialog } from '../dialog';
 import { button, h } from '../dom';
@@ -7,6 +7,9 @@ import { reasonsOf } from '../failure';
 import { t } from '../i18n';
 import type { Page } from '../page';
 import { sendable } from '../table/exchange';
+
+/** Kind of a refusal because a robot of that name is stored already. */
+const TAKEN = 'robot-exists';
 
 export function saveDialog({ store, history, tell }: Page): void {
   const { source } = store.state;
@@ -21,18 +24,26 @@ export function saveDialog({ store, history, tell }: Page): void {
     },
   });
   const problem = h('p', { class: 'verdict bad', role: 'alert', lang: 'en' });
+  const replace = button(t.replace, () => void save(true), { hidden: true });
+  field.addEventListener('input', () => {
+    replace.hidden = true;
+  });
 
-  async function save(): Promise<void> {
+  async function save(overwrite = false): Promise<void> {
     if (source.kind === 'stored') return;
     const name = field.value.trim();
     const document = source.kind === 'table' ? sendable({ ...source.table, name }) : source.urdf;
     try {
-      const { id } = await json(createRobot(name, document));
+      const { id } = await json(createRobot(name, document, overwrite));
       window.close();
       history.change({ source: { kind: 'stored', id, convention: null } }, 'save');
       tell(t.saved(id));
     } catch (error) {
-      problem.textContent = reasonsOf(error, '; ');
+      const taken = error instanceof Refusal && error.kind === TAKEN;
+      if (taken) problem.removeAttribute('lang');
+      else problem.lang = 'en';
+      problem.textContent = taken ? t.nameTaken(name) : reasonsOf(error, '; ');
+      replace.hidden = !taken;
     }
   }
 
@@ -46,6 +57,7 @@ export function saveDialog({ store, history, tell }: Page): void {
       button(t.save, () => void save(), { class: 'main' }),
     ),
     problem,
+    replace,
   );
   field.focus();
 }

@@ -2,6 +2,9 @@
 export const later = {
   saveHelp: 'Stores the robot on the service, so that others can use it by its name.',
   saved: (id: string) => `Saved as ${id}`,
+  nameTaken: (name: string) =>
+    `A robot called ${name} is stored already. Choose another name, or replace it.`,
+  replace: 'Replace it',
   name: 'Name',
   close: 'Close',
   pasteTitle: 'Paste a table',

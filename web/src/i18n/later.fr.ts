@@ -3,6 +3,9 @@ import type { Later } from './words';
 export const later: Later = {
   saveHelp: 'Enregistre le robot sur le service : d’autres pourront l’utiliser par son nom.',
   saved: (id) => `Enregistré sous ${id}`,
+  nameTaken: (name) =>
+    `Un robot nommé ${name} existe déjà. Choisissez un autre nom, ou remplacez-le.`,
+  replace: 'Le remplacer',
   name: 'Nom',
   close: 'Fermer',
   pasteTitle: 'Coller un tableau',
