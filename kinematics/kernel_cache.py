@@ -6,6 +6,7 @@ import atexit
 import fcntl
 import hashlib
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -22,18 +23,49 @@ PACKAGE = Path(__file__).parent
 CONFIG: Any = numba.config
 
 
-def source_digest() -> str:
-    """Return a digest of the sources of this package, 16 hexadecimal digits.
+_IMPORTS = re.compile(r"^from (kinematics[.\w]*) import (\([^)]*\)|.*)", re.MULTILINE)
+_COMPILES = "from kinematics.compiled import"
 
-    Numba itself only notices changes in a function's own file, not in those that it calls. Closed
-    forms have no compiled functions, and none uses them.
+
+def source_digest() -> str:
+    """Return a digest of the sources that machine code is made of, 16 hexadecimal digits.
+
+    Numba itself only notices changes in a function's own file, not in those that it calls. Here
+    count the modules with compiled functions, and what they import of this package.
     """
     digest = hashlib.sha256()
-    for source in sorted(PACKAGE.rglob("*.py")):
-        if source.parent.name == "symbolic":
-            continue
+    for source in sorted(compiled_sources()):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
+
+
+def compiled_sources() -> set[Path]:
+    """Return the modules with compiled functions, and those whose constants they import.
+
+    A constant or a named tuple becomes machine code, a function that is not compiled cannot.
+    """
+    texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
+    compiled = {path for path, text in texts.items() if _COMPILES in text}
+    compiled.add(PACKAGE / "compiled.py")
+    found: set[Path] = set()
+    left = list(compiled)
+    while left:
+        path = left.pop()
+        if path in found:
+            continue
+        found.add(path)
+        for module, names in _IMPORTS.findall(texts[path]):
+            folder = PACKAGE.parent.joinpath(*module.split("."))
+            for source in (folder.with_suffix(".py"), folder / "__init__.py"):
+                text = texts.get(source, "")
+                if source in compiled or any(
+                    re.search(
+                        rf"^{name}(?: =|:|\(NamedTuple\))|class {name}\(NamedTuple", text, re.M
+                    )
+                    for name in re.findall(r"\w+", names)
+                ):
+                    left.append(source)
+    return found
 
 
 def choose_folder(digest: str) -> Path | None:

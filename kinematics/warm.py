@@ -16,8 +16,11 @@ import numpy as np
 from kinematics.chain import chain_of
 from kinematics.forward import fk
 from kinematics.inverse import IKOptions, solve_ik, solve_ik_batch
-from kinematics.inverse.all_solutions import all_solutions, task_errors
+from kinematics.inverse.all_solutions import all_solutions
 from kinematics.inverse.bounds import JointBounds
+from kinematics.inverse.continuation.settling import task_columns
+from kinematics.inverse.task_error import task_chain
+from kinematics.inverse.windings import task_errors
 from kinematics.jacobian import jacobian
 from kinematics.kernel_cache import is_full, mark_full
 from kinematics.named_singularities import factorization
@@ -33,8 +36,8 @@ from kinematics.task import POSE
 from robots.robot import Robot
 from robots.shipped import shipped_robot
 
-CLOSED_FORMS = ("panda", "puma560", "ur5", "scara", "pa10")
-"""Shipped robots: one without a closed form, and one of each."""
+CLOSED_FORMS = ("panda", "puma560", "ur5", "scara", "pa10", "so101")
+"""Shipped robots: one that is searched, one of each closed form, one with polynomial equations."""
 
 
 def warm_up() -> None:
@@ -64,6 +67,7 @@ def _solve_in_closed_form_and_follow_a_path() -> None:
         all_solutions(robot, pose)
         chain = chain_of(robot, robot.tip_frame)
         task_errors(chain, pose, POSE, q[chain.columns])
+        task_columns(task_chain(chain, POSE), q[chain.columns], np.empty((chain.length, 6)))
     _follow_a_path()
 
 

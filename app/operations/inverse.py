@@ -45,7 +45,8 @@ from kinematics.inverse import (
     solve_ik,
     solve_ik_batch,
 )
-from kinematics.inverse.all_solutions import Choice, all_solutions, choose
+from kinematics.inverse.all_solutions import all_solutions, exact_solutions
+from kinematics.inverse.solutions import Choice, choose
 from kinematics.inverse.unreached import why_unreached
 from kinematics.task import POSE
 from robots.robot import FloatArray, Robot
@@ -395,6 +396,27 @@ def _told(
     """Return the answer for one target, with the reasons where it is not reached."""
     if result.status is IKStatus.CONVERGED:
         return _single(robot, request, context, result)
+    found = exact_solutions(
+        robot,
+        pose,
+        frame=request.frame,
+        task=request.task,
+        seed=request.seed,
+        tolerance=options.tolerance,
+    )
+    best = None if found is None else choose(robot, found, request.frame, Choice.CLOSEST)
+    if (
+        best is not None
+        and best.position_error <= options.tolerance.position
+        and best.orientation_error <= options.tolerance.orientation
+    ):
+        result = result._replace(
+            status=IKStatus.CONVERGED,
+            q=best.q,
+            position_error=best.position_error,
+            orientation_error=best.orientation_error,
+        )
+        return _single(robot, request, context, result)
     why = why_unreached(
         robot,
         pose,
@@ -402,6 +424,7 @@ def _told(
         task=request.task,
         seed=request.seed,
         options=options,
+        found=found,
     )
     if why.proven:
         result = result._replace(status=IKStatus.UNREACHABLE)

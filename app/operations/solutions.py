@@ -15,7 +15,8 @@ from app.operations.inverse import IKTolerance, RandomSeed, ToleranceField
 from app.operations.operation import Answer, Context, Operation, Runs
 from app.operations.shapes import AnswerUnits, Vector
 from kinematics.inverse import IKOptions, Tolerance
-from kinematics.inverse.all_solutions import IKSolution, all_solutions
+from kinematics.inverse.all_solutions import all_solutions
+from kinematics.inverse.solutions import IKSolution
 from kinematics.inverse.unreached import beyond_limits, why_unreached
 from kinematics.task import POSE
 from robots.robot import Robot
@@ -43,15 +44,17 @@ class IKSolutionView(TypedDict):
     orientation_error: float
     free: list[str]
     swivel: float | None
+    multiplicity: NotRequired[int]
 
 
 class IKSolutionsAnswer(TypedDict):
     """All solutions, the closest to the seed first, those within the limits before the others.
 
     ``complete`` says that mathematics knows no others (but for whole turns). ``free`` names joints
-    that a singular branch leaves free; they have the seed's value. ``beyond_limits``, where there
-    are some, names the joints beyond their limits. ``explanation``, where no solution is within the
-    limits: why, as far as it is proved.
+    that a singular branch leaves free; they have the seed's value. ``multiplicity``, where it is
+    above 1: how many solutions meet there, as two do where an arm is stretched. ``beyond_limits``,
+    where there are some, names the joints beyond their limits. ``explanation``, where no solution
+    is within the limits: why, as far as it is proved.
     """
 
     units: AnswerUnits
@@ -114,6 +117,8 @@ def _view(robot: Robot, solution: IKSolution, context: Context) -> IKSolutionVie
         "free": list(solution.free),
         "swivel": None if swivel is None else float(context.units.angles_out(np.array(swivel))),
     }
+    if solution.multiplicity > 1:
+        view["multiplicity"] = solution.multiplicity
     if not solution.within_limits:
         view["beyond_limits"] = list(beyond_limits(robot, solution.q))
     return view
@@ -123,9 +128,9 @@ SOLUTIONS = Operation(
     name="ik/solutions",
     summary="All solutions of inverse kinematics",
     description="Every q that reaches a pose: in closed form, complete, for 6R arms with a"
-    " spherical wrist or three parallel axes, planar 2R and 3R, and SCARA; for 7R arms with"
-    " spherical shoulder and wrist at sampled swivel angles; for others by search. As npy: q of"
-    " each, shape (n, dof).",
+    " spherical wrist or three parallel axes, planar 2R and 3R, and SCARA; algebraic, complete, for"
+    " any other arm with no more joints than the task has rows; for 7R arms with spherical shoulder"
+    " and wrist at sampled swivel angles; for others by search. As npy: q of each, shape (n, dof).",
     request=IKSolutionsRequest,
     answer=IKSolutionsAnswer,
     run=_run,

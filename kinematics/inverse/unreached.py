@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinematics.chain import Chain, chain_of
-from kinematics.inverse.all_solutions import IKSolutions, all_solutions
+from kinematics.inverse.all_solutions import exact_solutions
 from kinematics.inverse.api import solve_ik
-from kinematics.inverse.closed_form import closed_form_of
 from kinematics.inverse.closed_form.geometry import axis_lines
 from kinematics.inverse.orientations import orientation_gap
 from kinematics.inverse.result import IKOptions, IKStatus
+from kinematics.inverse.solutions import IKSolutions
 from kinematics.task import Task, task_from
 from robots.robot import FloatArray, Robot
 
@@ -69,11 +69,12 @@ def why_unreached(
     tilted = _wrong_orientation(chain, target, task, options.tolerance.orientation)
     if tilted is not None:
         return Reasons((tilted, *_position_alone(robot, target, name, task, seed, options)), True)
-    form = closed_form_of(chain)
-    if form is None or task.name not in form.tasks or form.kind == "srs":
-        return Reasons(_position_alone(robot, target, name, task, seed, options), False)
     if found is None:
-        found = all_solutions(robot, target, frame=frame, task=task, seed=seed, options=options)
+        found = exact_solutions(
+            robot, target, frame=frame, task=task, seed=seed, tolerance=options.tolerance
+        )
+    if found is None or not found.complete:
+        return Reasons(_position_alone(robot, target, name, task, seed, options), False)
     if any(one.within_limits for one in found.solutions):
         return Reasons((), False)
     if found.solutions:

@@ -13,7 +13,15 @@ from numba.core.registry import cpu_target
 
 from kinematics import kernel_cache
 from kinematics.compiled import inner, jit
-from kinematics.kernel_cache import SharedCache, choose_folder, is_full, mark_full, try_to_fill
+from kinematics.kernel_cache import (
+    SharedCache,
+    choose_folder,
+    compiled_sources,
+    is_full,
+    mark_full,
+    source_digest,
+    try_to_fill,
+)
 
 
 @pytest.fixture
@@ -163,3 +171,34 @@ def test_one_process_fills_and_keeps_the_lock_until_it_ends(folder):
         child.communicate(b"\n")
     with try_to_fill() as lock:
         assert lock is not None
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A package with a compiled function, its constant, and what only calls it."""
+    folder = tmp_path / "kinematics"
+    folder.mkdir()
+    (folder / "compiled.py").write_text("def jit(f): return f\n")
+    (folder / "limits.py").write_text("TURN = 6.28\n\ndef wide(x): return x\n")
+    (folder / "kernels.py").write_text(
+        "from kinematics.compiled import jit\nfrom kinematics.limits import (\n    TURN,\n)\n"
+    )
+    (folder / "api.py").write_text("from kinematics.kernels import step\n")
+    monkeypatch.setattr(kernel_cache, "PACKAGE", folder)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("module", "counts"),
+    [("compiled", True), ("kernels", True), ("limits", True), ("api", False)],
+)
+def test_only_what_becomes_machine_code_has_it_compiled_anew(package, module, counts):
+    before = source_digest()
+    (package / f"{module}.py").write_text("X = 1\n" + (package / f"{module}.py").read_text())
+    assert (source_digest() != before) is counts
+
+
+def test_all_modules_with_compiled_functions_count():
+    counted = {path.name for path in compiled_sources()}
+    assert {"compiled.py", "kernels.py", "task_error.py", "damped_step.py"} <= counted
+    assert "errors.py" not in counted

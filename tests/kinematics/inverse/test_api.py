@@ -5,7 +5,8 @@ import pytest
 
 from kinematics.forward import fk
 from kinematics.inverse import IKOptions, IKStatus, solve_ik, solve_ik_batch
-from kinematics.inverse.all_solutions import Choice, all_solutions, choose
+from kinematics.inverse.all_solutions import all_solutions
+from kinematics.inverse.solutions import Choice, choose
 from kinematics.singularity import singularity_report
 from robots.shipped import shipped_robot
 from tests.oracles.pinocchio_ik import solve_on_pinocchio
