@@ -22,7 +22,11 @@ from tests.app.conftest import Server, served
 from tests.conftest import DENAVIT, PATIENCE
 
 STRANGER = "evil.example"
-FLAGS = f"--disable-gpu --disable-features=LocalNetworkAccessChecks '--host-resolver-rules=MAP {STRANGER} 127.0.0.1'"
+FLAGS = (
+    "--disable-gpu --disable-features=LocalNetworkAccessChecks"
+    f" '--host-resolver-rules=MAP {STRANGER} 127.0.0.1'"
+)
+"""Without the browser's own doors to this machine: those of the service are tested."""
 SECRET = 0.736251
 MINE = {
     "name": "mine",
@@ -80,7 +84,8 @@ SEND = """async ([victim, table, questions]) => {
         await new Promise(done => {
             const request = new XMLHttpRequest();
             request.onloadend = () => {
-                if (request.status) read.push([method, 'xhr', request.status, request.responseText]);
+                const {status, responseText} = request;
+                if (status) read.push([method, 'xhr', status, responseText]);
                 done();
             };
             request.open(method, victim + '/v1/robots' + (method === 'POST' ? '' : '/mine'));
@@ -179,7 +184,8 @@ OPEN = """async ([victim, table]) => {
     const opened = window.open(victim + '/#robot=mine&q=0');
     await new Promise(done => setTimeout(done, 3000));
     if (opened === null) return {told, document: null, isHeld: false};
-    for (const message of [{type: 'save', table}, 'save', {method: 'PUT', path: '/v1/robots/mine'}]) {
+    const change = {method: 'PUT', path: '/v1/robots/mine'};
+    for (const message of [{type: 'save', table}, 'save', change]) {
         opened.postMessage(message, '*');
     }
     await new Promise(done => setTimeout(done, 500));
@@ -213,7 +219,7 @@ class _NoDoors(BaseHTTPRequestHandler):
 
     do_GET = do_POST = do_PUT = do_DELETE = do_OPTIONS = _answer  # noqa: N815  as the base class has it
 
-    def log_message(self, format: str, *args: object) -> None:
+    def log_message(self, *_: object) -> None:
         """Says nothing."""
 
 
