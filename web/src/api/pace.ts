@@ -34,14 +34,22 @@ export class Pace {
   private rest = 0;
   /** What the service allows until then, as its last answer said. */
   private left = { requests: Number.POSITIVE_INFINITY, of: 0, until: 0 };
+  /** Requests that were admitted just now, and go before all that wait. */
+  private admitted = 0;
   private drags: Waiter[] = [];
   private others: Waiter[] = [];
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   /** Wait until a request may be sent; it then counts as sent. */
   async take(signal?: AbortSignal): Promise<void> {
-    if (this.isCounted && this.wait(1) > 0) await this.queued(this.others, 1, FILES_WAIT, signal);
-    else this.count();
+    const isFree = !this.drags.length && !this.others.length && this.wait(1) <= 0;
+    if (this.admitted > 0) this.admitted -= 1;
+    else if (this.isCounted && !isFree) {
+      // Those in the queue are counted when they are served.
+      await this.queued(this.others, 1, FILES_WAIT, signal);
+      return;
+    }
+    this.count();
   }
 
   /**
@@ -123,6 +131,7 @@ export class Pace {
   /** Serve whoever may go now, drags first, and come back for the others. */
   private serve(): void {
     clearTimeout(this.timer);
+    this.admitted = 0;
     const [drag] = this.drags;
     const [other] = this.others;
     const now = performance.now();
@@ -140,7 +149,10 @@ export class Pace {
     const waiter = ready?.queue.shift();
     if (waiter) {
       if (ready?.queue === this.others) this.count();
-      else this.rest = now + STEP * waiter.count;
+      else {
+        this.rest = now + STEP * waiter.count;
+        this.admitted = waiter.count;
+      }
       waiter.go();
     }
     if (!waits.length) return;
