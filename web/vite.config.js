@@ -33,7 +33,7 @@ const service = process.env.DENAVIT_SERVICE ?? 'http://localhost:8000';
 // Modules of the first screen: all but the entry, what is opened later, and the languages.
 const LATER = [
   /node_modules/,
-  /\/src\/(main|solve|target|dialog|reproduction|api\/motion|api\/files)\.ts$/,
+  /\/src\/(main|solve|target|dialog|key-dialog|reproduction|api\/motion|api\/files)\.ts$/,
   /\/src\/(files|stage|panels\/path)\//,
   /\/src\/panels\/(ik|reproduce)\.ts$/,
   /\/src\/table\/(paste|placements)\.ts$/,

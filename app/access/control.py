@@ -12,8 +12,10 @@ from app.http.problems import FORBIDDEN, TOO_MANY, TWO_KEYS, UNAUTHORISED
 OPEN = ("/", "/docs", "/guide", "/openapi.json", "/favicon.ico")
 OPEN_BELOW = ("/health/", "/docs-assets/", "/guide/", "/assets/", "/problems/")
 """Open to everybody: whether the service lives, and documents that tell nothing about robots."""
-UNCOUNTED = ("/health/live", "/health/ready")
-"""Asked by load balancers, which must not be turned away."""
+UNCOUNTED = ("/", "/docs", "/guide", "/health/live", "/health/ready")
+UNCOUNTED_BELOW = ("/assets/", "/docs-assets/", "/guide/")
+"""Asked by load balancers, which must not be turned away; and pages with their parts, which a
+browser asks for many at a time, without a key, and a classroom by one address."""
 KEY = "denavit.key"
 """Entry of the scope of a request: the key that it shows."""
 BEARER = 'Bearer realm="denavit"'
@@ -43,7 +45,7 @@ class AccessControl:
         key = self.keys.find(secrets[0]) if len(secrets) == 1 else None
         if key is not None:
             scope[KEY] = key
-        if self.rates is not None and path not in UNCOUNTED:
+        if self.rates is not None and not _is_uncounted(path):
             standing = self.rates.count(_client_of(scope, key))
             send = _with_headers(send, standing)
             if not standing.allowed:
@@ -114,6 +116,10 @@ def _client_of(scope: Scope, key: Key | None) -> str:
 
 def _is_open(path: str) -> bool:
     return path in OPEN or path.startswith(OPEN_BELOW)
+
+
+def _is_uncounted(path: str) -> bool:
+    return path in UNCOUNTED or path.startswith(UNCOUNTED_BELOW)
 
 
 def _with_headers(send: Send, standing: Standing) -> Send:

@@ -1,7 +1,10 @@
 """Headers of every answer: what a browser must not do with it.
 
 A page of its own (``/``, ``/docs``) says itself what it may load; everything else is data, of
-which nothing runs, is framed, or is kept without asking again.
+which nothing runs, or is kept without asking again. No page frames any of it, embeds it from
+another origin (Fetch Standard: ``Cross-Origin-Resource-Policy``), where an image that loads would
+tell that a robot is there, or holds a window of it that it has opened (HTML Standard:
+``Cross-Origin-Opener-Policy``).
 """
 
 from __future__ import annotations
@@ -18,6 +21,8 @@ DATA_POLICY = (
 SAFE = [
     (b"x-content-type-options", b"nosniff"),
     (b"referrer-policy", b"no-referrer"),
+    (b"x-frame-options", b"DENY"),
+    (b"cross-origin-opener-policy", b"same-origin"),
 ]
 SCRIPTS = b"text/javascript"
 
@@ -28,10 +33,13 @@ class SafeHeaders:
     Args:
         app: What is behind.
         private: Whether answers are for the holder of a key, and not for shared caches.
+        embeddable: Whether pages of every origin may embed answers, as CORS lets them read all.
     """
 
-    def __init__(self, app: ASGIApp, private: bool) -> None:
+    def __init__(self, app: ASGIApp, private: bool, embeddable: bool = False) -> None:
         self.app = app
+        embedding = b"cross-origin" if embeddable else b"same-origin"
+        self.safe = [*SAFE, (b"cross-origin-resource-policy", embedding)]
         self.caching = b"private, no-cache" if private else b"no-cache"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -56,10 +64,10 @@ class SafeHeaders:
                 caching = b""
             elif name == b"content-type" and value.startswith(SCRIPTS):
                 script = True
-        headers += SAFE
+        headers += self.safe
         if caching:
             headers.append((CACHING, caching))
         if policy and not script:
             # A script that a page runs in a worker would have to obey it.
-            headers += [(POLICY, policy), (b"x-frame-options", b"DENY")]
+            headers.append((POLICY, policy))
         return headers

@@ -20,7 +20,7 @@ from dh_to_urdf.errors import quoted
 ANY = "*"
 LOOPBACK = ("localhost", "127.0.0.1", "[::1]")
 PROBES = ("/health/live", "/health/ready")
-"""Asked by orchestrators by whatever address they know; they tell nothing about robots."""
+"""Asked by orchestrators by whatever address they know, which a page cannot give to its name."""
 _AUTHORITY = re.compile(rb"(\[[0-9A-Fa-f:.]{2,45}\]|[A-Za-z0-9._~-]{1,253})(?::[0-9]{0,5})?")
 _PATTERN = re.compile(r"\*|(\*\.)?[a-z0-9._~-]{1,253}|\[[0-9a-f:.]{2,45}\]")
 
@@ -59,6 +59,14 @@ def named_by_address(settings: Settings) -> Settings:
     return settings.model_copy(update={"allowed_hosts": " ".join(LOOPBACK)})
 
 
+def _is_address(host: bytes) -> bool:
+    try:
+        ipaddress.ip_address(host.decode().strip("[]"))
+    except ValueError:
+        return False
+    return True
+
+
 def _is_loopback(host: str) -> bool:
     try:
         return ipaddress.ip_address(host.strip("[]")).is_loopback
@@ -92,7 +100,7 @@ class AllowedHosts:
                 return
             detail = "send exactly one Host header, with a name, such as Host: localhost:8000"
             await refuse(scope, receive, send, MALFORMED_HOST, detail)
-        elif self._allows(match[1]) or path_of(scope) in PROBES:
+        elif self._allows(match[1]) or (path_of(scope) in PROBES and _is_address(match[1])):
             await self.app(scope, receive, send)
         else:
             detail = (

@@ -108,7 +108,7 @@ def protect(app: FastAPI, settings: Settings, counters: Path | None = None) -> K
         )
     app.add_middleware(AllowedHosts, names=allowed_hosts(settings))
     app.add_middleware(RequestId)
-    app.add_middleware(SafeHeaders, private=keys.required)
+    app.add_middleware(SafeHeaders, private=keys.required, embeddable="*" in origins)
     return keys
 
 

@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import shlex
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -73,7 +74,7 @@ def browsers() -> Iterator[object]:
             if flags not in started:
                 started[flags] = playwright.chromium.launch(
                     executable_path=executable,
-                    args=[*FLAGS.split(), *flags.split()],
+                    args=[*shlex.split(FLAGS), *shlex.split(flags)],
                     timeout=1000 * PATIENCE,
                 )
             return started[flags]

@@ -11,7 +11,7 @@ from app.page import TYPES
 
 ROOT = Path(__file__).parents[2]
 STATIC = ROOT / "app" / "static"
-FIRST_SCREEN = 21_000
+FIRST_SCREEN = 22_500
 QUESTIONS = 4
 FIRST_FETCHES = 16
 FIRST_BYTES = 100_000

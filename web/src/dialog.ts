@@ -7,18 +7,23 @@ export interface Dialog {
   close(): void;
 }
 
+let opened = 0;
+
 export function dialog(title: string, ...content: Node[]): Dialog {
   const close = (): void => {
     element.close();
     element.remove();
   };
+  // One may be opened over another.
+  opened += 1;
+  const id = `dialog-title-${opened}`;
   const element = h(
     'dialog',
-    { 'aria-labelledby': 'dialog-title', onclose: () => element.remove() },
+    { 'aria-labelledby': id, onclose: () => element.remove() },
     h(
       'div',
       { class: 'line spread' },
-      h('h2', { id: 'dialog-title' }, title),
+      h('h2', { id }, title),
       button('×', close, { 'aria-label': t.close }),
     ),
     ...content,

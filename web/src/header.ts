@@ -9,6 +9,7 @@ import type { Page } from './page';
 import { type Linked, linkedValues, type State } from './state';
 import { switchTheme } from './theme';
 import { converted } from './units';
+import { askForKey } from './unlocking';
 
 export interface Choices {
   readonly language: Language;
@@ -76,6 +77,7 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
     t.save,
     () => void opened(import('./files/save')).then(({ saveDialog }) => saveDialog(page)),
   );
+  const keyButton = button(t.key, () => void askForKey(page, 'change'));
   const share = button(t.copyLink, () => {
     if (isIncomplete(location.hash)) page.tell(t.tooLong, true);
     else
@@ -100,6 +102,7 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
     redo.disabled = !history.canRedo;
     angle.value = state.angle;
     digits.value = String(state.digits);
+    keyButton.hidden = !state.keys && !api.key();
     save.disabled = state.source.kind === 'stored';
   }
 
@@ -134,6 +137,13 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
   });
   store.subscribe(linkedValues, render);
   store.subscribe(
+    ({ keys }) => keys,
+    () => {
+      render();
+      if (robots.options.length < 2) void list();
+    },
+  );
+  store.subscribe(
     ({ model }) => model,
     () => {
       const id = chosenId();
@@ -166,6 +176,7 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
       digits,
       language,
       theme,
+      keyButton,
       h('a', { href: 'guide' }, 'Guide'),
       h('a', { href: 'docs' }, 'API'),
     ),

@@ -1,5 +1,6 @@
 /** Loads the robot that the state names. */
 import * as api from './api';
+import { reasonOf } from './failure';
 import { t } from './i18n';
 import { isAbort, Latest } from './latest';
 import { defaultTask } from './model';
@@ -47,15 +48,20 @@ export function keepModel({ store, tell }: Page): void {
             if (store.state.source === source && classes.contains('stale')) load();
           }, RETRY);
         } else if (error instanceof api.Refusal) {
-          const { detail, errors } = error;
-          store.set({ errors: errors.length ? errors : [{ pointer: '', message: detail }] });
-          if (source.kind !== 'table') tell(detail, true);
+          const { status, errors } = error;
+          const words = reasonOf(error);
+          const isOfTable = errors.length > 0 && status !== 401;
+          store.set({ errors: isOfTable ? errors : [{ pointer: '', message: words }] });
+          if (source.kind !== 'table') tell(words, true);
         } else throw error;
       }
     });
   }
 
   // The service gives a stored robot's table in the unit shown; a typed table has its own.
-  store.subscribe(({ source, angle }) => [source, source.kind === 'table' || angle], load);
+  store.subscribe(
+    ({ source, angle, keys }) => [source, source.kind === 'table' || angle, keys],
+    load,
+  );
   load();
 }

@@ -1,5 +1,6 @@
 /** Entry of the page: creates its state and its parts, and lays them out. */
 import { keepAddress, readAddress } from './address';
+import { askForKeyBy } from './api';
 import { h } from './dom';
 import { storedRobot } from './examples';
 import { headerView } from './header';
@@ -15,6 +16,7 @@ import { newSession, START, type State, tipPose } from './state';
 import { Store } from './store';
 import { tableView } from './table/view';
 import { followBrowserTheme, isDark, restoreTheme } from './theme';
+import { askForKey } from './unlocking';
 
 /** A screen reader is told the numbers once they have rested for this time, ms. */
 const REST = 900;
@@ -113,6 +115,7 @@ document.body.prepend(
   status,
   toast,
 );
+askForKeyBy((lack) => askForKey(page, lack));
 keepModel(page);
 if (isIncomplete(location.hash) && !window.history.state) page.tell(t.tooLong, true);
 // The first numbers come before the view, which takes longer to load.

@@ -9,8 +9,13 @@ function ascii(value: unknown): string {
   );
 }
 
-export function asCurl(call: Call): string {
+/** Variable of the environment that stands for the key, which no command and no program holds. */
+const KEY = 'DENAVIT_KEY';
+
+/** @param keyed Whether the service asks for a key. */
+export function asCurl(call: Call, keyed = false): string {
   const parts = ['curl -s'];
+  if (keyed) parts.push(`-H "X-API-Key: $${KEY}"`);
   if (call.method !== 'GET' && call.method !== 'POST') parts.push(`-X ${call.method}`);
   if (call.accept) parts.push(`-H ${shell(`Accept: ${call.accept}`)}`);
   if (call.body !== undefined) parts.push(`--json ${shell(ascii(call.body))}`);
@@ -23,12 +28,17 @@ function shell(text: string): string {
   return `'${text.replaceAll("'", String.raw`'\''`)}'`;
 }
 
-export function asHttpx(call: Call): string {
+export function asHttpx(call: Call, keyed = false): string {
   const named = [`    "${urlOf({ ...call, query: {} })}",`];
   if (Object.keys(call.query).length) named.push(`    params=${python(call.query)},`);
   if (call.body !== undefined) named.push(`    json=${python(call.body)},`);
-  if (call.accept) named.push(`    headers={"Accept": ${python(call.accept)}},`);
+  const headers = [
+    ...(call.accept ? [`"Accept": ${python(call.accept)}`] : []),
+    ...(keyed ? [`"X-API-Key": os.environ["${KEY}"]`] : []),
+  ];
+  if (headers.length) named.push(`    headers={${headers.join(', ')}},`);
   return [
+    ...(keyed ? ['import os', ''] : []),
     'import httpx',
     '',
     `answer = httpx.${call.method.toLowerCase()}(`,
@@ -51,12 +61,16 @@ export function python(value: unknown): string {
   return `{${entries.map(([key, one]) => `${ascii(key)}: ${python(one)}`).join(', ')}}`;
 }
 
-export function asPowerShell(call: Call): string {
+export function asPowerShell(call: Call, keyed = false): string {
   const quoted = (text: string): string => `'${text.replaceAll("'", "''")}'`;
   const parts = [`Invoke-RestMethod -Method ${call.method} -Uri ${quoted(urlOf(call))}`];
   if (call.body !== undefined) {
     parts.push(`-ContentType 'application/json' -Body ${quoted(ascii(call.body))}`);
   }
-  if (call.accept) parts.push(`-Headers @{Accept=${quoted(call.accept)}}`);
+  const headers = [
+    ...(call.accept ? [`Accept=${quoted(call.accept)}`] : []),
+    ...(keyed ? [`'X-API-Key'=$env:${KEY}`] : []),
+  ];
+  if (headers.length) parts.push(`-Headers @{${headers.join('; ')}}`);
   return `${parts.join(' `\n  ')} |\n  ConvertTo-Json -Depth 20`;
 }

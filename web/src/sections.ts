@@ -21,6 +21,8 @@ const LAZY = {
   reproduce: async () => (await import('./panels/reproduce')).reproducePanel,
 };
 
+/** The arm that is dragged may go before its numbers for this time, ms. */
+const NUMBERS_WAIT = 600;
 /** Numbers that did not arrive are asked for again after this time, ms. */
 const RETRY = 2000;
 
@@ -33,7 +35,10 @@ export function sectionsView(page: Page): HTMLElement {
     singularityPanel(page),
   ];
   const folds = new Map<Section, HTMLDetailsElement>();
-  const latest = new Latest();
+  const latest = new Latest(
+    () => panels.filter(({ id }) => isNeeded(id, store.state)).length,
+    NUMBERS_WAIT,
+  );
   let again: ReturnType<typeof setTimeout>;
   let isFailing = false;
 
@@ -139,7 +144,19 @@ export function sectionsView(page: Page): HTMLElement {
 
   store.subscribe(({ open }) => open, unfold);
   store.subscribe(
-    (s) => [s.model, s.q, s.angle, s.euler, s.reference, s.task, s.open, s.view, s.digits, s.row],
+    (s) => [
+      s.model,
+      s.q,
+      s.angle,
+      s.euler,
+      s.reference,
+      s.task,
+      s.open,
+      s.view,
+      s.digits,
+      s.row,
+      s.keys,
+    ],
     refresh,
   );
   const element = h(

@@ -9,7 +9,7 @@ import type { Solved, State } from './state';
 
 /** Time budget of the inverse kinematics while the target is dragged, ms. */
 const DRAG_MS = 30;
-const latest = new Latest();
+const latest = new Latest(() => 1);
 
 /** Move the arm from its configuration to the target; in a short time while it is dragged. */
 export function follow(page: Page, done: boolean): void {

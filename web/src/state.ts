@@ -148,6 +148,8 @@ export interface Session {
   /** The path that was followed last. */
   readonly followed: ScenePath | null;
   readonly dark: boolean;
+  /** How often the reader was asked for a key or gave one; what was refused is then asked anew. */
+  readonly keys: number;
 }
 
 export interface State extends Linked, Session {}
@@ -164,6 +166,7 @@ export function newSession(dark: boolean): Session {
     solutions: [],
     followed: null,
     dark,
+    keys: 0,
   };
 }
 

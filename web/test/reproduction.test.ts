@@ -40,3 +40,14 @@ describe('a request to be run elsewhere', () => {
     expect(asPowerShell(computation('fk', { table: TABLE }, { q: [1] }))).toContain("it''s");
   });
 });
+
+it('names the key by a variable, and never holds it', () => {
+  const call = computation('fk', { id: 'puma560' }, { q: [0] }, 'deg', 'text/plain');
+  expect(asCurl(call, true)).toContain('-H "X-API-Key: $DENAVIT_KEY"');
+  expect(asHttpx(call, true)).toContain('"X-API-Key": os.environ["DENAVIT_KEY"]');
+  expect(asHttpx(call, true)).toContain('import os');
+  expect(asPowerShell(call, true)).toContain(
+    "-Headers @{Accept='text/plain'; 'X-API-Key'=$env:DENAVIT_KEY}",
+  );
+  for (const form of [asCurl, asHttpx, asPowerShell]) expect(form(call)).not.toContain('KEY');
+});

@@ -57,8 +57,20 @@ def test_every_answer_has_safe_headers(client, path):
     assert headers["referrer-policy"] == "no-referrer"
     assert headers["cache-control"]
     assert "default-src 'none'" in headers["content-security-policy"]
-    assert "frame-ancestors" in headers["content-security-policy"]
+    assert "frame-ancestors 'none'" in headers["content-security-policy"]
+    assert headers["x-frame-options"] == "DENY"
+    assert headers["cross-origin-opener-policy"] == "same-origin"
+    assert headers["cross-origin-resource-policy"] == "same-origin"
     assert "server" not in headers
+
+
+@pytest.mark.parametrize(
+    ("origins", "policy"), [("https://lab.example.org", "same-origin"), ("*", "cross-origin")]
+)
+def test_answers_are_embedded_where_all_may_read_them(serve, origins, policy):
+    with serve(cors_origins=origins) as server:
+        answer = httpx.get(server.address + FK, timeout=PATIENCE)
+        assert answer.headers["cross-origin-resource-policy"] == policy
 
 
 @pytest.mark.scene

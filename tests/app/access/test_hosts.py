@@ -37,7 +37,12 @@ def test_a_server_of_this_machine_goes_by_its_names_only(serve):
             assert status == 421, host
             assert host in body
             assert "DENAVIT_ALLOWED_HOSTS" in body
-        assert asked(server, "10.1.2.3:8000", path="/health/live")[0] == 200
+        for path in ("/health/live", "/health/ready"):
+            for host in ("10.1.2.3:8000", "[fd00::1]:8000"):
+                assert asked(server, host, path=path)[0] == 200, (host, path)
+            # A name may have been given this address; readiness names damaged robots.
+            for host in ("rebound.example", "10.1.2.3.rebound.example"):
+                assert asked(server, host, path=path)[0] == 421, (host, path)
 
 
 def test_a_request_says_once_whom_it_calls(serve):

@@ -1,5 +1,7 @@
 """Rate limits, on real servers."""
 
+import re
+
 import httpx
 import pytest
 
@@ -26,6 +28,22 @@ def test_who_asks_too_often_is_told_when_to_come_back(serve):
         # Nobody is trusted to say who asks.
         forged = client.get(FK, headers={"X-Forwarded-For": "203.0.113.7"})
         assert forged.status_code == 429
+
+
+def test_pages_and_their_parts_are_not_counted(serve):
+    """A browser asks for many of them at once, before it has a key."""
+    with (
+        serve(rate_limit="2/minute") as server,
+        httpx.Client(base_url=server.address, timeout=PATIENCE) as client,
+    ):
+        page = client.get("/", headers={"Accept": "text/html"})
+        parts = re.findall(r"assets/[\w.-]+", page.text)
+        assert parts
+        for path in (*parts * 3, "docs", "docs-assets/swagger-ui.css", "guide", "guide/api"):
+            answer = client.get(f"/{path}")
+            assert answer.status_code == 200, path
+            assert "ratelimit-limit" not in answer.headers
+        assert [client.get(FK).status_code for _ in range(3)] == [200, 200, 429]
 
 
 def test_behind_a_trusted_proxy_the_clients_are_counted(serve):

@@ -7,6 +7,8 @@
  */
 export * from './call';
 export * from './computations';
+export * from './key';
+export * from './pace';
 export * from './robots';
 export * from './send';
 export * from './tables';

@@ -1,5 +1,10 @@
 /** Sends a call, and names the ways in which it can fail. */
 import { type Call, urlOf } from './call';
+import { anotherKey, key, keyAsked } from './key';
+import { pace } from './pace';
+
+/** A request that is refused for a longer time is not sent again by itself, s. */
+const MOST_SECONDS = 60;
 
 /** One entry of `errors` in a problem document. */
 export interface FieldError {
@@ -33,7 +38,8 @@ export function isTemporary(error: unknown): boolean {
 }
 
 /**
- * Send a call.
+ * Send a call with the key, if there is one: at the pace of the service, again where it was asked
+ * too often, and again with another key where the reader gives one.
  *
  * @throws Refusal for any status but 2xx; Unreachable without an answer; DOMException AbortError.
  */
@@ -45,15 +51,50 @@ export async function send(call: Call, signal?: AbortSignal): Promise<Response> 
     headers['Content-Type'] = call.type ?? 'application/json';
     init.body = call.type ? (call.body as string) : JSON.stringify(call.body);
   }
-  let response: Response;
+  for (;;) {
+    await keyAsked();
+    signal?.throwIfAborted();
+    await pace.take(signal);
+    const shown = key();
+    if (shown) headers['X-API-Key'] = shown;
+    else delete headers['X-API-Key'];
+    const response = await fetched(urlOf(call), init);
+    pace.learn(response.headers);
+    if (response.ok) return response;
+    if (response.status === 429 && pace.refused(response.headers) <= MOST_SECONDS) continue;
+    if (response.status === 401 && (await anotherKey(shown))) continue;
+    throw await refusal(response);
+  }
+}
+
+/**
+ * Whether the service accepts a key.
+ *
+ * @throws Refusal, Unreachable as `send`.
+ */
+export async function isAccepted(given: string): Promise<boolean> {
+  const headers = { Accept: 'application/json', 'X-API-Key': given };
+  for (;;) {
+    await pace.take();
+    const url = urlOf({ method: 'GET', path: 'v1/robots', query: { page_size: '1' } });
+    const response = await fetched(url, { headers });
+    pace.learn(response.headers);
+    if (response.ok || response.status === 401) return response.ok;
+    if (response.status !== 429 || pace.refused(response.headers) > MOST_SECONDS) {
+      throw await refusal(response);
+    }
+  }
+}
+
+async function fetched(url: string, init: RequestInit): Promise<Response> {
   try {
-    response = await fetch(urlOf(call), init);
+    return await fetch(url, init);
   } catch (error) {
     if (error instanceof DOMException) throw error;
     throw new Unreachable(String(error));
+  } finally {
+    pace.ended();
   }
-  if (!response.ok) throw await refusal(response);
-  return response;
 }
 
 async function refusal(response: Response): Promise<Refusal> {

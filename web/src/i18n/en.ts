@@ -20,6 +20,10 @@ export const en = {
   language: 'Language',
   theme: 'Light or dark',
   skip: 'Skip to the numbers',
+  key: 'Key …',
+  keyNeeded: 'This service asks for a key: press “Key …” to give one',
+  keyOnlyReads:
+    'This key reads and computes only. To store robots press “Key …” and give one of scope write.',
   unreachable: 'The service does not answer',
   tooLong: 'This robot is too long for a link: save it on the service first',
   tableShown: 'The table is now the robot; undo goes back to the URDF',

@@ -20,6 +20,10 @@ export const fr: First = {
   language: 'Langue',
   theme: 'Clair ou sombre',
   skip: 'Aller aux nombres',
+  key: 'Clé …',
+  keyNeeded: 'Ce service demande une clé : donnez-la par « Clé … »',
+  keyOnlyReads:
+    'Cette clé ne permet que de lire et de calculer. Pour enregistrer, donnez par « Clé … » une clé d’écriture (write).',
   unreachable: 'Le service ne répond pas',
   tooLong: 'Ce robot est trop long pour un lien : enregistrez-le d’abord sur le service',
   tableShown: 'Le tableau est maintenant le robot ; annuler revient à l’URDF',

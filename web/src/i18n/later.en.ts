@@ -6,6 +6,19 @@ export const later = {
     `A robot called ${name} is stored already. Choose another name, or replace it.`,
   replace: 'Replace it',
   name: 'Name',
+  keyTitle: 'Key of the service',
+  keyLacks: {
+    missing: 'This service asks for a key. Whoever runs it gives you one.',
+    revoked:
+      'The service no longer accepts the key of this page. Your work is still here: give another key to go on.',
+    change: 'This key goes with each request of the page.',
+  },
+  keyKept: 'It is kept until you close this tab, and is in no link and no copied request.',
+  keyField: 'Key',
+  keyUse: 'Use this key',
+  keyForget: 'Forget the key',
+  keyUnknown: 'The service does not know this key.',
+  keyOdd: 'A key has letters, digits and signs without blanks, such as dnv_…',
   close: 'Close',
   pasteTitle: 'Paste a table',
   pasteHelp:

@@ -6,6 +6,20 @@ export const later: Later = {
   nameTaken: (name) =>
     `Un robot nommé ${name} existe déjà. Choisissez un autre nom, ou remplacez-le.`,
   replace: 'Le remplacer',
+  keyTitle: 'Clé du service',
+  keyLacks: {
+    missing: 'Ce service demande une clé. La personne qui le gère vous en donne une.',
+    revoked:
+      'Le service n’accepte plus la clé de cette page. Votre travail est toujours là : donnez une autre clé pour continuer.',
+    change: 'Cette clé accompagne chaque requête de la page.',
+  },
+  keyKept:
+    'Elle est gardée jusqu’à la fermeture de cet onglet ; ni les liens ni les requêtes copiées ne la contiennent.',
+  keyField: 'Clé',
+  keyUse: 'Utiliser cette clé',
+  keyForget: 'Oublier la clé',
+  keyUnknown: 'Le service ne connaît pas cette clé.',
+  keyOdd: 'Une clé est faite de lettres, de chiffres et de signes sans espaces, comme dnv_…',
   name: 'Nom',
   close: 'Fermer',
   pasteTitle: 'Coller un tableau',

@@ -1,4 +1,5 @@
 /** The requests behind the numbers, as commands to run elsewhere. */
+import { key } from '../api';
 import { button, h, replace } from '../dom';
 import { t } from '../i18n';
 import type { Page } from '../page';
@@ -43,7 +44,7 @@ export function reproducePanel({ store, tell }: Page): HTMLElement {
       ),
     );
     const call = chosen && calls[chosen];
-    const text = call ? FORMS[form](call) : '';
+    const text = call ? FORMS[form](call, key() !== '') : '';
     if (code.textContent !== text) code.textContent = text;
   }
 
@@ -56,7 +57,7 @@ export function reproducePanel({ store, tell }: Page): HTMLElement {
       ),
     { class: 'main' },
   );
-  store.subscribe(({ calls, reproduced }) => [calls, reproduced], render);
+  store.subscribe(({ calls, reproduced, keys }) => [calls, reproduced, keys], render);
   render();
   return h(
     'div',

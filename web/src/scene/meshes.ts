@@ -1,6 +1,6 @@
 /** The meshes that the service has for a robot. */
 import { LoadingManager, Mesh, MeshLambertMaterial, type Object3D } from 'three';
-import { json, listMeshes, ROOT } from '../api';
+import { json, listMeshes, send } from '../api';
 
 /** A mesh that the URDF names. */
 export interface WantedMesh {
@@ -40,22 +40,22 @@ function pathOf(url: string): string {
 }
 
 async function meshAt(href: string): Promise<Object3D> {
-  const url = new URL(href, ROOT).href;
+  const file = await send({ method: 'GET', path: href, query: {}, accept: '*/*' });
   const suffix = href.toLowerCase().split('.').at(-1);
   if (suffix === 'stl') {
     const { STLLoader } = await import('three/examples/jsm/loaders/STLLoader.js');
-    const geometry = await new STLLoader().loadAsync(url);
+    const geometry = new STLLoader().parse(await file.arrayBuffer());
     return new Mesh(geometry, new MeshLambertMaterial({ color: 0xb8c0c8 }));
   }
   // The service has no textures and no material files: a blank pixel stands for each.
   const manager = new LoadingManager();
-  manager.setURLModifier((asked) => (asked === url ? asked : BLANK));
+  manager.setURLModifier(() => BLANK);
   if (suffix === 'obj') {
     const { OBJLoader } = await import('three/examples/jsm/loaders/OBJLoader.js');
-    return new OBJLoader(manager).loadAsync(url);
+    return new OBJLoader(manager).parse(await file.text());
   }
   const { ColladaLoader } = await import('three/examples/jsm/loaders/ColladaLoader.js');
-  const text = await (await fetch(url)).text();
+  const text = await file.text();
   // A URDF takes the file's own axes, but the loader turns a file whose z is up: it is told y.
   const found = new ColladaLoader(manager).parse(text.replace('>Z_UP<', '>Y_UP<'), '');
   const { scene } = found as { scene: Object3D };

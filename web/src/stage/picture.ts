@@ -6,9 +6,12 @@ import { t } from '../i18n';
 import { Latest } from '../latest';
 import type { Page } from '../page';
 
+/** A picture waits as long as the numbers, which come with it; ms. */
+const WITH_NUMBERS = 600;
+
 export function pictureView({ store }: Page, host: HTMLElement): void {
   const image = h('img', { class: 'picture', alt: t.scene });
-  const latest = new Latest();
+  const latest = new Latest(() => 1, WITH_NUMBERS);
   replace(host, image, h('p', { class: 'note' }, t.noWebGL));
   // The image has a description of its own.
   host.removeAttribute('role');
@@ -38,7 +41,7 @@ export function pictureView({ store }: Page, host: HTMLElement): void {
     if (before) URL.revokeObjectURL(before);
   }
 
-  store.subscribe(({ model, q, angle }) => [model, q, angle], draw);
+  store.subscribe(({ model, q, angle, keys }) => [model, q, angle, keys], draw);
   draw();
 }
 
