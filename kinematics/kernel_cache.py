@@ -19,18 +19,19 @@ from llvmlite import binding as llvm
 from numba.core.caching import FunctionCache
 
 PACKAGE = Path(__file__).parent
+WITHOUT = ("symbolic", "processes", "program")
 CONFIG: Any = numba.config
 
 
 def source_digest() -> str:
     """Return a digest of the sources of this package, 16 hexadecimal digits.
 
-    Numba itself only notices changes in a function's own file, not in those that it calls. Closed
-    forms have no compiled functions, and none uses them.
+    Numba itself only notices changes in a function's own file, not in those that it calls. The
+    packages ``WITHOUT`` have no compiled functions, and none uses them.
     """
     digest = hashlib.sha256()
     for source in sorted(PACKAGE.rglob("*.py")):
-        if source.parent.name == "symbolic":
+        if source.parent.name in WITHOUT:
             continue
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
