@@ -73,7 +73,7 @@ def hessian_bytes(dof: int) -> int:
 
 def jacobian_derivative_bytes(dof: int) -> int:
     """Return the bytes for each q of a batch of derivatives of Jacobians, likewise."""
-    return 8 * (6 * dof + 2 * dof) + jacobian_bytes(dof)
+    return 8 * (6 * dof + 2 * dof) + jacobian_bytes(dof, 1)
 
 
 def _in_q(chain: Chain, pairs: FloatArray) -> FloatArray:

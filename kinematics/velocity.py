@@ -76,7 +76,7 @@ def twist_of(
 
 def joint_velocities_bytes(dof: int) -> int:
     """Return the bytes for each q of a batch: decomposed Jacobians, and copies of null motions."""
-    return jacobian_bytes(dof) + 8 * (2 * dof**2 + 8 * dof + 64) + 200
+    return jacobian_bytes(dof) + 8 * (dof**2 + 8 * dof + 64) + 200
 
 
 def joint_velocities(

@@ -16,7 +16,7 @@ class Limits:
 
     Attributes:
         memory: Bytes besides those of an idle process.
-        seconds: Processor time.
+        seconds: Processor time; may be infinite.
     """
 
     memory: int

@@ -7,6 +7,7 @@ no one reads the answer then. What libraries print goes to standard error.
 
 from __future__ import annotations
 
+import math
 import os
 import pickle
 import resource
@@ -69,7 +70,8 @@ def _limit(limits: Limits, base: int) -> None:
         wanted = min(wanted, most)
     resource.setrlimit(resource.RLIMIT_DATA, (wanted, most))
     used = resource.getrusage(resource.RUSAGE_SELF)
-    seconds = int(used.ru_utime + used.ru_stime + limits.seconds) + GRACE_SECONDS
+    ends = used.ru_utime + used.ru_stime + limits.seconds + GRACE_SECONDS
+    seconds = int(ends) if math.isfinite(ends) else resource.RLIM_INFINITY
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, resource.RLIM_INFINITY))
 
 

@@ -104,7 +104,7 @@ def motion_bytes(dof: int) -> int:
 
 def grid_bytes(joints: int) -> int:
     """Return the bytes of the grid on which a motion is timed, and of what is measured on it."""
-    return MOST_GRID * 8 * (12 * joints + 60)
+    return MOST_GRID * 8 * (18 * joints + 60)
 
 
 def retimed(result: PathResult, options: RetimeOptions) -> Retimed:

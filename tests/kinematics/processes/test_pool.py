@@ -1,5 +1,6 @@
 """Processes for one kind of work: bounded in memory and time, and one after another."""
 
+import math
 import threading
 import time
 from contextlib import closing
@@ -34,6 +35,7 @@ def test_more_than_its_memory_is_refused_and_less_is_not(pool):
     with pytest.raises(OutOfMemory, match="67 MB"):
         done(pool, "fill", 128 * MB)
     assert done(pool, "fill", 128 * MB, Limits(256 * MB, PATIENCE))
+    assert done(pool, "fill", MB, Limits(64 * MB, math.inf)), "without a limit of time"
     assert done(pool, "fill later", 128 * MB) == [b"first"], "what there was is kept"
 
 
