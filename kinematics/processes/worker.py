@@ -41,7 +41,6 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     threading.Thread(target=_end_with_input, daemon=True).start()
-    os.nice(5)
     work = import_module(sys.argv[2]).prepare()
     base = _data_bytes()
     while True:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
 def prepare() -> Callable[[tuple[DHTable, SymbolicRequest]], Iterator[bytes]]:
     """Import what the first task needs, and return what does tasks."""
     from kinematics.symbolic.writing import Writing
+
+    os.nice(5)
 
     def work(task: tuple[DHTable, SymbolicRequest]) -> Iterator[bytes]:
         writing = Writing(*task)

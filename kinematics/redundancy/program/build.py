@@ -99,6 +99,14 @@ class Program:
         return np.asarray(found["x"]).reshape(self.N - 1, -1)
 
 
+def load_solver() -> None:
+    """Solve a program of one unknown: libraries are loaded, and take their own buffers."""
+    x = casadi.SX.sym("x")
+    program = {"x": x, "f": x**2, "g": x}
+    told = {"ipopt": SETTINGS, "print_time": False}
+    casadi.nlpsol("smallest", "ipopt", program, told)(x0=1.0)
+
+
 def _until(variables: int, constraints: int) -> Any:
     """Return the callback that IPOPT asks between two iterations whether to go on."""
     sizes = {"x": variables, "f": 1, "g": constraints, "lam_x": variables, "lam_g": constraints}

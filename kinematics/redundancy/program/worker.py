@@ -16,7 +16,9 @@ MOST_HELD = 2
 
 def prepare() -> Callable[[Attempt], Iterator[bytes]]:
     """Import what the first task needs, and return what does tasks: it keeps its last programs."""
-    from kinematics.redundancy.program.build import Program
+    from kinematics.redundancy.program.build import Program, load_solver
+
+    load_solver()
 
     held: dict[bytes, Program] = {}
 
