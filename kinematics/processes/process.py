@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
@@ -82,6 +83,9 @@ class Process:
         with self._process:
             status = self._process.poll()
             self._process.kill()
+            assert self._process.stdin is not None
+            with suppress(BrokenPipeError):  # a task that it did not live to read
+                self._process.stdin.close()
         with self._errors:
             self._errors.seek(max(self._errors.seek(0, os.SEEK_END) - MAX_ERRORS, 0))
             errors = self._errors.read().decode("utf-8", "replace").strip()

@@ -27,7 +27,7 @@ HALVINGS = 18
 """Of the link where it is nearest to a box or capsule is sought."""
 MOST_ITERATIONS = 300
 """Of IPOPT; an attempt may ask for fewer."""
-SETTINGS = {
+SETTINGS: dict[str, Any] = {
     "print_level": 0,
     "sb": "yes",
     "tol": 1e-8,
@@ -103,8 +103,7 @@ def load_solver() -> None:
     """Solve a program of one unknown: libraries are loaded, and take their own buffers."""
     x = casadi.SX.sym("x")
     program = {"x": x, "f": x**2, "g": x}
-    told = {"ipopt": SETTINGS, "print_time": False}
-    casadi.nlpsol("smallest", "ipopt", program, told)(x0=1.0)
+    casadi.nlpsol("smallest", "ipopt", program, {"ipopt": SETTINGS, "print_time": False})(x0=1.0)
 
 
 def _until(variables: int, constraints: int) -> Any:
