@@ -170,12 +170,13 @@ def alone(chosen: Sequence[Case], worker_bytes: int = 1 << 40) -> Iterator[Measu
             small = {"q": [[0.0] * len(table()["joints"])] * 2}
             client.post(f"/v1/robots/{ROBOT}/fk", json=small).raise_for_status()
             before = status_of(pid, "VmRSS")
+            idle = sum(status_of(one, "VmRSS") for one in family_of(pid)[1:])
             forget_peak(pid)
             started = time.monotonic()
             with watched(pid) as below:
                 status = sent(client, case)
             seconds = time.monotonic() - started
-            growth = status_of(pid, "VmHWM") - before + below[0]
+            growth = status_of(pid, "VmHWM") - before + max(0, below[0] - idle)
             time.sleep(SETTLED)
             kept = status_of(pid, "VmRSS") - before
             yield Measured(case, status, said, growth, kept, seconds)
