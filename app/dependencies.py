@@ -13,12 +13,14 @@ from fastapi import Depends, Request
 
 from app.access.control import key_of
 from app.access.keys import Scope
-from app.admission.buffers import Buffers
+from app.admission.memory import Memory
 from app.admission.thread_pool import ThreadPool, while_connected
 from app.documents import robot_from_inline
 from app.http.problems import INVALID_REQUEST, TOO_LARGE, RequestProblem
 from app.http.strict_json import decode_json, refuse_doubled_keys
 from app.settings import Settings
+from kinematics.processes.pool import ProcessPool
+from kinematics.redundancy.methods.whole_path import WORKER
 from kinematics.symbolic import SymbolicWorkers
 from robots.namespaces import Namespaces
 from robots.robot import Robot
@@ -31,6 +33,8 @@ T = TypeVar("T")
 INLINE_WEIGHT = 20_000
 """Bound on the sum of dof² of inline robots in memory; a working memory grows with its square."""
 LOADING_THREADS = 4
+IDLE_PROCESSES = 1
+"""Processes for whole paths that wait for the next."""
 STORING_THREADS = 8
 CHECKED_AT_START = 0.5
 """Seconds for which a start waits for the check of the uploads, which then goes on beside."""
@@ -96,8 +100,9 @@ class Services:
         )
         self.inline = InlineRobots()
         self.symbolic = SymbolicWorkers(settings.symbolic_workers)
+        self.programs = ProcessPool(WORKER, settings.compute_threads, idle=IDLE_PROCESSES)
         self._stopping = threading.Event()
-        self.buffers = Buffers(settings.max_buffered_bytes)
+        self.memory = Memory(settings.request_bytes, settings.max_wait_seconds)
         queue = settings.max_waiting, settings.max_wait_seconds
         self.compute = ThreadPool("compute", settings.compute_threads, *queue)
         self.load = ThreadPool("load", LOADING_THREADS, *queue)
@@ -112,6 +117,7 @@ class Services:
         for pool in (self.compute, self.load, self.writing, self.out_of_process):
             pool.close()
         self.symbolic.close()
+        self.programs.close()
 
     async def computed(self, call: Callable[[], T], request: Request) -> T:
         """Runs a computation in one of the compute threads, as long as the client is there.

@@ -10,6 +10,8 @@ from typing import Literal
 from pydantic import Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from app.admission.machine import request_bytes, worker_bytes
+
 
 def listed(text: str) -> list[str]:
     """Return the entries of a setting that is a list, with commas or blanks between them."""
@@ -62,10 +64,11 @@ class Settings(BaseSettings):
     max_wait_seconds: float = Field(
         default=10.0, gt=0, description="Longest that a request waits for a thread."
     )
-    max_buffered_bytes: int = Field(
-        default=512_000_000,
-        ge=1_000_000,
-        description="Large bodies and answers in memory at a time; beyond, large requests get 503.",
+    max_worker_bytes: int | None = Field(
+        default=None,
+        ge=100_000_000,
+        description="Memory of a worker; large requests wait, or get 503 or 413. Default: what the"
+        " container allows, or the machine has, divided by the workers.",
     )
     max_connections: int = Field(
         default=1000, ge=1, description="Connections at a time; beyond, idle and slow ones close."
@@ -130,3 +133,8 @@ class Settings(BaseSettings):
     access_log: bool = Field(default=True, description="A log line for each request.")
     log_clients: bool = Field(default=False, description="Log lines name the client's address.")
     metrics: bool = Field(default=True, description="Serve /metrics for Prometheus.")
+
+    @property
+    def request_bytes(self) -> int:
+        """Memory of a worker for requests."""
+        return request_bytes(self.max_worker_bytes or worker_bytes(self.workers))

@@ -23,6 +23,7 @@ from kinematics.chain import Chain, chain_of
 from kinematics.configuration import configuration
 from kinematics.deadline import checked
 from kinematics.jacobian import ReferenceFrame, jacobian_by_joint
+from kinematics.jacobian import peak_bytes as jacobian_bytes
 from kinematics.spatial_vectors import check_same_length
 from robots.robot import FloatArray, Robot
 
@@ -63,6 +64,16 @@ def hessian(
         pairs = _pairs(S[start : start + step], reference_frame)
         H[start : start + step, :, columns[:, None], columns] = _in_q(chain, pairs)
     return H
+
+
+def hessian_bytes(dof: int) -> int:
+    """Return the bytes for each q of a batch of Hessians, without what a slice takes."""
+    return 8 * 6 * dof**2 + jacobian_bytes(dof)
+
+
+def jacobian_derivative_bytes(dof: int) -> int:
+    """Return the bytes for each q of a batch of derivatives of Jacobians, likewise."""
+    return 8 * (6 * dof + 2 * dof) + jacobian_bytes(dof, 1)
 
 
 def _in_q(chain: Chain, pairs: FloatArray) -> FloatArray:

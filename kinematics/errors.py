@@ -165,6 +165,31 @@ class OutOfTime(KinematicsError):
         super().__init__("this takes longer than one request may; ask for less at once")
 
 
+class OutOfMemory(KinematicsError):
+    """A computation that needs more memory than it may take.
+
+    Attributes:
+        memory: What it may take, bytes.
+    """
+
+    def __init__(self, memory: int, message: str = "", **data: Unpack[ErrorData]) -> None:
+        self.memory = memory
+        text = f"this needs more than the {memory / 1e6:.0f} MB that it may take; ask for less"
+        super().__init__(message or text, **data)
+
+
+class WorkersBusy(KinematicsError):
+    """Every process for some work is busy, or it was stopped from outside.
+
+    Attributes:
+        retry_after: Time after which to try again, s.
+    """
+
+    def __init__(self, message: str, retry_after: float) -> None:
+        self.retry_after = retry_after
+        super().__init__(message)
+
+
 class MethodUnavailable(KinematicsError):
     """A method that needs a package that is not installed.
 

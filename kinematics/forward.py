@@ -44,6 +44,11 @@ def fk(robot: Robot, q: FloatArray, frames: Sequence[str] | None = None) -> dict
     return {name: _many(robot, q, name) for name in ids}
 
 
+def peak_bytes(dof: int, frames: int) -> int:
+    """Return the bytes for each q of a batch: its values, twice, and the poses of frames."""
+    return 8 * (2 * dof + 16 * frames)
+
+
 class Pose(NamedTuple):
     """One pose in plain numbers.
 

@@ -60,6 +60,16 @@ def jacobian(
     return _many(robot, q, frame, reference_frame)
 
 
+def peak_bytes(dof: int, copies: int = 2) -> int:
+    """Return the bytes for each q of a batch: its values, twice, its pose, and its Jacobian.
+
+    Args:
+        dof: Columns.
+        copies: Arrays of the size of the Jacobian, 2 where axes or rows are changed.
+    """
+    return 8 * (2 * dof + 16 + 6 * dof * copies)
+
+
 def analytic_jacobian(
     robot: Robot, q: FloatArray, sequence: str, frame: str | None = None
 ) -> FloatArray:

@@ -87,6 +87,11 @@ def manipulability_gradient(
     )
 
 
+def peak_bytes(dof: int) -> int:
+    """Return the bytes for each q of a batch of gradients: its Hessian, and products with it."""
+    return 8 * (2 * 6 * dof**2 + 20 * dof + 64)
+
+
 def _products_of_others(sigma: FloatArray) -> FloatArray:
     """Return for each entry the product of all others, shape (..., r)."""
     before, after = np.ones_like(sigma), np.ones_like(sigma)

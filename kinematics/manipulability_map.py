@@ -11,6 +11,7 @@ from kinematics.configuration import configuration
 from kinematics.deadline import svd
 from kinematics.errors import InvalidOption
 from kinematics.jacobian import task_jacobian
+from kinematics.slices import SLICE_BYTES, slices
 from kinematics.task import POSE, Task
 from kinematics.workspace import drawn_bounds
 from robots.errors import hint
@@ -18,6 +19,8 @@ from robots.robot import FloatArray, Robot
 
 SAMPLES = Bounds(2, 400)
 """Bounds of the number of values of each joint."""
+NUMBERS_A_POINT = 8
+"""Rows of the Jacobian of a point, its q, and its poses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,16 +79,23 @@ def manipulability_map(
     columns = _columns(robot, joints)
     lower, upper, assumed = drawn_bounds(robot, columns)
     x, y = (np.linspace(lower[k], upper[k], samples) for k in columns)
-    grid = np.tile(q, (samples * samples, 1))
-    grid[:, columns[0]] = np.tile(x, samples)
-    grid[:, columns[1]] = np.repeat(y, samples)
-    sigma = svd(task_jacobian(robot, grid, task, frame), compute_uv=False)
-    largest = sigma[:, 0]
-    inverse = np.divide(sigma[:, -1], largest, out=np.zeros_like(largest), where=largest > 0)
+    w, inverse = np.empty(samples * samples), np.zeros(samples * samples)
+    for part in slices(len(w), NUMBERS_A_POINT * robot.dof):
+        grid = np.tile(q, (part.stop - part.start, 1))
+        point = np.arange(part.start, part.stop)
+        grid[:, columns[0]] = x[point % samples]
+        grid[:, columns[1]] = y[point // samples]
+        sigma = svd(task_jacobian(robot, grid, task, frame), compute_uv=False)
+        largest = sigma[:, 0]
+        np.divide(sigma[:, -1], largest, out=inverse[part], where=largest > 0)
+        w[part] = np.prod(sigma, axis=1)
     shape = (samples, samples)
-    return ManipulabilityMap(
-        joints, x, y, np.prod(sigma, axis=1).reshape(shape), inverse.reshape(shape), assumed
-    )
+    return ManipulabilityMap(joints, x, y, w.reshape(shape), inverse.reshape(shape), assumed)
+
+
+def peak_bytes(samples: int) -> int:
+    """Return the bytes that a map takes while it is computed."""
+    return 3 * 8 * samples**2 + SLICE_BYTES
 
 
 def _columns(robot: Robot, joints: tuple[str, str]) -> tuple[int, int]:

@@ -76,6 +76,11 @@ def singularity_report(
     return report_on(task_jacobian(robot, q, task, frame), robot, task, tolerance)
 
 
+def peak_bytes(dof: int) -> int:
+    """Return the bytes of the report at one q: its decomposition, and copies of null motions."""
+    return 8 * (2 * dof**2 + 64) + 2_500
+
+
 def report_on(
     J: FloatArray, robot: Robot, task: Task, tolerance: float = RANK_TOLERANCE
 ) -> SingularityReport:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from kinematics.configuration import configuration
 from kinematics.deadline import checked, svd
 from kinematics.jacobian import ReferenceFrame, jacobian, task_jacobian
+from kinematics.jacobian import peak_bytes as jacobian_bytes
 from kinematics.singularity import RANK_TOLERANCE, rank_of, signed
 from kinematics.spatial_vectors import WRENCH_ROWS, check_same_length, spatial_vector
 from kinematics.task import POSE, Task
@@ -73,6 +74,11 @@ def joint_torques(
     wrench = spatial_vector(wrench, WRENCH_ROWS, "wrench")
     check_same_length(np.asarray(q), wrench, "wrench")
     return np.asarray((np.swapaxes(J, -1, -2) @ wrench[..., None])[..., 0])
+
+
+def wrench_bytes(dof: int) -> int:
+    """Return the bytes for each q of a batch: decomposed Jacobians, and lost directions."""
+    return jacobian_bytes(dof) + 8 * (2 * dof**2 + 8 * dof + 100) + 200
 
 
 def wrench_of(

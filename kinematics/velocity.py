@@ -11,6 +11,7 @@ from kinematics.bounds import Bounds
 from kinematics.configuration import configuration
 from kinematics.deadline import checked, svd
 from kinematics.jacobian import ReferenceFrame, jacobian, task_jacobian
+from kinematics.jacobian import peak_bytes as jacobian_bytes
 from kinematics.singularity import RANK_TOLERANCE, check_tolerance, rank_of, signed
 from kinematics.spatial_vectors import check_same_length, spatial_vector
 from kinematics.task import POSE, Task
@@ -71,6 +72,11 @@ def twist_of(
     qd = configuration(robot, qd, "qd")
     check_same_length(np.asarray(q), qd, "qd")
     return np.asarray((J @ qd[..., None])[..., 0])
+
+
+def joint_velocities_bytes(dof: int) -> int:
+    """Return the bytes for each q of a batch: decomposed Jacobians, and copies of null motions."""
+    return jacobian_bytes(dof) + 8 * (dof**2 + 8 * dof + 64) + 200
 
 
 def joint_velocities(

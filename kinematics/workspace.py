@@ -11,6 +11,7 @@ import numpy as np
 from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption
 from kinematics.forward import fk
+from kinematics.slices import SLICE_BYTES, slices
 from robots.robot import FloatArray, Robot
 
 SAMPLES = Bounds(1, 200_000)
@@ -62,9 +63,17 @@ def workspace(
     robot.frame_id(name)
     lower, upper, assumed = drawn_bounds(robot)
     generator = np.random.default_rng(random_seed)
-    q = lower + (upper - lower) * generator.random((samples, robot.dof))
-    points = fk(robot, q, [name])[name][:, :3, 3]
+    points = np.empty((samples, 3))
+    for part in slices(samples, 2 * robot.dof + 16):
+        drawn = generator.random((part.stop - part.start, robot.dof))
+        q = lower + (upper - lower) * drawn
+        points[part] = fk(robot, q, [name])[name][:, :3, 3]
     return Workspace(points, points.min(axis=0), points.max(axis=0), assumed)
+
+
+def peak_bytes(samples: int) -> int:
+    """Return the bytes that a cloud takes while it is drawn."""
+    return 2 * 3 * 8 * samples + SLICE_BYTES
 
 
 def drawn_bounds(

@@ -15,7 +15,7 @@ from app.access.keys import InvalidKeys, KeySource
 from app.access.origins import CrossOrigin
 from app.access.rates import RateLimits
 from app.access.shared_counters import SharedCounters
-from app.admission.buffers import BodyBudget
+from app.admission.memory import BodyBudget
 from app.middleware.request_id import RequestId
 from app.openapi.problems import PROBLEMS
 from app.settings import Settings, listed

@@ -11,11 +11,18 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.http.pointers import json_pointer
-from app.http.problems import BUSY, GENERIC_TYPES, MALFORMED_BODY, ErrorEntry, ProblemType
+from app.http.problems import (
+    BUSY,
+    GENERIC_TYPES,
+    MALFORMED_BODY,
+    TOO_LARGE,
+    ErrorEntry,
+    ProblemType,
+)
 from dh_to_urdf import DHError
 from dh_to_urdf.errors import DHSyntaxError
 from kinematics import errors as kinematics
-from kinematics.symbolic import SymbolicUnavailable, WorkersBusy
+from kinematics.symbolic import SymbolicUnavailable
 from robots import errors as robots
 
 
@@ -156,7 +163,8 @@ RENDERINGS: dict[type[Exception], Rendering] = {
     SymbolicUnavailable: Rendering(
         ProblemType("symbolic-unavailable", 501, "SymPy is not installed")
     ),
-    WorkersBusy: Rendering(BUSY),
+    kinematics.WorkersBusy: Rendering(BUSY),
+    kinematics.OutOfMemory: Rendering(TOO_LARGE),
     kinematics.OutOfTime: Rendering(
         ProblemType("out-of-time", 422, "The computation takes too long")
     ),

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, TypedDict
 
 import msgspec
 
+from app.admission.need import Need
 from app.fields import texts
 from app.fields.field import Field, Parameter, declared
 from app.fields.names import one_of
 from app.operations.operation import PICTURES, TABLE_FORMS, Answer, Context, Operation, Runs
 from app.operations.path import PATH, joint_units
-from app.operations.path_fields import GainsField, PathScenario, read_options, read_problem
+from app.operations.path_fields import (
+    GainsField,
+    PathScenario,
+    read_options,
+    read_problem,
+    scenario_need,
+)
 from app.operations.path_links import LinksView, links_view
 from app.operations.retime import read_retime
 from app.operations.shapes import AnswerUnits
+from app.operations.sizes import fixed_bytes
 from app.pictures.path_figure import path_figure
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.compare import compared
@@ -89,6 +98,12 @@ class CompareAnswer(LinksView):
     rows: list[CompareRow]
     messages: dict[str, str]
     warnings: list[str]
+
+
+def _memory(robot: Robot, request: CompareRequest, context: Context) -> Need:
+    methods = [one if isinstance(one, str) else one.method for one in request.methods]
+    need = scenario_need(robot, request, methods[:MAX_METHODS])
+    return replace(need, fixed=need.fixed + fixed_bytes(context.form))
 
 
 def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
@@ -197,6 +212,7 @@ COMPARE = Operation(
     " shortest time (with retime), and the verdict. Also as text, CSV and SVG.",
     request=CompareRequest,
     answer=CompareAnswer,
+    memory=_memory,
     run=_run,
     example={**PATH.example, "methods": ["pseudo_inverse", "null_space", "qp"]},
     example_robot="planar_8r",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, TypedDict
 
 import msgspec
 
+from app.admission.need import Need
 from app.fields.field import LEFT_OUT
 from app.fields.joints import Configuration, JointRates
 from app.fields.names import Frame, ReferenceFrameChoice, TaskSpace
@@ -24,10 +26,17 @@ from app.operations.shapes import (
     rows,
     vector,
 )
+from app.operations.sizes import encoded, rows_need, rows_of
 from kinematics.configuration import joint_names
-from kinematics.derivatives import hessian, jacobian_derivative
-from kinematics.manipulability import manipulability_gradient
+from kinematics.derivatives import (
+    hessian,
+    hessian_bytes,
+    jacobian_derivative,
+    jacobian_derivative_bytes,
+)
+from kinematics.manipulability import manipulability_gradient, peak_bytes
 from kinematics.singularity import RANK_TOLERANCE, unit_warnings
+from kinematics.slices import SLICE_BYTES
 from kinematics.task import POSE, ROWS
 from robots.robot import FloatArray, Robot
 
@@ -106,6 +115,28 @@ class ManipulabilityGradientAnswer(TypedDict):
     warnings: list[str]
 
 
+def _derivative_memory(robot: Robot, request: JacobianDerivativeRequest, context: Context) -> Need:
+    numbers = 6 * robot.dof
+    each = jacobian_derivative_bytes(robot.dof) + encoded(context.form, numbers + 6, numbers)
+    need = rows_need(rows_of(request.q, request.qd), each, context.form, numbers=numbers)
+    return replace(need, fixed=need.fixed + SLICE_BYTES)
+
+
+def _hessian_memory(robot: Robot, request: HessianRequest, context: Context) -> Need:
+    numbers = 6 * robot.dof**2
+    each = hessian_bytes(robot.dof) + encoded(context.form, numbers, numbers)
+    need = rows_need(rows_of(request.q), each, context.form, numbers=numbers)
+    return replace(need, fixed=need.fixed + SLICE_BYTES)
+
+
+def _gradient_memory(
+    robot: Robot, request: ManipulabilityGradientRequest, context: Context
+) -> Need:
+    each = peak_bytes(robot.dof) + encoded(context.form, 2 * robot.dof + 4, robot.dof)
+    need = rows_need(rows_of(request.q), each, context.form, numbers=6 * robot.dof**2)
+    return replace(need, fixed=need.fixed + SLICE_BYTES)
+
+
 def _jacobian_derivative(
     robot: Robot, request: JacobianDerivativeRequest, context: Context
 ) -> Answer:
@@ -176,6 +207,7 @@ JACOBIAN_DERIVATIVE = Operation(
     " m and s whatever `?angle=` says of q and qd. As npy: dJ/dt.",
     request=JacobianDerivativeRequest,
     answer=JacobianDerivativeAnswer,
+    memory=_derivative_memory,
     run=_jacobian_derivative,
     example={"q": [0.5, 0.3], "qd": [1, -1]},
     example_robot="planar_2r",
@@ -189,6 +221,7 @@ HESSIAN = Operation(
     " per m whatever `?angle=` says. As npy: shape (6, dof, dof) or (n, 6, dof, dof).",
     request=HessianRequest,
     answer=HessianAnswer,
+    memory=_hessian_memory,
     run=_hessian,
     example={"q": [0.5, 0.3]},
     example_robot="planar_2r",
@@ -203,6 +236,7 @@ MANIPULABILITY_GRADIENT = Operation(
     " says. As npy: the gradient.",
     request=ManipulabilityGradientRequest,
     answer=ManipulabilityGradientAnswer,
+    memory=_gradient_memory,
     run=_manipulability_gradient,
     example={"q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], "task": "position"},
     example_robot="pa10",

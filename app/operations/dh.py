@@ -6,10 +6,12 @@ from typing import Annotated, TypedDict
 
 import msgspec
 
+from app.admission.need import Need
 from app.fields.joints import Configuration
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.operation import Answer, Context, Operation, check_size
 from app.operations.shapes import AnswerUnits, EachPose, Pose, each, listed, rows
+from app.operations.sizes import FLOAT, encoded, rows_need, rows_of
 from dh_to_urdf import dh_matrices
 from robots.robot import FloatArray, Robot
 
@@ -32,6 +34,12 @@ class DHMatricesAnswer(TypedDict):
     tool: Pose
     T: EachPose
     warnings: list[str]
+
+
+def _memory(robot: Robot, request: DHMatricesRequest, context: Context) -> Need:
+    numbers = 32 * (0 if robot.table is None else len(robot.table.rows)) + 16
+    each = FLOAT * (2 * robot.dof + 1.5 * numbers) + encoded(context.form, numbers, 16)
+    return rows_need(rows_of(request.q), each, context.form, numbers=numbers)
 
 
 def _run(robot: Robot, request: DHMatricesRequest, context: Context) -> Answer:
@@ -63,6 +71,7 @@ DH_MATRICES = Operation(
     " `T` = base 0A_n tool. As npy: T.",
     request=DHMatricesRequest,
     answer=DHMatricesAnswer,
+    memory=_memory,
     run=_run,
     example={"q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]},
     example_robot="pa10",

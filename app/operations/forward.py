@@ -8,12 +8,13 @@ from typing import Annotated, NotRequired, TypedDict
 import msgspec
 import numpy as np
 
+from app.admission.need import Need
 from app.fields.field import LEFT_OUT
 from app.fields.joints import Configuration
 from app.fields.names import Frames, euler_sequence
 from app.http.negotiation import JSON
 from app.http.units import Units
-from app.operations.joint_values import joint_values_view
+from app.operations.joint_values import joint_values_view, joints_shown
 from app.operations.operation import Answer, Context, Operation, check_size
 from app.operations.shapes import (
     AnswerUnits,
@@ -25,7 +26,8 @@ from app.operations.shapes import (
     each,
     rows,
 )
-from kinematics.forward import fk, poses
+from app.operations.sizes import FLOAT, encoded, rows_need, rows_of
+from kinematics.forward import fk, peak_bytes, poses
 from kinematics.orientation import euler_angles, is_locked, quaternion_xyzw, rpy
 from robots.robot import FloatArray, Robot
 
@@ -114,6 +116,14 @@ def _views_at(
     return views
 
 
+def _memory(robot: Robot, request: FKRequest, context: Context) -> Need:
+    frames = len(request.frames)
+    numbers = frames * (NUMBERS_A_POSE if request.euler else NUMBERS_A_POSE - 6)
+    each = peak_bytes(robot.dof, frames) + FLOAT * numbers * 1.5
+    each += encoded(context.form, numbers + joints_shown(robot), 16 * frames)
+    return rows_need(rows_of(request.q), each, context.form, numbers=NUMBERS_A_POSE * frames)
+
+
 def _run(robot: Robot, request: FKRequest, context: Context) -> Answer:
     q, frames, units = request.q, request.frames, context.units
     check_size(q, NUMBERS_A_POSE * len(frames))
@@ -144,6 +154,7 @@ FK = Operation(
     " several frames add an axis before the last two.",
     request=FKRequest,
     answer=FKAnswer,
+    memory=_memory,
     run=_run,
     example={"q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], "euler": "ZXZ"},
     example_robot="pa10",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Annotated, Any, NotRequired, TypeAlias, TypedDict
 
@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from app.admission.need import Need
 from app.fields import texts
 from app.fields.bounds import within
 from app.fields.field import LEFT_OUT, Field, Parameter, declared
@@ -21,7 +22,7 @@ from app.fields.numbers import within_query
 from app.fields.targets import OptionalTarget, TargetList
 from app.http.negotiation import NDJSON, NPY
 from app.http.problems import INVALID_REQUEST, RequestProblem
-from app.operations.joint_values import joint_values_view
+from app.operations.joint_values import joint_values_view, joints_shown
 from app.operations.operation import ARRAY_FORMS, LIGHT_DOF, Answer, Context, Operation
 from app.operations.shapes import (
     AnswerUnits,
@@ -31,6 +32,7 @@ from app.operations.shapes import (
     Vector,
     each,
 )
+from app.operations.sizes import FLOAT, JSON_NUMBER, LISTED, encoded, rows_need
 from dh_to_urdf.errors import quoted
 from kinematics.configuration import joint_names
 from kinematics.deadline import current
@@ -41,6 +43,7 @@ from kinematics.inverse import (
     IKResult,
     IKStatus,
     Tolerance,
+    batch_bytes,
     is_compiled,
     solve_ik,
     solve_ik_batch,
@@ -224,6 +227,17 @@ def _options_of(request: IKRequest, context: Context) -> tuple[IKOptions, IKOpti
         request.time_budget_ms,
         context.settings.max_request_seconds,
     )
+
+
+def _memory(robot: Robot, request: IKRequest, context: Context) -> Need:
+    targets = request.targets
+    many = 1 if targets is None or targets.ndim == 2 else len(targets)
+    numbers = robot.dof + joints_shown(robot) + 8
+    each = batch_bytes(robot.dof) + FLOAT * numbers + encoded(context.form, numbers, numbers)
+    need = rows_need(many, each, context.form, numbers=numbers, of="targets", argument="targets")
+    if context.form == NDJSON:
+        return replace(need, fixed=need.fixed + STREAMED * numbers * (JSON_NUMBER + LISTED))
+    return need
 
 
 def _attempt(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
@@ -503,6 +517,7 @@ IK = Operation(
     " line a target, sent while the others are being solved.",
     request=IKRequest,
     answer=IKAnswer,
+    memory=_memory,
     run=_run,
     example={"target": {"position": [0.5, 0.2, 0.6], "rpy": [0, 1.5, 0]}, "task": "pose"},
     example_robot="pa10",

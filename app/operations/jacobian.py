@@ -6,14 +6,16 @@ from typing import Annotated, TypedDict
 
 import msgspec
 
+from app.admission.need import Need
 from app.fields.field import LEFT_OUT
 from app.fields.joints import Configuration
 from app.fields.names import Frame, ReferenceFrameChoice, euler_sequence
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.operation import Answer, Context, Operation, check_size
 from app.operations.shapes import AnswerUnits, EachJacobian
+from app.operations.sizes import encoded, rows_need, rows_of
 from kinematics.configuration import joint_names
-from kinematics.jacobian import ReferenceFrame, analytic_jacobian, jacobian
+from kinematics.jacobian import ReferenceFrame, analytic_jacobian, jacobian, peak_bytes
 from kinematics.task import ROWS
 from robots.robot import Robot
 
@@ -42,6 +44,12 @@ class JacobianAnswer(TypedDict):
     reference_frame: str
     euler: str | None
     warnings: list[str]
+
+
+def _memory(robot: Robot, request: JacobianRequest, context: Context) -> Need:
+    numbers = 6 * robot.dof
+    each = peak_bytes(robot.dof) + encoded(context.form, numbers, numbers)
+    return rows_need(rows_of(request.q), each, context.form, numbers=numbers)
 
 
 def _run(robot: Robot, request: JacobianRequest, context: Context) -> Answer:
@@ -78,6 +86,7 @@ JACOBIAN = Operation(
     " whatever `?angle=` says. As npy: shape (6, dof) or (n, 6, dof).",
     request=JacobianRequest,
     answer=JacobianAnswer,
+    memory=_memory,
     run=_run,
     example={"q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], "reference_frame": "local_world_aligned"},
     example_robot="pa10",

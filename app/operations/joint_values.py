@@ -15,6 +15,11 @@ class JointValues(TypedDict, total=False):
     joint_values: dict[str, Any]
 
 
+def joints_shown(robot: Robot) -> int:
+    """Return how many values :func:`joint_values_view` shows for one q."""
+    return 0 if robot.coupled is None else len(robot.moving)
+
+
 def joint_values_view(robot: Robot, q: FloatArray, units: Units) -> JointValues:
     """Return the values of all joints, nothing where q holds them.
 

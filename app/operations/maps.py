@@ -6,6 +6,7 @@ from typing import Annotated, TypedDict
 
 import msgspec
 
+from app.admission.need import Need
 from app.fields import texts
 from app.fields.field import LEFT_OUT, Field, Parameter, declared
 from app.fields.joints import SingleConfiguration
@@ -21,11 +22,14 @@ from app.operations.operation import (
     Runs,
 )
 from app.operations.shapes import AnswerUnits, Matrix, Position, Vector, rows, shaped
+from app.operations.sizes import encoded, fixed_bytes
 from app.pictures.map_figure import heat_figure, workspace_figure
 from kinematics.manipulability_map import SAMPLES as MAP_SAMPLES
 from kinematics.manipulability_map import manipulability_map
+from kinematics.manipulability_map import peak_bytes as map_bytes
 from kinematics.task import POSE
 from kinematics.workspace import SAMPLES as POINTS
+from kinematics.workspace import peak_bytes as workspace_bytes
 from kinematics.workspace import workspace
 from robots.robot import FloatArray, Robot
 
@@ -112,6 +116,18 @@ class MapAnswer(TypedDict):
     warnings: list[str]
 
 
+def _workspace_memory(_: Robot, request: WorkspaceRequest, context: Context) -> Need:
+    each = workspace_bytes(1) - workspace_bytes(0) + encoded(context.form, 3, 3)
+    fixed = fixed_bytes(context.form) + workspace_bytes(0)
+    return Need(each, request.samples, fixed, "samples", "samples")
+
+
+def _map_memory(_: Robot, request: MapRequest, context: Context) -> Need:
+    each = map_bytes(1) - map_bytes(0) + encoded(context.form, 2, 1)
+    fixed = fixed_bytes(context.form) + map_bytes(0)
+    return Need(each, request.samples, fixed, "samples", "samples", squared=True)
+
+
 def _workspace(robot: Robot, request: WorkspaceRequest, context: Context) -> Answer:
     cloud = workspace(robot, request.samples, request.frame, request.random_seed)
     frame = request.frame
@@ -176,6 +192,7 @@ WORKSPACE = Operation(
     " many points fall where.",
     request=WorkspaceRequest,
     answer=WorkspaceAnswer,
+    memory=_workspace_memory,
     run=_workspace,
     example={"samples": 1000},
     example_robot="panda",
@@ -191,6 +208,7 @@ MANIPULABILITY_MAP = Operation(
     " As SVG or PNG: w as colours.",
     request=MapRequest,
     answer=MapAnswer,
+    memory=_map_memory,
     run=_map,
     example={"q": [0, 0.5, -0.5], "joints": ["j2", "j3"], "task": "xy", "samples": 50},
     example_robot="planar_3r",

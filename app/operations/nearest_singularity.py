@@ -7,13 +7,16 @@ from typing import TypedDict
 import msgspec
 import numpy as np
 
+from app.admission.need import Need
 from app.fields.field import LEFT_OUT
 from app.fields.joints import SingleConfiguration
 from app.fields.names import Frame, TaskSpace
 from app.fields.numbers import RankTolerance
 from app.operations.operation import Answer, Context, Operation, Runs, check_size
 from app.operations.shapes import AnswerUnits, Vector
+from app.operations.sizes import fixed_bytes
 from kinematics.configuration import joint_names
+from kinematics.derivatives import hessian_bytes
 from kinematics.nearest_singularity import SingularAlongJoint, nearest_singularity
 from kinematics.singularity import RANK_TOLERANCE
 from kinematics.task import POSE
@@ -63,6 +66,10 @@ class NearestSingularityAnswer(TypedDict):
     task: str
     tolerance: float
     warnings: list[str]
+
+
+def _memory(robot: Robot, _: NearestSingularityRequest, context: Context) -> Need:
+    return Need(0.0, fixed=fixed_bytes(context.form) + hessian_bytes(robot.dof) * 8)
 
 
 def _run(robot: Robot, request: NearestSingularityRequest, context: Context) -> Answer:
@@ -116,6 +123,7 @@ NEAREST_SINGULARITY = Operation(
     " minimum of the distance. Each is checked on the model. As npy: that q.",
     request=NearestSingularityRequest,
     answer=NearestSingularityAnswer,
+    memory=_memory,
     run=_run,
     example={"q": [0.1, 0.5, -1.2, 0.3, 0.6, 0.2]},
     example_robot="puma560",

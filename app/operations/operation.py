@@ -11,6 +11,7 @@ from typing import Any
 import msgspec
 from numpy.typing import NDArray
 
+from app.admission.need import Need
 from app.fields.doubts import RequestDoubts
 from app.fields.form import RequestForm, form_of
 from app.fields.joints import is_one
@@ -19,6 +20,7 @@ from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import COMMON
 from app.http.units import Units
 from app.settings import Settings
+from kinematics.processes.pool import ProcessPool
 from kinematics.symbolic import SymbolicWorkers
 from robots.robot import FloatArray, Robot
 
@@ -52,6 +54,7 @@ class Context:
         settings: What the deployment chose.
         form: Media type of the answer.
         symbolic: The processes for symbolic work.
+        programs: The processes for whole paths.
         doubts: Collects what was accepted but is probably not meant.
     """
 
@@ -60,6 +63,7 @@ class Context:
     doubts: RequestDoubts
     form: str = JSON
     symbolic: SymbolicWorkers | None = None
+    programs: ProcessPool | None = None
 
     @property
     def warnings(self) -> list[str]:
@@ -104,6 +108,7 @@ class Operation:
         description: More for the documents.
         request: Type of the request, whose annotations declare its fields.
         answer: Type of the answer's JSON, a TypedDict.
+        memory: What a request will need, from its sizes and the form of the answer.
         run: The computation.
         example: A body that works on ``example_robot``.
         example_robot: Id of a shipped robot.
@@ -122,6 +127,7 @@ class Operation:
     description: str
     request: type[msgspec.Struct]
     answer: type
+    memory: Callable[[Robot, Any, Context], Need]
     run: Callable[[Robot, Any, Context], Answer]
     example: dict[str, Any]
     example_robot: str

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Annotated, Any, NotRequired, TypedDict
 
 import numpy as np
 
+from app.admission.need import Need
 from app.fields import texts
 from app.fields.field import Field, Parameter, declared
 from app.fields.names import one_of
-from app.http.negotiation import NDJSON
-from app.operations.joint_values import joint_values_view
+from app.http.negotiation import JSON, NDJSON
+from app.operations.joint_values import joint_values_view, joints_shown
 from app.operations.operation import ARRAY_FORMS, PICTURES, Answer, Context, Operation, Runs
-from app.operations.path_fields import PathScenario, read_options, read_problem
+from app.operations.path_fields import (
+    PathScenario,
+    read_options,
+    read_problem,
+    scenario_need,
+)
 from app.operations.path_links import LinksView, links_view
 from app.operations.retime import RetimedMotion, motion_samples, read_retime, timing_view
 from app.operations.shapes import AnswerUnits, Matrix, Vector, or_null, shaped, vector
+from app.operations.sizes import FLOAT, JSON_NUMBER, fixed_bytes
 from app.pictures.path_figure import path_figure
 from kinematics.configuration import joint_names
 from kinematics.redundancy.follow import PathResult, follow, followed
@@ -89,6 +96,17 @@ class PathAnswer(JudgedView, LinksView):
     clearance_swept: Annotated[FloatArray | None, shaped(or_null(vector()))]
     warnings: list[str]
     retimed: RetimedMotion | None
+
+
+def _memory(robot: Robot, request: PathRequest, context: Context) -> Need:
+    need = scenario_need(robot, request, [request.method])
+    numbers = 3 * robot.dof + joints_shown(robot) + 6
+    each = need.each + FLOAT * 3 * robot.dof
+    if context.form in (JSON, NDJSON):
+        each += JSON_NUMBER * numbers
+        if request.retime is not None:
+            each += JSON_NUMBER * 3 * robot.dof
+    return replace(need, each=each, fixed=need.fixed + fixed_bytes(context.form))
 
 
 def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
@@ -220,6 +238,7 @@ PATH = Operation(
     " with the `problem` where time is up.",
     request=PathRequest,
     answer=PathAnswer,
+    memory=_memory,
     run=_run,
     example={
         "q": [1.9, -0.25, -0.45, -0.5, -0.5, -0.35, 0, 0.2],

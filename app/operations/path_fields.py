@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias
 
 import msgspec
 import numpy as np
 
+from app.admission.need import Need
 from app.fields import texts
 from app.fields.bounds import coordinates, items, within
 from app.fields.doubts import FAR_THING
@@ -27,6 +28,9 @@ from kinematics.errors import InvalidOption
 from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance import obstacles as solids
+from kinematics.redundancy.clearance.links import skeleton
+from kinematics.redundancy.follow import peak_bytes as result_bytes
+from kinematics.redundancy.methods.whole_path import MOST as MOST_PROGRAM
 from kinematics.redundancy.path.geometry import Circle, Path, Sampling, circle, polyline
 from kinematics.redundancy.path.time_law import TimeLaw
 from kinematics.redundancy.problem import (
@@ -36,10 +40,12 @@ from kinematics.redundancy.problem import (
     PathTolerance,
     SecondaryTask,
 )
+from kinematics.redundancy.program.size import expression_bytes, sample_bytes
+from kinematics.redundancy.timing.result import grid_bytes, motion_bytes
 from kinematics.task import POSE, TASKS, task_from
 from robots.robot import FloatArray, Robot
 
-MAX_WAYPOINTS = 1000
+MAX_WAYPOINTS, MAX_SAMPLES = 1000, 10_000
 MAX_SECONDARY = 16
 TIME_LAWS = "linear, cubic, quintic or trapezoidal."
 PLANES = {"xy": (0.0, 0.0, 1.0), "xz": (0.0, -1.0, 0.0), "yz": (1.0, 0.0, 0.0)}
@@ -220,7 +226,7 @@ class PathScenario(MethodOptions, kw_only=True):
         int,
         within_query(
             2,
-            10_000,
+            MAX_SAMPLES,
             "Samples, equally spaced in time, the start included.",
             "Number of samples, the start included.",
             texts.integer,
@@ -417,9 +423,34 @@ def read_options(
         ),
         perturb=request.perturb,
         seconds=seconds,
+        processes=context.programs,
     )
     options.reach_of_obstacles(problem)  # Refused here, before another method has run.
     return options
+
+
+def scenario_need(robot: Robot, request: PathScenario, methods: Sequence[str]) -> Need:
+    """Return the need of a scenario without its answer: the results of some methods, one by one."""
+    arm = Arm.of(robot, request.frame, request.task)
+    samples = min(max(request.samples, 0), MAX_SAMPLES)
+    each = float(result_bytes(robot.dof)) * len(methods)
+    fixed = 0
+    if request.retime is not None:
+        each += motion_bytes(robot.dof) * len(methods)
+        fixed += grid_bytes(arm.K)
+    if "whole_path" in methods:
+        links = _links(request, arm)
+        sizes = arm.K, links, len(request.obstacles)
+        if samples * (arm.K + links * len(request.obstacles)) <= MOST_PROGRAM:
+            each += sample_bytes(*sizes)
+            fixed += expression_bytes(*sizes)
+    return Need(each, samples, fixed, "samples", "samples")
+
+
+def _links(request: PathScenario, arm: Arm) -> int:
+    """Return the number of capsules that keep clear of obstacles."""
+    shaped = read_geometry(request.link_geometry, 0.0, arm, request.q)
+    return len(skeleton(arm, 0.0) if shaped is None else shaped.links)
 
 
 def _secondary(

@@ -7,6 +7,7 @@ from typing import Annotated, TypedDict
 import msgspec
 import numpy as np
 
+from app.admission.need import Need
 from app.fields import texts
 from app.fields.field import Field, Parameter, declared
 from app.fields.joints import Configuration, is_one
@@ -15,6 +16,7 @@ from app.fields.numbers import within_query
 from app.http.negotiation import PNG, SVG
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.operation import Answer, Context, Operation, Runs
+from app.operations.sizes import ROOM, rows_of
 from app.pictures.arm_figure import arm_figure, caption_of, letters_of
 from app.pictures.camera import VIEWS
 from kinematics.forward import fk
@@ -25,6 +27,8 @@ MOST_ARMS, MOST_FRAMES = 32, 100
 SIZES = (200, 2000)
 MOST_VALUES, MOST_LINES = 24, 3
 LIGHT_DOF = 10
+DRAWN, PIXEL = 3_000, 12
+"""Bytes of a drawn frame of an arm, and of a pixel."""
 
 
 class PictureRequest(msgspec.Struct, kw_only=True):
@@ -135,6 +139,12 @@ def _caption(robot: Robot, q: FloatArray, context: Context, width: float) -> lis
     return [*joints, robot.tip_frame[: min(40, letters_of(width) - len(where))] + where]
 
 
+def _memory(robot: Robot, request: PictureRequest, _: Context) -> Need:
+    arms = min(rows_of(request.q), MOST_ARMS)
+    drawn = arms * len(robot.frames) * DRAWN + PIXEL * request.width * request.height
+    return Need(0.0, fixed=ROOM + drawn)
+
+
 def _attempt(robot: Robot, request: PictureRequest, context: Context) -> Answer | None:
     light = robot.dof <= LIGHT_DOF and is_one(request.q)
     return _draw(robot, request, context) if light else None
@@ -151,6 +161,7 @@ def _picture(form: str) -> Operation:
         " over each other, the last one solid.",
         request=PictureRequest,
         answer=PictureAnswer,
+        memory=_memory,
         run=_draw,
         example={"q": [0.3, -0.6, 0.4, 0.2, 0.5, 0]},
         example_robot="puma560",

@@ -7,6 +7,7 @@ from typing import Annotated, Any, TypedDict
 import msgspec
 import numpy as np
 
+from app.admission.need import Need
 from app.fields import texts
 from app.fields.field import LEFT_OUT
 from app.fields.joints import Configuration
@@ -29,6 +30,7 @@ from app.operations.shapes import (
     listed,
     or_null,
 )
+from app.operations.sizes import WORDS, encoded, rows_need, rows_of
 from kinematics.chain import chain_of
 from kinematics.configuration import joint_names
 from kinematics.deadline import checked
@@ -36,8 +38,10 @@ from kinematics.dexterity import characteristic_length, dexterity
 from kinematics.ellipsoids import Ellipsoid, ellipsoids
 from kinematics.explanation import lost_direction_in_words, null_motion_in_words
 from kinematics.jacobian import jacobian, task_jacobian
+from kinematics.jacobian import peak_bytes as jacobian_bytes
 from kinematics.named_singularities import Factorization, factorization
 from kinematics.singularity import RANK_TOLERANCE, SingularityReport, report_on
+from kinematics.singularity import peak_bytes as report_bytes
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
@@ -153,6 +157,13 @@ class SingularityAnswer(_Report):
 
 
 _MAX_WORDS = 8
+
+
+def _memory(robot: Robot, request: SingularityRequest, context: Context) -> Need:
+    dof = robot.dof
+    each = float(report_bytes(dof)) + jacobian_bytes(dof, 4) + WORDS * min(dof, _MAX_WORDS)
+    each += encoded(context.form, dof**2 + 70, 6)
+    return rows_need(rows_of(request.q), each, context.form, numbers=6 * dof + dof**2)
 
 
 def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
@@ -306,6 +317,7 @@ SINGULARITY = Operation(
     " singular in `xy` or `xy_phi`. As npy: singular values.",
     request=SingularityRequest,
     answer=SingularityAnswer,
+    memory=_memory,
     run=_run,
     example={"q": [0.5236, 0.0], "task": "xy"},
     example_robot="planar_2r",

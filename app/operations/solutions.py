@@ -7,6 +7,7 @@ from typing import NotRequired, TypedDict
 import msgspec
 import numpy as np
 
+from app.admission.need import Need
 from app.fields.field import LEFT_OUT
 from app.fields.joints import Seed
 from app.fields.names import Frame, TaskSpace
@@ -14,12 +15,16 @@ from app.fields.targets import RequiredTarget
 from app.operations.inverse import IKTolerance, RandomSeed, ToleranceField
 from app.operations.operation import Answer, Context, Operation, Runs
 from app.operations.shapes import AnswerUnits, Vector
+from app.operations.sizes import LISTED, fixed_bytes
 from kinematics.inverse import IKOptions, Tolerance
 from kinematics.inverse.all_solutions import all_solutions
 from kinematics.inverse.solutions import IKSolution
 from kinematics.inverse.unreached import beyond_limits, why_unreached
 from kinematics.task import POSE
 from robots.robot import Robot
+
+MOST_ROWS = 2_000
+"""Solutions of one target, with room: those of sampled swivel angles."""
 
 
 class IKSolutionsRequest(msgspec.Struct, kw_only=True):
@@ -68,6 +73,10 @@ class IKSolutionsAnswer(TypedDict):
     solutions: list[IKSolutionView]
     explanation: NotRequired[list[str]]
     warnings: list[str]
+
+
+def _memory(robot: Robot, _: IKSolutionsRequest, context: Context) -> Need:
+    return Need(0.0, fixed=fixed_bytes(context.form) + MOST_ROWS * LISTED * robot.dof)
 
 
 def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
@@ -133,6 +142,7 @@ SOLUTIONS = Operation(
     " and wrist at sampled swivel angles; for others by search. As npy: q of each, shape (n, dof).",
     request=IKSolutionsRequest,
     answer=IKSolutionsAnswer,
+    memory=_memory,
     run=_run,
     example={"target": {"position": [0.4, 0.2, 0.5], "rpy": [0.1, 0.2, 0.3]}},
     example_robot="puma560",

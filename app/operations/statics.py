@@ -7,6 +7,7 @@ from typing import TypedDict
 import msgspec
 import numpy as np
 
+from app.admission.need import Need
 from app.fields.field import LEFT_OUT
 from app.fields.joints import Configuration, JointEfforts
 from app.fields.names import Frame, ReferenceFrameChoice, TaskSpace
@@ -20,10 +21,12 @@ from app.operations.shapes import (
     EachMatrix,
     EachVector,
 )
+from app.operations.sizes import FLOAT, WORDS, encoded, rows_need, rows_of
 from kinematics.configuration import joint_names
+from kinematics.jacobian import peak_bytes
 from kinematics.singularity import RANK_TOLERANCE
 from kinematics.spatial_vectors import WRENCH_ROWS
-from kinematics.statics import joint_torques, wrench_of
+from kinematics.statics import joint_torques, wrench_bytes, wrench_of
 from kinematics.task import POSE
 from robots.robot import Robot
 
@@ -85,6 +88,19 @@ class WrenchAnswer(TypedDict):
     warnings: list[str]
 
 
+def _torques_memory(robot: Robot, request: JointTorquesRequest, context: Context) -> Need:
+    each = float(peak_bytes(robot.dof) + FLOAT * (2 * robot.dof + 12))
+    each += encoded(context.form, robot.dof + 1, robot.dof)
+    rows = rows_of(request.q, request.wrench)
+    return rows_need(rows, each, context.form, numbers=6 * robot.dof)
+
+
+def _wrench_memory(robot: Robot, request: WrenchRequest, context: Context) -> Need:
+    each = wrench_bytes(robot.dof) + WORDS + encoded(context.form, robot.dof + 44, 6)
+    rows, numbers = rows_of(request.q, request.tau), 6 * robot.dof + robot.dof**2
+    return rows_need(rows, each, context.form, numbers=numbers)
+
+
 def _joint_torques(robot: Robot, request: JointTorquesRequest, context: Context) -> Answer:
     frame = request.frame
     q = request.q
@@ -144,6 +160,7 @@ JOINT_TORQUES = Operation(
     " the same axes as the twist of that `reference_frame`. As npy: tau.",
     request=JointTorquesRequest,
     answer=JointTorquesAnswer,
+    memory=_torques_memory,
     run=_joint_torques,
     example={"q": [0, 0.5, -1.2, 0, 0.6, 0], "wrench": [0, 0, 10, 0, 0, 1]},
     example_robot="puma560",
@@ -158,6 +175,7 @@ WRENCH = Operation(
     " directions that are open. As npy: the wrench.",
     request=WrenchRequest,
     answer=WrenchAnswer,
+    memory=_wrench_memory,
     run=_wrench,
     example={"q": [0, 0.5, -1.2, 0, 0.6, 0], "tau": [1, -4, -3, 0.2, 0.5, 0.8]},
     example_robot="puma560",

@@ -7,6 +7,7 @@ from typing import Annotated, TypedDict
 import msgspec
 import numpy as np
 
+from app.admission.need import Need
 from app.fields import texts
 from app.fields.bounds import items
 from app.fields.field import LEFT_OUT, Field, Parameter, declared
@@ -15,6 +16,7 @@ from app.fields.names import TASK_META, Frame, TaskSpace
 from app.fields.numbers import within_query
 from app.operations.operation import Answer, Context, Operation
 from app.operations.shapes import AnswerUnits, Matrix, Vector, listed, shaped, vector
+from app.operations.sizes import encoded, fixed_bytes
 from kinematics.configuration import joint_names
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.step import StepTask, differential_step
@@ -100,6 +102,10 @@ class StepAnswer(TypedDict):
     warnings: list[str]
 
 
+def _memory(robot: Robot, _: StepRequest, context: Context) -> Need:
+    return Need(0.0, fixed=fixed_bytes(context.form) + int(encoded(context.form, 4 * robot.dof**2)))
+
+
 def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
     task = request.task
     frame = request.frame
@@ -162,6 +168,7 @@ STEP = Operation(
     " lost rank it is refused, with the rank; give damping then. As npy: delta_q.",
     request=StepRequest,
     answer=StepAnswer,
+    memory=_memory,
     run=_run,
     example={"q": [0.5236, -0.7854, 1.0472], "delta_x": [0.01, 0], "task": "xy"},
     example_robot="planar_3r",

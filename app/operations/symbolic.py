@@ -7,6 +7,7 @@ from typing import Annotated, Any, NotRequired, TypedDict
 
 import msgspec
 
+from app.admission.need import NOTHING, Need
 from app.fields import texts
 from app.fields.field import Field, Parameter, Text, declared
 from app.fields.names import FRAME_IN_QUERY, TASK_IN_QUERY, TASK_SCHEMA, TaskName, one_of
@@ -213,6 +214,14 @@ def _run(robot: Robot, request: SymbolicRequest, context: Context) -> Answer:
     return Answer(payload, listing=listing)
 
 
+def _memory(robot: Robot, request: SymbolicRequest, context: Context) -> Need:
+    """The process's, but for formulas that are known."""
+    table = robot.table
+    if table is None or context.symbolic_workers().knows(table, _read(request, context)):
+        return NOTHING
+    return Need(0.0, fixed=symbolic.MEMORY)
+
+
 def _refuse_fractions(table: DHTable) -> None:
     """Refuse a robot with a joint that turns by a fraction of an entry of q.
 
@@ -256,6 +265,7 @@ SYMBOLIC = Operation(
     " of its own; what is not simplified in time is given as it is.",
     request=SymbolicRequest,
     answer=SymbolicAnswer,
+    memory=_memory,
     run=_run,
     example={"quantities": ["position", "det_jacobian"], "parameters": "symbolic"},
     example_robot="puma560",

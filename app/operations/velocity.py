@@ -7,6 +7,7 @@ from typing import Annotated, TypedDict
 import msgspec
 import numpy as np
 
+from app.admission.need import Need
 from app.fields.field import LEFT_OUT
 from app.fields.joints import Configuration, JointRates
 from app.fields.names import Frame, ReferenceFrameChoice, TaskSpace
@@ -23,10 +24,12 @@ from app.operations.shapes import (
     each,
     vector,
 )
+from app.operations.sizes import FLOAT, WORDS, encoded, rows_need, rows_of
 from kinematics.configuration import joint_names
+from kinematics.jacobian import peak_bytes
 from kinematics.singularity import RANK_TOLERANCE
 from kinematics.task import POSE, Task
-from kinematics.velocity import JointVelocities, joint_velocities, twist_of
+from kinematics.velocity import JointVelocities, joint_velocities, joint_velocities_bytes, twist_of
 from robots.robot import FloatArray, Robot
 
 
@@ -93,6 +96,20 @@ class JointVelocitiesAnswer(TypedDict):
     damping: float
     tolerance: float
     warnings: list[str]
+
+
+def _twist_memory(robot: Robot, request: TwistRequest, context: Context) -> Need:
+    each = peak_bytes(robot.dof) + FLOAT * (2 * robot.dof + 12) + encoded(context.form, 6, 6)
+    return rows_need(rows_of(request.q, request.qd), each, context.form, numbers=6 * robot.dof)
+
+
+def _velocities_memory(robot: Robot, request: JointVelocitiesRequest, context: Context) -> Need:
+    dof = robot.dof
+    each = float(joint_velocities_bytes(dof) + FLOAT * dof**2 + WORDS)
+    each += encoded(context.form, dof**2 + 2 * dof + 8, dof)
+    return rows_need(
+        rows_of(request.q, request.twist), each, context.form, numbers=6 * dof + dof**2
+    )
 
 
 def _twist(robot: Robot, request: TwistRequest, context: Context) -> Answer:
@@ -184,6 +201,7 @@ TWIST = Operation(
     " may be batches of equal length, or one of them a batch. As npy: the twist.",
     request=TwistRequest,
     answer=TwistAnswer,
+    memory=_twist_memory,
     run=_twist,
     example={
         "q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7],
@@ -202,6 +220,7 @@ JOINT_VELOCITIES = Operation(
     " added. Where the rank is deficient, `status` and `warnings` say so. As npy: qd.",
     request=JointVelocitiesRequest,
     answer=JointVelocitiesAnswer,
+    memory=_velocities_memory,
     run=_joint_velocities,
     example={
         "q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7],

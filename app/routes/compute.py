@@ -12,8 +12,9 @@ from fastapi.responses import StreamingResponse
 from starlette.routing import Match, Route
 from starlette.types import Scope
 
-from app.admission.buffers import SMALL_BODY, AdmittedResponse
-from app.admission.thread_pool import ThreadPool, while_connected
+from app.admission.memory import SMALL_BODY, AdmittedResponse, Reservation
+from app.admission.need import Need
+from app.admission.thread_pool import Admission, while_connected
 from app.dependencies import Services, services_of
 from app.fields.doubts import RequestDoubts
 from app.fields.field import Reading
@@ -35,6 +36,8 @@ from robots.robot import Robot
 PLAIN = Units()
 INLINE_BYTES = 4_000
 """Bodies above this are read in a thread, so that they do not delay other requests."""
+READING = 4.0
+"""Bytes for one of a body while it is read: fields are cut out of it, and become arrays."""
 TARGET_BYTES = 1_000
 """Room for one of many targets."""
 
@@ -129,9 +132,14 @@ class _Handlers:
         units, wanted = units_of(request), wanted_type(request, *self.operation.forms)
         body = await read_body(request, self.max_body)
         if len(body) > INLINE_BYTES:
-            decoded = await services.computed(
-                lambda: self._with_robot(body, services.settings), request
-            )
+            reservation = services.memory.reservation(len(body))
+            try:
+                await reservation.grow(_reading_need(len(body)))
+                decoded = await services.computed(
+                    lambda: self._with_robot(body, services.settings), request
+                )
+            finally:
+                reservation.end()
         else:
             decoded = self._with_robot(body, services.settings)
         robot, told = await services.inline_robot(decoded.robot, request)
@@ -176,33 +184,27 @@ class _Handlers:
         services, operation, robot = await services_of(request), self.operation, reading.robot
         form = _form_of(request, wanted)
         context = Context(
-            reading.units, reading.settings, reading.doubts, wanted, services.symbolic
+            reading.units,
+            reading.settings,
+            reading.doubts,
+            wanted,
+            services.symbolic,
+            services.programs,
         )
 
         def read() -> msgspec.Struct:
             asked: msgspec.Struct = self.form.resolved(decode(), reading)
             return asked
 
-        if wanted == NDJSON:
-            return await _streamed(request, services, operation, robot, context, read)
-        pool = services.out_of_process if operation.runs is Runs.PROCESS else services.compute
-        if operation.runs is Runs.PROCESS or size > INLINE_BYTES:
-            return await _computed(
-                request,
-                services,
-                pool,
-                lambda: _written(operation.run(robot, read(), context), form, context),
-            )
+        work = _Work(request, services, operation, robot, context, form)
+        if size > INLINE_BYTES:
+            return await work.answered(read, size)
         asked = read()
-        answer = operation.run_at_once(robot, asked, context)
-        if answer is not None:
-            return _written(answer, form, context, short=True)
-        return await _computed(
-            request,
-            services,
-            pool,
-            lambda: _written(operation.run(robot, asked, context), form, context),
-        )
+        if wanted != NDJSON:
+            answer = operation.run_at_once(robot, asked, context)
+            if answer is not None:
+                return _written(answer, form, context, short=True)
+        return await work.answered(lambda: asked, 0)
 
 
 def _reading(robot: Robot, units: Units, settings: Settings, told: tuple[str, ...]) -> Reading:
@@ -254,64 +256,88 @@ def _written(answer: Answer, form: _Form, context: Context, *, short: bool = Fal
     )
 
 
-async def _computed(
-    request: Request, services: Services, pool: ThreadPool, call: Callable[[], Response]
-) -> Response:
-    """An answer from a thread; a large one stays admitted until it is sent."""
-    services.buffers.check()
-    admission = pool.enter(services.settings.max_request_seconds)
-    try:
-        async with while_connected(request, admission):
-            response = await admission.run(call)
-    except BaseException:
+@dataclass(frozen=True, slots=True)
+class _Work:
+    """A computation that takes a thread, and its memory."""
+
+    request: Request
+    services: Services
+    operation: Operation
+    robot: Robot
+    context: Context
+    form: _Form
+
+    async def answered(self, read: Callable[[], msgspec.Struct], size: int) -> Response:
+        """Return the answer, once there is memory for it; a large one stays admitted until sent.
+
+        Args:
+            read: Gives the request.
+            size: Bytes from which it is read, in a thread; 0 where it has been.
+        """
+        services, streamed = self.services, self.form.type == NDJSON
+        apart = self.operation.runs is Runs.PROCESS and not streamed
+        pool = services.out_of_process if apart else services.compute
+        admission = pool.enter(services.settings.max_request_seconds)
+        reservation = services.memory.reservation(size)
+        try:
+            async with while_connected(self.request, admission):
+                if size:
+                    await reservation.grow(_reading_need(size))
+                    asked = await admission.run(read)
+                else:
+                    asked = read()
+                need = self.operation.memory(self.robot, asked, self.context)
+                await reservation.grow(need)
+                if streamed:
+                    return await self._streamed(asked, admission, reservation)
+                response = await admission.run(lambda: self._written(asked))
+        except BaseException:
+            reservation.end()
+            admission.leave()
+            raise
+        length = int(response.headers.get("content-length", 0))
+        if length > SMALL_BODY:
+            return AdmittedResponse(response, admission, reservation, length)
+        reservation.end()
         admission.leave()
-        raise
-    size = int(response.headers.get("content-length", 0))
-    if size > SMALL_BODY:
-        return AdmittedResponse(response, admission, services.buffers, size)
-    admission.leave()
-    return response
+        return response
+
+    def _written(self, asked: msgspec.Struct) -> Response:
+        answer = self.operation.run(self.robot, asked, self.context)
+        return _written(answer, self.form, self.context)
+
+    async def _streamed(
+        self, asked: msgspec.Struct, admission: Admission, reservation: Reservation
+    ) -> Response:
+        """Lines as they are computed; the work stops where the client goes away."""
+        assert self.operation.stream is not None
+        parts = self.operation.stream(self.robot, asked, self.context)
+
+        def following() -> bytes:
+            return json_lines(next(parts, ()))
+
+        # The first part before the status line: what is wrong with the request shows there.
+        part = await admission.run(following)
+
+        async def body() -> AsyncIterator[bytes]:
+            line = part
+            while line:
+                yield line
+                try:
+                    line = await admission.run(following)
+                except OutOfTime as error:
+                    # The status is sent already: the last line tells, in the place of the verdict.
+                    told = bytes(domain_problem(self.request, error).body)
+                    yield b'{"problem":%b}\n' % told
+                    return
+
+        # Its place and its memory are taken to the end. A reverse proxy that gathers answers must
+        # not gather this one.
+        headers = {"X-Accel-Buffering": "no", **told_in_header(self.context.warnings)}
+        lines = StreamingResponse(body(), media_type=NDJSON, headers=headers)
+        return AdmittedResponse(lines, admission, reservation, reservation.size)
 
 
-async def _streamed(
-    request: Request,
-    services: Services,
-    operation: Operation,
-    robot: Robot,
-    context: Context,
-    read: Any,
-) -> Response:
-    """Lines as they are computed; the work stops where the client goes away."""
-    assert operation.stream is not None
-    stream = operation.stream
-    admission = services.compute.enter(services.settings.max_request_seconds)
-
-    def following() -> bytes:
-        return json_lines(next(parts, ()))
-
-    try:
-        async with while_connected(request, admission):
-            asked = await admission.run(read)
-            parts = stream(robot, asked, context)
-            # The first part before the status line: what is wrong with the request shows there.
-            part = await admission.run(following)
-    except BaseException:
-        admission.leave()
-        raise
-
-    async def body() -> AsyncIterator[bytes]:
-        line = part
-        while line:
-            yield line
-            try:
-                line = await admission.run(following)
-            except OutOfTime as error:
-                # The status is sent already: the last line tells, in the place of the verdict.
-                yield b'{"problem":%b}\n' % bytes(domain_problem(request, error).body)
-                return
-
-    # Its lines are not kept, so they take no memory; but its place is taken to the end. A reverse
-    # proxy that gathers answers must not gather this one.
-    headers = {"X-Accel-Buffering": "no", **told_in_header(context.warnings)}
-    lines = StreamingResponse(body(), media_type=NDJSON, headers=headers)
-    return AdmittedResponse(lines, admission, services.buffers, 0)
+def _reading_need(size: int) -> Need:
+    """Return what reading a body needs besides its bytes: copies of its fields, and the values."""
+    return Need(READING, size, of="bytes in a body", argument="")

@@ -48,6 +48,11 @@ def solve_ik(
     return solver_of(robot, name, task).solve(target, seed, options)
 
 
+def batch_bytes(dof: int) -> int:
+    """Return the bytes for each target of a batch: its pose, its q, and its figures."""
+    return 8 * (4 * 16 + 2 * dof + 8) + 200
+
+
 def solve_ik_batch(
     robot: Robot,
     targets: FloatArray,

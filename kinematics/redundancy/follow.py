@@ -66,6 +66,11 @@ class Progress:
     q: FloatArray
 
 
+def peak_bytes(dof: int) -> int:
+    """Return the bytes of each sample of a result: poses, joint values, rates, and measures."""
+    return 8 * (11 * dof + 60)
+
+
 def follow(
     problem: PathProblem, method: Method, options: PathOptions
 ) -> Generator[Progress, None, PathResult]:

@@ -13,6 +13,7 @@ import numpy as np
 from dh_to_urdf.errors import Location
 from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption, WrongConfiguration, dotted
+from kinematics.processes.pool import ProcessPool
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.distances import Scene
 from kinematics.redundancy.clearance.link_geometry import LinkGeometry
@@ -247,6 +248,8 @@ class PathOptions:
         secondary: Tasks of ``task_priority``, the highest priority first.
         perturb: Joint displacement at the start, rad or m, out of a singular posture; 0: none.
         seconds: Time limit, s.
+        processes: Of ``whole_path``: where its program is solved; None: in a process that is
+            started for it.
     """
 
     BOUNDS: ClassVar[Mapping[str, Bounds]] = {
@@ -269,6 +272,7 @@ class PathOptions:
     secondary: tuple[SecondaryTask, ...] = ()
     perturb: float = 0.0
     seconds: float = math.inf
+    processes: ProcessPool | None = None
 
     def __post_init__(self) -> None:
         for name, bounds in self.BOUNDS.items():

@@ -6,13 +6,13 @@ not.
 """
 
 from kinematics.symbolic.request import Notation, Quantity, SymbolicRequest
-from kinematics.symbolic.workers import SymbolicUnavailable, SymbolicWorkers, WorkersBusy
+from kinematics.symbolic.workers import MEMORY, SymbolicUnavailable, SymbolicWorkers
 
 __all__ = [
+    "MEMORY",
     "Notation",
     "Quantity",
     "SymbolicRequest",
     "SymbolicUnavailable",
     "SymbolicWorkers",
-    "WorkersBusy",
 ]

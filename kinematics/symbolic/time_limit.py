@@ -12,8 +12,6 @@ from kinematics.symbolic.polynomial import TooManyTerms
 T = TypeVar("T")
 GRACE_SECONDS = 15
 """Time of a worker beside its time budget, s: start, and work before and after."""
-HEADER = 8
-"""Bytes of a task's length, big-endian."""
 
 
 class Unfinished(Exception):

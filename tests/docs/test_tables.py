@@ -12,7 +12,11 @@ PROBLEM = re.compile(r"^\| (\d{3}) \| `([\w-]+)` \| (.+) \|$", re.MULTILINE)
 ENDPOINT = re.compile(r"`(GET|POST|PUT|DELETE) (/v1[\w/{}.-]*)`")
 COMPUTATION = re.compile(r"`([\w/.-]+)`")
 NAMED_VARIABLE = re.compile(r"\bDENAVIT_([A-Z_]*[A-Z])\b")
-IN_WORDS = {"data_dir": "`~/.local/share/denavit`", "compute_threads": "number of cores"}
+IN_WORDS = {
+    "data_dir": "`~/.local/share/denavit`",
+    "compute_threads": "number of cores",
+    "max_worker_bytes": "what the container allows, or the machine has, divided by the workers",
+}
 
 
 def text_of(name):

@@ -19,6 +19,7 @@ from kinematics.redundancy.timing.toppra import (
     fastest,
     spline_through,
 )
+from kinematics.slices import slices
 from robots.robot import FloatArray
 
 LOOKS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
@@ -94,6 +95,16 @@ class Retimed:
     clearance: float
     limit_margin: FloatArray
     warnings: tuple[str, ...]
+
+
+def motion_bytes(dof: int) -> int:
+    """Return the bytes of each sample of a motion: joint values and their rates, thrice."""
+    return 8 * 9 * dof
+
+
+def grid_bytes(joints: int) -> int:
+    """Return the bytes of the grid on which a motion is timed, and of what is measured on it."""
+    return MOST_GRID * 8 * (18 * joints + 60)
 
 
 def retimed(result: PathResult, options: RetimeOptions) -> Retimed:
@@ -194,9 +205,13 @@ def deviations(problem: PathProblem, Q: FloatArray, r: FloatArray) -> tuple[floa
 def _used(timing: Timing, velocity: FloatArray, acceleration: FloatArray) -> tuple[float, float]:
     """Return the largest used parts of the limits, at ``LOOKS`` between all points of the grid."""
     steps = np.diff(timing.times)
-    k = np.repeat(np.arange(len(steps)), len(LOOKS))
-    _, v, a = timing.within(k, (steps[:, None] * LOOKS).reshape(-1))
-    return float((np.abs(v) / velocity).max()), float((np.abs(a) / acceleration).max())
+    most = np.zeros(2)
+    for part in slices(len(steps), len(LOOKS) * len(velocity)):
+        k = np.repeat(np.arange(part.start, part.stop), len(LOOKS))
+        _, v, a = timing.within(k, (steps[part, None] * LOOKS).reshape(-1))
+        used = (np.abs(v) / velocity).max(), (np.abs(a) / acceleration).max()
+        most = np.maximum(most, used)
+    return float(most[0]), float(most[1])
 
 
 def _clearance(problem: PathProblem, spline: Spline, along: FloatArray) -> float:

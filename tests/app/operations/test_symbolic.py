@@ -16,7 +16,8 @@ from fastapi import Request
 
 from app.http.handlers import domain_problem
 from app.http.rendering import RENDERINGS
-from kinematics.symbolic import SymbolicUnavailable, WorkersBusy
+from kinematics.errors import WorkersBusy
+from kinematics.symbolic import SymbolicUnavailable
 from tests.conftest import PATIENCE, until
 from tests.processes import symbolic_processes
 

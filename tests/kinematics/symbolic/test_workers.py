@@ -13,8 +13,12 @@ import numpy as np
 import pytest
 
 from dh_to_urdf import read_mapping
+from kinematics.errors import WorkersBusy
 from kinematics.forward import fk
-from kinematics.symbolic import Quantity, SymbolicRequest, SymbolicWorkers, WorkersBusy, workers
+from kinematics.processes import pool as pools
+from kinematics.processes import process as processes
+from kinematics.processes.protocol import ANSWER, framed
+from kinematics.symbolic import Quantity, SymbolicRequest, SymbolicWorkers, workers
 from kinematics.symbolic.polynomial import TooManyTerms
 from kinematics.symbolic.time_limit import Unfinished, limited
 from robots.shipped import shipped_robot
@@ -76,17 +80,17 @@ def test_a_worker_that_is_killed_is_replaced(pool, monkeypatch):
     table = wild_table(6)
     request = SymbolicRequest(quantities=(Quantity.DET_JACOBIAN,), time_budget=30.0)
     started = []
-    original = workers._started
+    original = processes.started
 
-    def recorded(errors):
-        process = original(errors)
+    def recorded(*told):
+        process = original(*told)
         started.append(process)
         return process
 
-    monkeypatch.setattr(workers, "_started", recorded)
+    monkeypatch.setattr(processes, "started", recorded)
 
     def kill():
-        for attempt in range(workers.ATTEMPTS):
+        for attempt in range(pools.ATTEMPTS):
             while len(started) == attempt:
                 time.sleep(0.01)
             time.sleep(0.3)
@@ -105,27 +109,29 @@ def test_a_worker_that_is_killed_is_replaced(pool, monkeypatch):
 def test_a_worker_that_dies_as_it_is_given_its_task_is_replaced(pool, monkeypatch):
     table = shipped_robot("planar_2r").table
     pool.run(table, SymbolicRequest())
-    original = workers._Worker.is_alive
+    original = processes.Process.is_alive
 
     def dies_now(worker):
-        monkeypatch.setattr(workers._Worker, "is_alive", original)
+        monkeypatch.setattr(processes.Process, "is_alive", original)
         os.kill(worker._process.pid, signal.SIGKILL)
         os.waitid(os.P_PID, worker._process.pid, os.WEXITED | os.WNOWAIT)
         return True
 
-    monkeypatch.setattr(workers._Worker, "is_alive", dies_now)
+    monkeypatch.setattr(processes.Process, "is_alive", dies_now)
     answer = pool.run(table, SymbolicRequest(quantities=(Quantity.POSITION,)))
     assert answer["simplified"] == {"position": True}
 
 
 def test_a_late_worker_is_killed():
+    message = "import time, sys; sys.stdout.buffer.write(%r); sys.stdout.flush(); time.sleep(600)"
     sleeping = subprocess.Popen(
-        [sys.executable, "-c", "import time; print('{}', flush=True); time.sleep(600)"],
+        [sys.executable, "-c", message % framed(b"{}", ANSWER)],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
     )
     with sleeping:
-        assert workers._lines(sleeping, b"task", time.monotonic() + 1.0) == (["{}"], False)
+        found = processes.outcome(sleeping, b"task", time.monotonic() + 1.0)
+        assert (found.answers, found.finished) == ([b"{}"], False)
         sleeping.kill()
     assert sleeping.returncode == -signal.SIGKILL
 
@@ -133,7 +139,7 @@ def test_a_late_worker_is_killed():
 def test_too_many_requests_are_turned_away(pool, monkeypatch):
     busy, release = threading.Event(), threading.Event()
 
-    def work(self, table, request):
+    def work(self, session, table, request):
         busy.set()
         release.wait(PATIENCE)
         return '{"simplified": {}}'
@@ -148,7 +154,7 @@ def test_too_many_requests_are_turned_away(pool, monkeypatch):
     for thread in threads:
         thread.start()
     busy.wait(PATIENCE)
-    while pool._places._value:
+    while pool._pool._places._value:
         time.sleep(0.01)
     with pytest.raises(WorkersBusy) as caught:
         pool.run(table, SymbolicRequest(time_budget=50.0))
@@ -166,15 +172,15 @@ def test_without_sympy_it_says_how_to_get_it(pool, monkeypatch):
 
 
 def test_a_worker_ends_with_its_input():
-    with workers._started() as process:
+    with processes.started(workers.WORKER) as process:
         process.stdin.close()
         assert process.wait(PATIENCE) == 0
 
 
 def test_one_process_does_task_after_task(pool, monkeypatch):
     started = []
-    original = workers._started
-    monkeypatch.setattr(workers, "_started", lambda errors: started.append(1) or original(errors))
+    original = processes.started
+    monkeypatch.setattr(processes, "started", lambda *told: started.append(1) or original(*told))
     for name in ("planar_2r", "scara", "planar_2r", "stanford"):
         table = shipped_robot(name).table
         found = pool.run(table, SymbolicRequest(quantities=(Quantity.POSITION,)))
@@ -185,16 +191,16 @@ def test_one_process_does_task_after_task(pool, monkeypatch):
 
 def test_a_task_whose_worker_dies_is_given_to_another_one(pool, monkeypatch):
     started = []
-    original = workers._started
+    original = processes.started
 
-    def dying_first(errors):
-        process = original(errors)
+    def dying_first(*told):
+        process = original(*told)
         started.append(process)
         if len(started) == 1:
             process.kill()
         return process
 
-    monkeypatch.setattr(workers, "_started", dying_first)
+    monkeypatch.setattr(processes, "started", dying_first)
     answer = pool.run(shipped_robot("planar_2r").table, SymbolicRequest())
     assert answer["simplified"] == {"T": True}
     assert len(started) == 2
@@ -202,10 +208,10 @@ def test_a_task_whose_worker_dies_is_given_to_another_one(pool, monkeypatch):
 
 def test_a_worker_is_replaced_between_tasks(pool, monkeypatch):
     """No task is ever given to one that is about to end."""
-    monkeypatch.setattr(workers, "TASKS", 2)
+    monkeypatch.setattr(pools, "TASKS", 2)
     started = []
-    original = workers._started
-    monkeypatch.setattr(workers, "_started", lambda errors: started.append(1) or original(errors))
+    original = processes.started
+    monkeypatch.setattr(processes, "started", lambda *told: started.append(1) or original(*told))
     table = shipped_robot("planar_2r").table
     for seconds in range(1, 6):
         monkeypatch.setattr(pool, "_answers", OrderedDict())
@@ -214,7 +220,7 @@ def test_a_worker_is_replaced_between_tasks(pool, monkeypatch):
 
 
 def test_what_a_worker_says_before_it_dies_is_logged(caplog, monkeypatch):
-    monkeypatch.setattr(workers, "START", "raise SystemExit('no such thing')")
+    monkeypatch.setattr(processes, "START", "raise SystemExit('no such thing')")
     with closing(SymbolicWorkers()) as pool, pytest.raises(WorkersBusy):
         pool.run(shipped_robot("planar_2r").table, SymbolicRequest())
     assert "no such thing" in caplog.text

@@ -111,6 +111,7 @@ def test_a_program_of_the_whole_path_that_is_cut_short_says_whose_samples_these_
     problem = ten()
     assert run(problem, "whole_path").verdict.message == "the path is followed"
     monkeypatch.setattr(whole_path, "ITERATIONS", 1)
+    monkeypatch.setattr(whole_path, "FEWER_ITERATIONS", 1)
     cut = run(problem, "whole_path")
     holds(cut)
     assert np.array_equal(cut.q, run(problem, "qp").q)

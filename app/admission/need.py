@@ -1,0 +1,44 @@
+"""What a request will need, said before it is computed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isqrt
+
+SMALL = 4_000_000
+"""Bytes of a need, a body or an answer that fit beside everything else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Need:
+    """The memory that a request will need, by its largest size.
+
+    Attributes:
+        each: Bytes for one of what is counted.
+        count: How many there are.
+        fixed: Bytes besides.
+        of: What is counted, in words.
+        argument: The field that says how many.
+        squared: Whether there are ``count`` times ``count``.
+    """
+
+    each: float
+    count: int = 1
+    fixed: int = 0
+    of: str = "rows of q"
+    argument: str = "q"
+    squared: bool = False
+
+    @property
+    def bytes(self) -> int:
+        """All of it."""
+        return self.fixed + int(self.each * self.count * (self.count if self.squared else 1))
+
+    def fitting(self, most: int) -> int:
+        """Return how many would fit in so many bytes."""
+        found = max(0, int((most - self.fixed) / self.each)) if self.each > 0 else 0
+        return isqrt(found) if self.squared else found
+
+
+NOTHING = Need(0.0)
+"""What is too small to be counted."""
