@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated, Any, NotRequired, TypedDict
 
 import msgspec
@@ -193,17 +195,8 @@ def _run(robot: Robot, request: SymbolicRequest, context: Context) -> Answer:
     if table is None:
         table = extract(chain_of_robot(robot), Convention.MODIFIED).table
     _refuse_fractions(table)
-    try:
+    with _in_milliseconds(request):
         answer = context.symbolic_workers().run(table, _read(request, context))
-    except InvalidOption as error:
-        if error.argument != "time_budget":
-            raise
-        raise InvalidOption(
-            "time_budget_ms is not above 0; give milliseconds",
-            argument="time_budget_ms",
-            value=request.time_budget_ms,
-            lower=error.lower,
-        ) from None
     listing = answer.pop("listing", None)
     payload: dict[str, Any] = {
         "units": {"angle": "rad", "length": "m"},
@@ -217,9 +210,30 @@ def _run(robot: Robot, request: SymbolicRequest, context: Context) -> Answer:
 def _memory(robot: Robot, request: SymbolicRequest, context: Context) -> Need:
     """The process's, but for formulas that are known."""
     table = robot.table
-    if table is None or context.symbolic_workers().knows(table, _read(request, context)):
-        return NOTHING
+    with _in_milliseconds(request):
+        if table is None or context.symbolic_workers().knows(table, _read(request, context)):
+            return NOTHING
     return Need(0.0, fixed=symbolic.MEMORY)
+
+
+@contextmanager
+def _in_milliseconds(request: SymbolicRequest) -> Iterator[None]:
+    """Name the time budget as the request does where it is refused.
+
+    Raises:
+        InvalidOption: The same.
+    """
+    try:
+        yield
+    except InvalidOption as error:
+        if error.argument != "time_budget":
+            raise
+        raise InvalidOption(
+            "time_budget_ms is not above 0; give milliseconds",
+            argument="time_budget_ms",
+            value=request.time_budget_ms,
+            lower=error.lower,
+        ) from None
 
 
 def _refuse_fractions(table: DHTable) -> None:

@@ -360,7 +360,7 @@ def build_router(max_body: int) -> APIRouter:
         "",
         status_code=201,
         summary="Upload a robot",
-        responses={201: view[200]},
+        responses=view | {201: view[200]},
         openapi_extra=documents,
     )
     async def create_robot(request: Request, services: ServicesDep) -> Response:

@@ -19,6 +19,7 @@ from app.fields.numbers import within_query
 from app.main import create_app
 from app.operations import OPERATIONS, Answer, Context, Operation
 from app.operations.shapes import AnswerUnits, EachNumber
+from app.operations.sizes import rows_need, rows_of
 from app.settings import Settings
 from kinematics.forward import fk
 from kinematics.task import POSE
@@ -65,6 +66,9 @@ REACH = Operation(
     request=ReachRequest,
     answer=ReachAnswer,
     run=reach,
+    memory=lambda robot, request, context: rows_need(
+        rows_of(request.q), 200.0, context.form, numbers=1
+    ),
     example={"q": [0.5, 0.25], "task": "xy"},
     example_robot="planar_2r",
     npy_field="q",
