@@ -22,7 +22,17 @@ from app.middleware.request_line import RequestLine
 from app.openapi.document import build_openapi
 from app.operations import OPERATIONS, Operation
 from app.readiness import Readiness, ReadinessReport
-from app.routes import compute, convert, diff, health, meshes, metrics, robots, tables
+from app.routes import (
+    compute,
+    convert,
+    diff,
+    health,
+    link_matrix,
+    meshes,
+    metrics,
+    robots,
+    tables,
+)
 from app.serving.connections import STATE, ConnectionGuard, ConnectionLimits
 from app.serving.kernels import loaded_kernels
 from app.settings import Settings
@@ -87,6 +97,7 @@ def create_app(
     app.include_router(convert.build_router(chosen.max_document_bytes))
     app.include_router(tables.build_router(chosen.max_document_bytes))
     app.include_router(diff.build_router(chosen.max_document_bytes))
+    app.include_router(link_matrix.build_router())
     if counted is not None:
         metrics.add_route(app, counted)
     app.state.page = page.load_page()

@@ -117,6 +117,8 @@ class DHRow:
         visual: False to draw nothing for this row.
         mimic: What the joint follows; None where it is a coordinate of q.
         coupling: Names of other joints and the coefficients by which they move this one too.
+        symbols: What the table calls its lengths: pairs of ``a``, ``d`` or ``b`` and a name, with
+            a minus sign where the length is minus what the name stands for.
     """
 
     name: str
@@ -135,6 +137,7 @@ class DHRow:
     visual: bool = True
     mimic: Mimic | None = None
     coupling: tuple[tuple[str, float], ...] = ()
+    symbols: tuple[tuple[str, str], ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)

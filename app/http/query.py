@@ -6,7 +6,7 @@ import math
 
 from fastapi import Request
 
-from app.http.negotiation import CSV, NPY, TEXT
+from app.http.negotiation import CSV, LATEX, NPY, TEXT
 from app.http.pointers import escaped
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.units import Units
@@ -68,7 +68,7 @@ def flag_of(request: Request, name: str) -> bool:
 
 
 def digits_of(request: Request, wanted: str) -> int | None:
-    """The decimals that ``?digits=`` asks for in text and CSV; None where it does not.
+    """The decimals that ``?digits=`` asks for in text, CSV and LaTeX; None where it does not.
 
     Raises:
         RequestProblem: No number of decimals, or a form that holds all digits.
@@ -76,10 +76,10 @@ def digits_of(request: Request, wanted: str) -> int | None:
     text = request.query_params.get("digits")
     if text is None:
         return None
-    if wanted not in (TEXT, CSV):
+    if wanted not in (TEXT, CSV, LATEX):
         raise RequestProblem(
             INVALID_REQUEST,
-            "digits is for format=text and format=csv; the others hold all digits",
+            "digits is for format=text, csv and latex; the others hold all digits",
             "/digits",
         )
     if not (text.isascii() and text.isdecimal() and len(text) <= 2 and int(text) <= MAX_DIGITS):

@@ -21,6 +21,8 @@ from app.http.problems import (
     RequestProblem,
 )
 from app.http.text import render_text
+from app.sheets.headings import Heading
+from app.sheets.sheet import Sheet, cell
 from kinematics.deadline import checked
 
 LARGE = 20_000
@@ -86,9 +88,11 @@ def _has_large(payload: dict[str, Any]) -> bool:
 class PartsResponse(Response):
     """A body in parts that are never joined: a copy of megabytes would hold up other requests."""
 
-    def __init__(self, parts: list[bytes], status: int, headers: Mapping[str, str]) -> None:
+    def __init__(
+        self, parts: list[bytes], status: int, headers: Mapping[str, str], kind: str = JSON
+    ) -> None:
         length = {"content-length": str(sum(map(len, parts)))}
-        super().__init__(None, status, {**headers, **length}, JSON)
+        super().__init__(None, status, {**headers, **length}, kind)
         self.parts = parts
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:  # noqa: ARG002
@@ -128,36 +132,31 @@ def json_lines(rows: Iterable[Mapping[str, Any]]) -> bytes:
     return b"".join(_dumps(row) + b"\n" for row in rows)
 
 
-def _cell(value: object, digits: int | None) -> object:
-    """A value of a table, as CSV writes it; 1 and 0 are numbers, though Python has True == 1."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float):
-        return (value if digits is None else round(value, digits)) + 0.0
-    return "" if value is None else value
-
-
-def csv_bytes(
-    rows: Sequence[Mapping[str, Any]], digits: int | None = None, warnings: Sequence[str] = ()
-) -> bytes:
-    """A table as CSV (RFC 4180): a header, nothing where a value is null.
+def csv_parts(sheet: Sheet, digits: int | None = None, warnings: Sequence[str] = ()) -> list[bytes]:
+    """A table as CSV (RFC 4180), in parts: a header, nothing where a value is null.
 
     Args:
-        rows: The table, with the columns of its first row.
+        sheet: The table.
         digits: Decimals of numbers; None: all that they have.
         warnings: Told in a last column, from the first row on.
     """
+    told = list(warnings[: len(sheet)])
+    if len(warnings) > len(sheet) > 0:
+        told[-1] = " | ".join(warnings[len(sheet) - 1 :])
+    parts = [_csv_lines([[*sheet.headings, *([Heading.WARNINGS.value] if told else [])]])]
+    number = 0
+    for block in checked(sheet.blocks(), 1):
+        rows = [[cell(value, digits) for value in row] for row in block]
+        for row in rows if told else ():
+            row.append(told[number] if number < len(told) else "")
+            number += 1
+        parts.append(_csv_lines(rows))
+    return parts
+
+
+def _csv_lines(rows: Iterable[Iterable[object]]) -> bytes:
     stream = io.StringIO()
-    writer = csv.writer(stream)
-    told = list(warnings[: len(rows)])
-    if len(warnings) > len(rows) > 0:
-        told[-1] = " | ".join(warnings[len(rows) - 1 :])
-    column = ["warnings"] if told else []
-    if rows:
-        writer.writerow([*rows[0], *column])
-    for k, row in enumerate(rows):
-        more = [told[k] if k < len(told) else ""] if told else []
-        writer.writerow([*(_cell(value, digits) for value in row.values()), *more])
+    csv.writer(stream).writerows(rows)
     return stream.getvalue().encode()
 
 
@@ -174,7 +173,7 @@ def respond(
     wanted: str = JSON,
     *,
     array: NDArray[Any] | None = None,
-    rows: Sequence[Mapping[str, Any]] | None = None,
+    sheet: Sheet | None = None,
     status: int = 200,
     headers: Mapping[str, str] | None = None,
     short: bool = False,
@@ -186,7 +185,7 @@ def respond(
         payload: What JSON and text show.
         wanted: Media type from :func:`wanted_type`.
         array: What npy holds.
-        rows: What CSV holds: a table, with the columns of its first row.
+        sheet: What CSV holds.
         status: HTTP status.
         headers: Further headers.
         short: Whether the payload is known to hold a few numbers only.
@@ -198,8 +197,14 @@ def respond(
         content = render_text(payload, digits).encode()
         return Response(content, status, dict(headers or {}), "text/plain; charset=utf-8")
     if wanted == CSV:
-        content = csv_bytes(rows or [], digits, payload.get("warnings", ()))
-        return Response(content, status, dict(headers or {}), "text/csv; charset=utf-8")
+        if sheet is None:
+            raise RequestProblem(NOT_ACCEPTABLE, "this answer has no table; ask for JSON")
+        warnings = payload.get("warnings", ())
+        told = {} if len(sheet) else told_in_header(warnings)
+        kind = "text/csv; charset=utf-8"
+        return PartsResponse(
+            csv_parts(sheet, digits, warnings), status, {**(headers or {}), **told}, kind
+        )
     if wanted == NPY:
         if array is None:
             raise RequestProblem(NOT_ACCEPTABLE, "this answer has no npy form; ask for JSON")

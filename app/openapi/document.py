@@ -35,7 +35,9 @@ def build_openapi(
     )
     answers = answer_schemas(operation.answer for operation in operations)
     for operation in operations:
-        document["paths"].update(operation_paths(operation, answers))
+        for path, item in operation_paths(operation, answers).items():
+            # An address may have a GET of its own beside the computation.
+            document["paths"].setdefault(path, {}).update(item)
     types: list[Any] = [ProblemDetails, *extra_types]
     for operation in operations:
         types += [operation.form.wire, operation.form.inline]

@@ -84,7 +84,7 @@ def _choices(operation: Operation) -> list[dict[str, Any]]:
     told = {
         "angle": ("rad (default) or deg: joint values, Euler angles.", ["rad", "deg"]),
         "format": (f"{shown}.", [first, *forms]),
-        "digits": ("Decimals of numbers in text and CSV, 0 to 15.", None),
+        "digits": ("Decimals of numbers in text, CSV and LaTeX, 0 to 15.", None),
         "with": ("status: npy holds rows with the status of each.", ["status"]),
     }
     return [_parameter(name, *told[name]) for name in operation.parameters]

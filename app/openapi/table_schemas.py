@@ -69,6 +69,12 @@ def table_schemas() -> dict[str, Any]:
                     {"type": "object", "additionalProperties": cell},
                 ],
             },
+            "symbols": {
+                "description": "What lengths are called in closed forms, by column: L1 or -L1. A"
+                " cell that is a name with a value is called so by itself.",
+                "type": "object",
+                "additionalProperties": {"type": "string", "maxLength": 40},
+            },
         },
         "additionalProperties": False,
     }

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
-from typing import Annotated, TypedDict
+from typing import Annotated, NotRequired, TypedDict
 
 import msgspec
 
@@ -25,7 +26,8 @@ from app.operations.retime import read_retime
 from app.operations.shapes import AnswerUnits
 from app.operations.sizes import fixed_bytes
 from app.pictures.path_figure import path_figure
-from kinematics.errors import InvalidOption
+from app.sheets.sheet import Sheet
+from kinematics.errors import InvalidOption, KinematicsError
 from kinematics.redundancy.compare import compared
 from kinematics.redundancy.follow import PathResult
 from kinematics.redundancy.judging.summary import summary
@@ -88,8 +90,18 @@ class CompareRow(TypedDict):
     retimed_duration: float | None
 
 
+class LeftOut(TypedDict, total=False):
+    """Methods that were left out, and why."""
+
+    left_out: dict[str, str]
+
+
 class CompareAnswer(LinksView):
-    """The table, and in words what stood in the way of each method."""
+    """The table, and in words what stood in the way of each method.
+
+    ``left_out``, where there are some: methods that need what the request does not have, each with
+    what that is.
+    """
 
     units: AnswerUnits
     frame: str
@@ -97,6 +109,7 @@ class CompareAnswer(LinksView):
     samples: int
     rows: list[CompareRow]
     messages: dict[str, str]
+    left_out: NotRequired[dict[str, str]]
     warnings: list[str]
 
 
@@ -145,7 +158,8 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
             ) from None
         entries.append((method, options))
     timing = read_retime(request.retime, problem.arm, request.samples, context)
-    results = list(compared(problem, entries, seconds))
+    done, left_out = _done(labels, compared(problem, entries, seconds))
+    labels, results = list(done), list(done.values())
     motions = [None if timing is None else retimed(result, timing) for result in results]
     unit = joint_units(robot, context)
     rows = [
@@ -163,12 +177,45 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
             label: result.verdict.message + ("" if motion is None else f"; {motion.message}")
             for label, result, motion in zip(labels, results, motions, strict=True)
         },
+        **_left_out_view(left_out),
         **links,
-        "warnings": [*context.warnings, *warnings],
+        "warnings": [
+            *context.warnings,
+            *warnings,
+            *(f"{label} is left out: {why}" for label, why in left_out.items()),
+        ],
     }
     shown = list(zip(labels, results, strict=True))
     title = f"{robot.name}: methods compared"
-    return Answer(answer, rows=rows, picture=lambda: path_figure(shown, title))
+    return Answer(
+        answer,
+        sheet=lambda: Sheet.of_rows(rows),
+        picture=lambda: path_figure(shown, title, context.units),
+    )
+
+
+def _left_out_view(left_out: dict[str, str]) -> LeftOut:
+    return {"left_out": left_out} if left_out else {}
+
+
+def _done(
+    labels: list[str], results: Iterable[PathResult | KinematicsError]
+) -> tuple[dict[str, PathResult], dict[str, str]]:
+    """Return the results by label, and why the other methods have none.
+
+    Raises:
+        KinematicsError: No method has one; what the first says.
+    """
+    done: dict[str, PathResult] = {}
+    left_out: dict[str, KinematicsError] = {}
+    for label, result in zip(labels, results, strict=True):
+        if isinstance(result, PathResult):
+            done[label] = result
+        else:
+            left_out[label] = result
+    if not done:
+        raise next(iter(left_out.values()))
+    return done, {label: str(error) for label, error in left_out.items()}
 
 
 def _row(label: str, result: PathResult, motion: Retimed | None, unit: FloatArray) -> CompareRow:
@@ -209,7 +256,8 @@ COMPARE = Operation(
     summary="Compare methods on one path",
     description="Several methods on one scenario, in one table: errors, Σ‖Δq‖, largest step, least"
     " clearance (swept between samples), limit margin, drift of closed paths, ms a point, the"
-    " shortest time (with retime), and the verdict. Also as text, CSV and SVG.",
+    " shortest time (with retime), and the verdict. A method that"
+    " needs more input is left out, with a warning. Also as text, CSV, LaTeX and SVG.",
     request=CompareRequest,
     answer=CompareAnswer,
     memory=_memory,

@@ -12,10 +12,10 @@ from app.admission.need import Need
 from app.fields.field import LEFT_OUT
 from app.fields.joints import Configuration
 from app.fields.names import Frames, euler_sequence
-from app.http.negotiation import JSON
+from app.http.negotiation import CSV, JSON
 from app.http.units import Units
 from app.operations.joint_values import joint_values_view, joints_shown
-from app.operations.operation import Answer, Context, Operation, check_size
+from app.operations.operation import SHEET_FORMS, Answer, Context, Operation, check_size
 from app.operations.shapes import (
     AnswerUnits,
     EachFlag,
@@ -27,6 +27,9 @@ from app.operations.shapes import (
     rows,
 )
 from app.operations.sizes import FLOAT, encoded, rows_need, rows_of
+from app.sheets import columns, latex
+from app.sheets.headings import Heading
+from app.sheets.sheet import Column, Sheet
 from kinematics.forward import fk, peak_bytes, poses
 from kinematics.orientation import euler_angles, is_locked, quaternion_xyzw, rpy
 from robots.robot import FloatArray, Robot
@@ -121,6 +124,9 @@ def _memory(robot: Robot, request: FKRequest, context: Context) -> Need:
     numbers = frames * (NUMBERS_A_POSE if request.euler else NUMBERS_A_POSE - 6)
     each = peak_bytes(robot.dof, frames) + FLOAT * numbers * 1.5
     each += encoded(context.form, numbers + joints_shown(robot), 16 * frames)
+    if context.form == CSV:
+        # Beside each pose stands its q.
+        each += encoded(CSV, frames * (robot.dof + joints_shown(robot)))
     return rows_need(rows_of(request.q), each, context.form, numbers=NUMBERS_A_POSE * frames)
 
 
@@ -132,7 +138,51 @@ def _run(robot: Robot, request: FKRequest, context: Context) -> Answer:
     found = fk(robot, q, frames)
     views = {name: pose_view(T, units, request.euler) for name, T in found.items()}
     array = next(iter(found.values())) if len(found) == 1 else np.stack(list(found.values()), -3)
-    return Answer(_answer(robot, q, views, context), array)
+    return Answer(
+        _answer(robot, q, views, context),
+        array,
+        sheet=lambda: _sheet(robot, request, found, units),
+        latex=lambda digits: _latex(found, digits),
+    )
+
+
+def _sheet(
+    robot: Robot, request: FKRequest, found: Mapping[str, FloatArray], units: Units
+) -> Sheet:
+    """Return one row a pose: the frames of the first q, then those of the next."""
+    q, names = np.atleast_2d(request.q), list(found)
+    T = np.stack([np.reshape(one, (-1, 4, 4)) for one in found.values()], axis=1).reshape(-1, 4, 4)
+    repeated = np.repeat(q, len(names), axis=0)
+    R = T[:, :3, :3]
+    return Sheet(
+        (
+            columns.samples(len(q), len(names)),
+            *columns.joints(robot, repeated, units),
+            *columns.joint_values(robot, repeated, units),
+            Column(Heading.FRAME, names * len(q)),
+            *columns.position(T[:, :3, 3]),
+            *columns.orientation(R, units),
+            *(
+                ()
+                if request.euler is None
+                else columns.euler(euler_angles(R, request.euler), request.euler, units)
+            ),
+        )
+    )
+
+
+def _latex(found: Mapping[str, FloatArray], digits: int | None) -> str:
+    """Return the matrices of all frames, of each q."""
+    labels, poses_ = [], []
+    for name, T in found.items():
+        every = np.reshape(T, (-1, 4, 4))
+        number = "" if T.ndim == 2 else "^{{({k})}}"
+        labels += [
+            f"T_{{\\text{{{latex.escaped(name)}}}}}{number.format(k=k)}"
+            for k in range(1, len(every) + 1)
+        ]
+        poses_.append(every)
+    return latex.equations(labels, np.concatenate(poses_), digits)
 
 
 def _answer(
@@ -151,12 +201,13 @@ FK = Operation(
     name="fk",
     summary="Forward kinematics",
     description="Poses of frames at one q or a batch. As npy: matrices, shape (4, 4) or (n, 4, 4);"
-    " several frames add an axis before the last two.",
+    " several frames add an axis before the last two. As csv: one row a pose. As latex: matrices.",
     request=FKRequest,
     answer=FKAnswer,
     memory=_memory,
     run=_run,
     example={"q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], "euler": "ZXZ"},
+    forms=SHEET_FORMS,
     example_robot="pa10",
     npy_field="q",
 )

@@ -23,7 +23,7 @@ from app.fields.targets import OptionalTarget, TargetList
 from app.http.negotiation import NDJSON, NPY
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.joint_values import joint_values_view, joints_shown
-from app.operations.operation import ARRAY_FORMS, LIGHT_DOF, Answer, Context, Operation
+from app.operations.operation import LIGHT_DOF, SHEET_FORMS, Answer, Context, Operation
 from app.operations.shapes import (
     AnswerUnits,
     EachInteger,
@@ -33,6 +33,9 @@ from app.operations.shapes import (
     each,
 )
 from app.operations.sizes import FLOAT, JSON_NUMBER, LISTED, encoded, rows_need
+from app.sheets import columns
+from app.sheets.headings import Heading
+from app.sheets.sheet import Column, Sheet
 from dh_to_urdf.errors import quoted
 from kinematics.configuration import joint_names
 from kinematics.deadline import current
@@ -294,7 +297,48 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
     }
     errors = batch.position_error, batch.orientation_error
     records = _records(q, statuses, *errors) if context.form == NPY else None
-    return Answer(answer, q, headers, records=records)
+    return Answer(
+        answer,
+        q,
+        headers,
+        sheet=lambda: _sheet(
+            robot,
+            context,
+            statuses,
+            batch.q,
+            *errors,
+            batch.iterations,
+            batch.restarts,
+            batch.elapsed,
+        ),
+        records=records,
+    )
+
+
+def _sheet(
+    robot: Robot,
+    context: Context,
+    statuses: list[str],
+    q: FloatArray,
+    position_error: FloatArray,
+    orientation_error: FloatArray,
+    iterations: NDArray[np.int64],
+    restarts: NDArray[np.int64],
+    elapsed: FloatArray,
+) -> Sheet:
+    """Return one row a target, with its status; q of shape (n, dof), the others (n,)."""
+    return Sheet(
+        (
+            columns.samples(len(statuses)),
+            Column(Heading.STATUS, statuses),
+            *columns.joints(robot, q, context.units),
+            *columns.joint_values(robot, q, context.units),
+            *columns.errors(position_error, orientation_error),
+            Column(Heading.ITERATIONS, iterations),
+            Column(Heading.RESTARTS, restarts),
+            Column(Heading.ELAPSED, elapsed * 1e3, "ms"),
+        )
+    )
 
 
 def _records(q: FloatArray, statuses: list[str], *errors: FloatArray) -> NDArray[Any]:
@@ -471,7 +515,18 @@ def _single(
     if context.form == NPY:
         errors = np.array([result.position_error]), np.array([result.orientation_error])
         records = _records(q[None], [result.status.value], *errors)
-    return Answer(answer, q, records=records)
+    return Answer(
+        answer,
+        q,
+        sheet=lambda: _sheet(
+            robot,
+            context,
+            [result.status.value],
+            result.q[None],
+            *(np.atleast_1d(value) for value in result[3:]),
+        ),
+        records=records,
+    )
 
 
 class _Echo(TypedDict):
@@ -513,15 +568,16 @@ IK = Operation(
     " found is a 200 with an honest `status`, the best q and its measured errors. Only the joints"
     " between base and frame move; the others stay at the seed. As npy: targets (n, 4, 4) in, q"
     " out; the headers X-Converged and X-Not-Converged say how many and which, and with=status"
-    " gives rows with the fields q, status, position_error and orientation_error. As ndjson: one"
-    " line a target, sent while the others are being solved.",
+    " gives rows with the fields q, status, position_error and orientation_error. As csv and"
+    " latex: one row a target, with its status. As ndjson: one line a target, sent while the others"
+    " are being solved.",
     request=IKRequest,
     answer=IKAnswer,
     memory=_memory,
     run=_run,
     example={"target": {"position": [0.5, 0.2, 0.6], "rpy": [0, 1.5, 0]}, "task": "pose"},
     example_robot="pa10",
-    forms=(*ARRAY_FORMS, NDJSON),
+    forms=(*SHEET_FORMS, NDJSON),
     npy_field="targets",
     statuses=True,
     attempt=_attempt,

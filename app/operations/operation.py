@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -15,17 +15,19 @@ from app.admission.need import Need
 from app.fields.doubts import RequestDoubts
 from app.fields.form import RequestForm, form_of
 from app.fields.joints import is_one
-from app.http.negotiation import CSV, JSON, NDJSON, NPY, PNG, SVG, TEXT
+from app.http.negotiation import CSV, JSON, LATEX, NDJSON, NPY, PNG, SVG, TEXT
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import COMMON
 from app.http.units import Units
 from app.settings import Settings
+from app.sheets.sheet import SheetSource
 from kinematics.processes.pool import ProcessPool
 from kinematics.symbolic import SymbolicWorkers
 from robots.robot import FloatArray, Robot
 
 ARRAY_FORMS = (JSON, TEXT, NPY)
-TABLE_FORMS = (JSON, TEXT, CSV)
+TABLE_FORMS = (JSON, TEXT, CSV, LATEX)
+SHEET_FORMS = (*ARRAY_FORMS, CSV, LATEX)
 LINES = (NDJSON,)
 PICTURES = (SVG, PNG)
 LIGHT_DOF = 16
@@ -83,8 +85,10 @@ class Answer(msgspec.Struct, frozen=True):
         payload: What JSON and text show, of the answer type of the operation.
         array: What npy holds.
         headers: Further headers.
+        text: What text shows, where that is not the payload.
         listing: The whole answer in any other form than JSON.
-        rows: What CSV holds.
+        sheet: Makes the table that CSV holds.
+        latex: Writes what LaTeX holds, with so many decimals; where there is none, the table.
         picture: Draws it as SVG, from which PNG is made.
         records: What npy holds where each row comes with its status: rows with named fields.
     """
@@ -92,8 +96,10 @@ class Answer(msgspec.Struct, frozen=True):
     payload: Mapping[str, Any]
     array: FloatArray | None = None
     headers: dict[str, str] | None = None
+    text: Mapping[str, Any] | None = None
     listing: str | None = None
-    rows: Sequence[Mapping[str, Any]] | None = None
+    sheet: SheetSource | None = None
+    latex: Callable[[int | None], str] | None = None
     picture: Callable[[], str] | None = None
     records: NDArray[Any] | None = None
 

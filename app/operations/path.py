@@ -14,7 +14,7 @@ from app.fields.field import Field, Parameter, declared
 from app.fields.names import one_of
 from app.http.negotiation import JSON, NDJSON
 from app.operations.joint_values import joint_values_view, joints_shown
-from app.operations.operation import ARRAY_FORMS, PICTURES, Answer, Context, Operation, Runs
+from app.operations.operation import PICTURES, SHEET_FORMS, Answer, Context, Operation, Runs
 from app.operations.path_fields import (
     PathScenario,
     read_options,
@@ -22,6 +22,7 @@ from app.operations.path_fields import (
     scenario_need,
 )
 from app.operations.path_links import LinksView, links_view
+from app.operations.path_sheet import path_sheet
 from app.operations.retime import RetimedMotion, motion_samples, read_retime, timing_view
 from app.operations.shapes import AnswerUnits, Matrix, Vector, or_null, shaped, vector
 from app.operations.sizes import FLOAT, JSON_NUMBER, fixed_bytes
@@ -149,7 +150,12 @@ def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
     }
     title = f"{robot.name}: {result.method}"
     shown = [(result.method, result)]
-    return Answer(answer, q, picture=lambda: path_figure(shown, title, motion=motion))
+    return Answer(
+        answer,
+        q,
+        sheet=lambda: path_sheet(robot, result, context.units),
+        picture=lambda: path_figure(shown, title, context.units, motion=motion),
+    )
 
 
 def judged(robot: Robot, result: PathResult, context: Context) -> JudgedView:
@@ -233,9 +239,10 @@ PATH = Operation(
     " successive joint origins, or about the shapes of the URDF (link_geometry). The verdict comes"
     " from measured errors, limits, clearances (swept between samples) and speeds. With retime the"
     " joint path is also given in the shortest time within speeds and accelerations. As npy: q of"
-    " each sample. As svg: the arm among its obstacles, and curves. As ndjson: one line a sample"
-    " while it is computed, then those of the retimed motion, and one with the verdict, or"
-    " with the `problem` where time is up.",
+    " each sample. As csv: one row a sample, with what is violated there. As svg: the arm"
+    " among its obstacles, and curves. As ndjson: one line a sample while it is computed, then"
+    " those of the retimed motion, and one with the verdict, or with the `problem` where time is"
+    " up.",
     request=PathRequest,
     answer=PathAnswer,
     memory=_memory,
@@ -253,7 +260,7 @@ PATH = Operation(
     },
     example_robot="planar_8r",
     runs=Runs.THREAD,
-    forms=(*ARRAY_FORMS, NDJSON, *PICTURES),
+    forms=(*SHEET_FORMS, NDJSON, *PICTURES),
     stream=_stream,
     needs="toppra",
 )

@@ -13,7 +13,7 @@ from app.fields.field import LEFT_OUT
 from app.fields.joints import Configuration
 from app.fields.names import Frame, TaskSpace
 from app.fields.numbers import RankTolerance, within_query
-from app.operations.operation import Answer, Context, Operation, Runs, check_size
+from app.operations.operation import SHEET_FORMS, Answer, Context, Operation, Runs, check_size
 from app.operations.shapes import (
     FLAG,
     NUMBER,
@@ -31,6 +31,9 @@ from app.operations.shapes import (
     or_null,
 )
 from app.operations.sizes import WORDS, encoded, rows_need, rows_of
+from app.sheets import columns
+from app.sheets.headings import Heading, numbered
+from app.sheets.sheet import Column, Sheet
 from kinematics.chain import chain_of
 from kinematics.configuration import joint_names
 from kinematics.deadline import checked
@@ -202,7 +205,43 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
         "warnings": [*context.warnings, *first.warnings],
     }
     values = np.array([report.singular_values for report in batch])
-    return Answer(answer, values if q.ndim == 2 else values[0])
+    return Answer(
+        answer,
+        values if q.ndim == 2 else values[0],
+        sheet=lambda: _sheet(robot, np.atleast_2d(q), batch, named, answer, context),
+    )
+
+
+def _sheet(
+    robot: Robot,
+    q: FloatArray,
+    batch: list[SingularityReport],
+    named: Factorization,
+    answer: SingularityAnswer,
+    context: Context,
+) -> Sheet:
+    """Return one row a q: the measures, and the factors of the determinant where there are some."""
+    sigma = np.array([report.singular_values for report in batch])
+    isotropy = np.atleast_1d(np.asarray(answer["dexterity"]["isotropy"], np.float64))
+    found = [
+        columns.samples(len(q)),
+        *columns.joints(robot, q, context.units),
+        Column(Heading.RANK, [report.rank for report in batch]),
+        Column(Heading.SINGULAR, [report.singular for report in batch]),
+        Column(Heading.MANIPULABILITY, [report.manipulability for report in batch]),
+        Column(Heading.CONDITION_NUMBER, [report.condition_number for report in batch]),
+        *(Column(numbered(Heading.SINGULAR_VALUE, k + 1), one) for k, one in enumerate(sigma.T)),
+        Column(Heading.ISOTROPY, isotropy),
+    ]
+    if named.structure is None:
+        return Sheet(tuple(found))
+    if named.of == "determinant":
+        found.append(Column(Heading.DETERMINANT, np.broadcast_to(named.product, len(q))))
+    for factor in named.factors:
+        value = np.broadcast_to(factor.value, len(q))
+        unit = "" if factor.unit == "1" else factor.unit
+        found.append(Column(numbered(Heading.FACTOR, factor.name), value, unit))
+    return Sheet(tuple(found))
 
 
 def _in_words(
@@ -314,7 +353,7 @@ SINGULARITY = Operation(
     " known structure the named factors of the determinant (shoulder, elbow, wrist), checked on"
     " the model; manipulability ellipsoids of translation and of rotation, and `dexterity`, which"
     " does not mix m and rad. Choose a task that fits the arm: a planar arm is only seen as"
-    " singular in `xy` or `xy_phi`. As npy: singular values.",
+    " singular in `xy` or `xy_phi`. As npy: singular values. As csv and latex: one row a q.",
     request=SingularityRequest,
     answer=SingularityAnswer,
     memory=_memory,
@@ -323,5 +362,6 @@ SINGULARITY = Operation(
     example_robot="planar_2r",
     # Milliseconds: in a thread as many a second, and others wait a tenth as long meanwhile.
     runs=Runs.THREAD,
+    forms=SHEET_FORMS,
     npy_field="q",
 )

@@ -13,6 +13,8 @@ FLOAT = 8
 """Bytes of a number in an array."""
 JSON_NUMBER = 20
 """Bytes of a number in JSON: seventeen digits, a point, a comma, often a sign."""
+CSV_NUMBER = JSON_NUMBER + 3 * FLOAT
+"""Bytes of a number in CSV: its text, and the columns that are made of arrays."""
 LISTED = 56
 """Bytes of a number in a Python list."""
 WORDS = 700
@@ -40,6 +42,8 @@ def encoded(form: str, numbers: float, array: float = 0.0) -> float:
     """
     if form == JSON:
         return JSON_NUMBER * numbers
+    if form == CSV:
+        return CSV_NUMBER * numbers
     return 2 * FLOAT * array if form == NPY else 0.0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NotRequired, TypedDict
 
 import msgspec
@@ -13,15 +14,18 @@ from app.fields.joints import Seed
 from app.fields.names import Frame, TaskSpace
 from app.fields.targets import RequiredTarget
 from app.operations.inverse import IKTolerance, RandomSeed, ToleranceField
-from app.operations.operation import Answer, Context, Operation, Runs
+from app.operations.operation import SHEET_FORMS, Answer, Context, Operation, Runs
 from app.operations.shapes import AnswerUnits, Vector
 from app.operations.sizes import LISTED, fixed_bytes
+from app.sheets import columns
+from app.sheets.headings import Heading
+from app.sheets.sheet import Column, Sheet
 from kinematics.inverse import IKOptions, Tolerance
 from kinematics.inverse.all_solutions import all_solutions
 from kinematics.inverse.solutions import IKSolution
 from kinematics.inverse.unreached import beyond_limits, why_unreached
 from kinematics.task import POSE
-from robots.robot import Robot
+from robots.robot import FloatArray, Robot
 
 MOST_ROWS = 2_000
 """Solutions of one target, with room: those of sampled swivel angles."""
@@ -112,7 +116,35 @@ def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
         answer["explanation"] = list(why.sentences)
     rows = [one.q for one in found.solutions]
     q = np.array(rows).reshape(-1, robot.dof)
-    return Answer(answer, context.units.joints_out(robot, q))
+    return Answer(
+        answer,
+        context.units.joints_out(robot, q),
+        sheet=lambda: _sheet(robot, found.solutions, q, context),
+    )
+
+
+def _sheet(robot: Robot, solutions: Sequence[IKSolution], q: FloatArray, context: Context) -> Sheet:
+    """Return one row a solution."""
+    units = context.units
+    swivels = np.array([np.nan if one.swivel is None else one.swivel for one in solutions])
+    position, orientation = (
+        np.array([getattr(one, name) for one in solutions], np.float64)
+        for name in ("position_error", "orientation_error")
+    )
+    beyond = [() if one.within_limits else beyond_limits(robot, one.q) for one in solutions]
+    return Sheet(
+        (
+            Column(Heading.SOLUTION, list(range(1, len(solutions) + 1))),
+            *columns.joints(robot, q, units),
+            *columns.joint_values(robot, q, units),
+            columns.words(Heading.POSTURE, [one.posture for one in solutions]),
+            Column(Heading.WITHIN_LIMITS, [one.within_limits for one in solutions]),
+            columns.words(Heading.BEYOND_LIMITS, beyond),
+            columns.words(Heading.FREE, [one.free for one in solutions]),
+            Column(Heading.SWIVEL, units.angles_out(swivels), units.named["angle"]),
+            *columns.errors(position, orientation),
+        )
+    )
 
 
 def _view(robot: Robot, solution: IKSolution, context: Context) -> IKSolutionView:
@@ -139,7 +171,8 @@ SOLUTIONS = Operation(
     description="Every q that reaches a pose: in closed form, complete, for 6R arms with a"
     " spherical wrist or three parallel axes, planar 2R and 3R, and SCARA; algebraic, complete, for"
     " any other arm with no more joints than the task has rows; for 7R arms with spherical shoulder"
-    " and wrist at sampled swivel angles; for others by search. As npy: q of each, shape (n, dof).",
+    " and wrist at sampled swivel angles; for others by search. As npy: q of each, shape (n, dof)."
+    " As csv and latex: one row a solution.",
     request=IKSolutionsRequest,
     answer=IKSolutionsAnswer,
     memory=_memory,
@@ -147,4 +180,5 @@ SOLUTIONS = Operation(
     example={"target": {"position": [0.4, 0.2, 0.5], "rpy": [0.1, 0.2, 0.3]}},
     example_robot="puma560",
     runs=Runs.THREAD,
+    forms=SHEET_FORMS,
 )

@@ -53,9 +53,10 @@ class SymbolicRequest(msgspec.Struct, kw_only=True):
         list[str] | str,
         _text(
             texts.names,
-            "Comma-separated: A, T0, T, position, rotation, jacobian, det_jacobian.",
+            "Comma-separated: A, T0, T, position, rotation, jacobian, det_jacobian,"
+            " inverse_jacobian.",
             "Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian,"
-            ' det_jacobian; or "all". Default T.',
+            ' det_jacobian, inverse_jacobian; or "all". Default T.',
             {"allOf": [{"anyOf": [_ANY_QUANTITY, {"type": "array", "items": _QUANTITY}]}]},
         ),
     ] = msgspec.field(default_factory=lambda: ["T"])
@@ -101,8 +102,8 @@ class SymbolicRequest(msgspec.Struct, kw_only=True):
         Task | None,
         declared(
             TaskName((TASK_IN_QUERY,), optional=True),
-            "Rows of the determinant: a task or a mask; default the rows that do not vanish, or"
-            " vx, vy, vz.",
+            "Rows of the Jacobian, its determinant and its inverse: a task or a mask. Default: all"
+            " six rows; of determinant and inverse the rows that do not vanish, or vx, vy, vz.",
             {"allOf": [{"anyOf": [TASK_SCHEMA, {"type": "null"}]}]},
         ),
     ] = None
@@ -158,6 +159,15 @@ class DeterminantForm(TypedDict):
     minors: NotRequired[list[DeterminantForm]]
 
 
+class InverseForm(TypedDict):
+    """The inverse of J: ``matrix`` over ``divisor``; one row a joint, one column a row of J."""
+
+    matrix: list[list[str]]
+    divisor: str
+    rows: list[str]
+    columns: list[str]
+
+
 class SymbolicAnswer(TypedDict):
     """Expressions as texts. ``simplified`` says of which quantities they are in their last form.
 
@@ -185,6 +195,7 @@ class SymbolicAnswer(TypedDict):
     rotation: NotRequired[dict[str, list[str]] | None]
     jacobian: NotRequired[JacobianForms | None]
     det_jacobian: NotRequired[DeterminantForm | None]
+    inverse_jacobian: NotRequired[InverseForm | None]
     code: NotRequired[str | None]
     warnings: list[str]
 
@@ -274,9 +285,9 @@ def _read(request: SymbolicRequest, context: Context) -> symbolic.SymbolicReques
 SYMBOLIC = Operation(
     name="symbolic",
     summary="Closed forms",
-    description="Link matrices, pose, Jacobian and its determinant in the short names of lectures"
-    " (C23 = cos(q2 + q3)), as text, LaTeX, or a function of Python or C. Worked out in a process"
-    " of its own; what is not simplified in time is given as it is.",
+    description="Link matrices, pose, Jacobian, its determinant and its inverse in the short names"
+    " of lectures (C23 = cos(q2 + q3)), as text, LaTeX, or a function of Python or C. Worked out in"
+    " a process of its own; what is not simplified in time is given as it is.",
     request=SymbolicRequest,
     answer=SymbolicAnswer,
     memory=_memory,

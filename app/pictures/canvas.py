@@ -33,6 +33,7 @@ class Canvas:
         width: float = 1.0,
         *,
         dash: str | None = None,
+        offset: float = 0.0,
         opacity: float = 1.0,
         closed: bool = False,
         fill: str = "none",
@@ -51,6 +52,9 @@ class Canvas:
         }
         if dash:
             attributes["stroke-dasharray"] = dash
+            attributes["stroke-linecap"] = "butt"
+        if dash and offset:
+            attributes["stroke-dashoffset"] = f"{offset:g}"
         if opacity < 1.0:
             attributes["opacity"] = f"{opacity:.2f}"
         self._add(name, attributes)

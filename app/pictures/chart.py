@@ -9,36 +9,44 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.pictures.canvas import GRID, INK, Canvas
+from app.pictures.curves import Curve, Level, range_of
+from app.pictures.legend import Legend, legend_of
+from app.pictures.lettering import fitted, width_of
 from robots.robot import FloatArray
 
-FLOOR = 1e-16
-"""Where a logarithmic axis ends; nothing is measured more exactly."""
 Box = tuple[float, float, float, float]
+LEFT, ABOVE, RIGHT, BELOW = 52.0, 22.0, 10.0, 32.0
+"""Room for numbers, title and the first row of the legend, pixels."""
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
-    """One curve; values that are not finite are left out.
+class Chart:
+    """What is drawn.
 
     Attributes:
-        label: For the legend; empty for none.
-        x: Shape (n,).
-        y: Shape (n,).
-        color: Of the line.
+        curves: The curves.
+        title: Of the chart.
+        x_label: Of the axis.
+        log: Whether the axis up is logarithmic.
+        levels: Horizontal lines.
     """
 
-    label: str
-    x: FloatArray
-    y: FloatArray
-    color: str
+    curves: Sequence[Curve]
+    title: str
+    x_label: str
+    log: bool = False
+    levels: Sequence[Level] = ()
 
+    def height(self, width: float, least: float) -> float:
+        """Return the height of a chart of a width, pixels: the least one, and its legend."""
+        return least + self.legend(width).height
 
-@dataclass(frozen=True)
-class Level:
-    """A dashed horizontal line, such as a limit."""
-
-    value: float
-    label: str
+    def legend(self, width: float) -> Legend:
+        """Return the legend of a chart of a width, pixels."""
+        row = width - LEFT - RIGHT
+        # The first row shares its line with the label of the axis.
+        taken = width_of(self.x_label, 10) + 12
+        return legend_of(self.curves, self.levels, row, taken, log=self.log)
 
 
 def ticks(low: float, high: float, most: int = 6) -> list[float]:
@@ -53,26 +61,17 @@ def ticks(low: float, high: float, most: int = 6) -> list[float]:
     return [k * step for k in range(first, last + 1)]
 
 
-def chart(
-    canvas: Canvas,
-    box: Box,
-    curves: Sequence[Curve],
-    title: str,
-    x_label: str,
-    *,
-    log: bool = False,
-    levels: Sequence[Level] = (),
-) -> None:
-    """Draws curves into a box (x, y, width, height)."""
-    left, top, width, height = box[0] + 52, box[1] + 22, box[2] - 62, box[3] - 54
-    canvas.text((box[0] + 52, box[1] + 14), title, 12, bold=True)
-    data = [(c, *_finite(c, log)) for c in curves]
-    x_all = np.concatenate([x for _, x, _ in data] or [np.zeros(1)])
-    y_all = np.concatenate(
-        [y for _, _, y in data] + [np.array([_on(v.value, log) for v in levels])]
-    )
-    x_low, x_high = _range(x_all, 0.0)
-    y_low, y_high = _range(y_all, 0.06)
+def draw_chart(canvas: Canvas, box: Box, chart: Chart) -> None:
+    """Draws a chart into a box (x, y, width, height), its legend below the axis."""
+    legend, log = chart.legend(box[2]), chart.log
+    left, top, width = box[0] + LEFT, box[1] + ABOVE, box[2] - LEFT - RIGHT
+    height = box[3] - ABOVE - BELOW - legend.height
+    title = fitted(chart.title, width, 12, bold=True)
+    canvas.text((left, box[1] + 14), title, 12, bold=True)
+    data = [curve.shown(log) for curve in chart.curves]
+    levels = [level.shown(log) for level in chart.levels]
+    x_low, x_high = range_of(np.concatenate([x for x, _ in data] or [np.zeros(1)]), 0.0)
+    y_low, y_high = range_of(np.concatenate([*(y for _, y in data), np.array(levels)]), 0.06)
 
     def place(x: FloatArray, y: FloatArray) -> FloatArray:
         return np.column_stack(
@@ -93,42 +92,14 @@ def chart(
         canvas.text((left - 5, y[1] + 3.5), label, 10, anchor="end")
     corners = [(left, top), (left + width, top), (left + width, top + height), (left, top + height)]
     canvas.line(corners, INK, 0.8, closed=True)
-    for k, level in enumerate(levels):
-        ends = place(np.array([x_low, x_high]), np.full(2, _on(level.value, log)))
-        canvas.line(ends, INK, 0.9, dash="5 3")
-        beside = -3 if k % 2 == 0 else 10
-        canvas.text((ends[1, 0] - 4, ends[1, 1] + beside), level.label, 9, anchor="end")
-    for curve, x, y in data:
+    for value, style in zip(levels, legend.levels, strict=True):
+        ends = place(np.array([x_low, x_high]), np.full(2, value))
+        canvas.line(ends, style.color, 0.9, dash=style.dash)
+    for (x, y), style in zip(data, legend.styles, strict=True):
         if len(x):
-            canvas.line(place(x, y), curve.color, 1.5)
-    canvas.text((left + width, top + height + 28), x_label, 10, anchor="end")
-    _legend(canvas, left, top + height + 25, [c for c, _, _ in data if c.label])
-
-
-def _legend(canvas: Canvas, x: float, y: float, curves: Sequence[Curve]) -> None:
-    for curve in curves:
-        canvas.line([(x, y), (x + 10, y)], curve.color, 2)
-        canvas.text((x + 13, y + 3), curve.label, 9)
-        x += 22 + 5.0 * len(curve.label)
-
-
-def _on(value: float, log: bool) -> float:
-    return math.log10(max(value, FLOOR)) if log else value
-
-
-def _finite(curve: Curve, log: bool) -> tuple[FloatArray, FloatArray]:
-    kept = np.isfinite(curve.y)
-    y = curve.y[kept]
-    return curve.x[kept], np.log10(np.maximum(y, FLOOR)) if log else y
-
-
-def _range(values: FloatArray, margin: float) -> tuple[float, float]:
-    low, high = float(values.min(initial=np.inf)), float(values.max(initial=-np.inf))
-    if not low <= high:
-        return 0.0, 1.0
-    if high - low < 1e-12 * max(1.0, abs(low)):
-        return low - 0.5, high + 0.5
-    return low - margin * (high - low), high + margin * (high - low)
+            canvas.line(place(x, y), style.color, 1.5, dash=style.dash, offset=style.offset)
+    canvas.text((left + width, top + height + 28), chart.x_label, 10, anchor="end")
+    legend.draw(canvas, left, top + height + 25)
 
 
 def _y_ticks(low: float, high: float, log: bool) -> list[float]:

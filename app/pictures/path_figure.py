@@ -6,8 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from app.pictures.canvas import COLORS, Canvas
-from app.pictures.chart import Curve, Level, chart
+from app.http.units import Units
+from app.pictures.canvas import Canvas
+from app.pictures.chart import Box, Chart, draw_chart
+from app.pictures.lettering import fitted, width_of
+from app.pictures.path_charts import motion_charts, path_charts, thinned
 from app.pictures.scene import SNAPSHOTS, Scene, draw_scene, is_flat, plane_of
 from app.pictures.space import bounds_of, draw_space
 from kinematics.named_singularities.posture import posture
@@ -15,18 +18,17 @@ from kinematics.redundancy.clearance.link_points import RADIUS
 from kinematics.redundancy.clearance.links import skeleton
 from kinematics.redundancy.follow import PathResult
 from kinematics.redundancy.measure import segment_ends
-from kinematics.redundancy.problem import PathProblem
 from kinematics.redundancy.timing.result import Retimed
 from robots.robot import FloatArray
 
 SCENE, CHART_WIDTH, CHART_HEIGHT = 330.0, 400.0, 200.0
-MOST_POINTS = 600
-"""Of a curve; more are not seen."""
+RADIANS = Units()
 
 
 def path_figure(
     results: Sequence[tuple[str, PathResult]],
     title: str,
+    units: Units = RADIANS,
     plane: str | None = None,
     motion: Retimed | None = None,
 ) -> str:
@@ -35,6 +37,7 @@ def path_figure(
     Args:
         results: Labels and followed paths of one problem.
         title: Of the figure.
+        units: Of angles.
         plane: xy, xz or yz; None for the one in which the arm moves, else a view from aside.
         motion: The one path in the shortest time, with curves of its own.
 
@@ -47,39 +50,43 @@ def path_figure(
     across = {1: 1, 2: 2, 4: 2}.get(len(results), 3)
     rows = -(-len(results) // across)
     single = len(results) == 1
-    charts = _charts(results)
+    charts = path_charts(results, units)
     if motion is not None and motion.duration:
-        charts += _motion_charts(results[0][1].problem, motion)
+        charts += motion_charts(results[0][1].problem, motion)
     width = SCENE + CHART_WIDTH + 30 if single else max(across * SCENE, 2 * CHART_WIDTH) + 20
-    below = 0.0 if single else rows * (SCENE + 24)
-    height = 40 + (
-        max(SCENE + 40, len(charts) * CHART_HEIGHT)
-        if single
-        else below + -(-len(charts) // 2) * CHART_HEIGHT
-    )
-    canvas = Canvas(width, height, title)
-    canvas.text((14, 22), title, 15, bold=True)
+    above = 34.0 if single else 40.0 + rows * (SCENE + 24)
+    left = SCENE + 20 if single else 10.0
+    boxes, below = _boxes(charts, left, above, 1 if single else 2)
+    canvas = Canvas(width, max(below, SCENE + 74 if single else 0.0) + 6, title)
+    canvas.text((14, 22), fitted(title, width - 28, 15, bold=True), 15, bold=True)
     reach = _with_obstacles(_reach(scenes), scenes) if spatial else _reach(scenes)
     for k, ((label, result), scene) in enumerate(zip(results, scenes, strict=True)):
         x, y = 10 + (k % across) * SCENE, 34 + (k // across) * (SCENE + 24)
-        canvas.text((x + 40, y + 12), f"{label}: {_word(result)}", 12, bold=True)
+        word = f": {_word(result)}"
+        room = SCENE - 44 - width_of(word, 12, bold=True)
+        text = f"{fitted(label, room, 12, bold=True)}{word}"
+        canvas.text((x + 40, y + 12), text, 12, bold=True)
         box = (x, y + 16, SCENE, SCENE)
         if spatial:
             draw_space(canvas, box, scene, f"scene{k}", reach)
         else:
             draw_scene(canvas, box, scene, plane, f"scene{k}", reach)
-    for k, (curves, name, log, levels) in enumerate(charts):
-        if single:
-            box = (SCENE + 20, 34 + k * CHART_HEIGHT, CHART_WIDTH, CHART_HEIGHT)
-        else:
-            box = (
-                10 + (k % 2) * CHART_WIDTH,
-                40 + below + (k // 2) * CHART_HEIGHT,
-                CHART_WIDTH,
-                CHART_HEIGHT,
-            )
-        chart(canvas, box, curves, name, "t [s]", log=log, levels=levels)
+    for chart, box in zip(charts, boxes, strict=True):
+        draw_chart(canvas, box, chart)
     return canvas.render()
+
+
+def _boxes(
+    charts: Sequence[Chart], left: float, top: float, across: int
+) -> tuple[list[Box], float]:
+    """Return the place of each chart, in rows as high as their legends need, and their end."""
+    found: list[Box] = []
+    for start in range(0, len(charts), across):
+        row = charts[start : start + across]
+        height = max(chart.height(CHART_WIDTH, CHART_HEIGHT) for chart in row)
+        found += [(left + k * CHART_WIDTH, top, CHART_WIDTH, height) for k in range(len(row))]
+        top += height
+    return found, top
 
 
 def _word(result: PathResult) -> str:
@@ -95,8 +102,8 @@ def _scene(result: PathResult) -> Scene:
     ends = segment_ends(arm, bones, q)
     return Scene(
         np.concatenate((ends[:, :1, 0], ends[:, :, 1]), axis=1),
-        _thinned(problem.path.targets)[:, [3, 7, 11]],
-        posture(arm.chain, _thinned(result.q)).p,
+        thinned(problem.path.targets)[:, [3, 7, 11]],
+        posture(arm.chain, thinned(result.q)).p,
         problem.obstacles,
         bones.rows[:, RADIUS],
         segment_ends(arm, problem.links, q) if shaped else None,
@@ -121,85 +128,3 @@ def _with_obstacles(reach: FloatArray, scenes: Sequence[Scene]) -> FloatArray:
     every = np.concatenate([reach, np.zeros((1, 3)), *shown])
     low, high = every.min(axis=0), every.max(axis=0)
     return np.array([low, high])
-
-
-def _charts(
-    results: Sequence[tuple[str, PathResult]],
-) -> list[tuple[list[Curve], str, bool, list[Level]]]:
-    """Curves, title, whether logarithmic, and levels of each chart."""
-    made: list[tuple[list[Curve], str, bool, list[Level]]] = []
-    problem = results[0][1].problem
-    if len(results) == 1:
-        result = results[0][1]
-        for is_revolute, unit in ((True, "rad"), (False, "m")):
-            joints = [
-                Curve(name, _times(result), _thinned(result.q[:, column]), COLORS[k % len(COLORS)])
-                for k, (name, column) in enumerate(
-                    zip(problem.arm.names, problem.arm.chain.columns, strict=True)
-                )
-                if bool(problem.arm.chain.is_angle[k]) is is_revolute
-            ]
-            if joints:
-                made.append((joints, f"joints [{unit}]", False, []))
-    labels = [("" if len(results) == 1 else label, result) for label, result in results]
-
-    def each(values: Sequence[FloatArray]) -> list[Curve]:
-        return [
-            Curve(label, _times(result), _thinned(value), COLORS[k % len(COLORS)])
-            for k, ((label, result), value) in enumerate(zip(labels, values, strict=True))
-        ]
-
-    if len(problem.obstacles):
-        levels = [Level(problem.d_safe, "d_safe")] if problem.d_safe else []
-        levels.append(Level(0.0, "contact"))
-        clearance = each([result.measures.clearance for _, result in results])
-        made.append((clearance, "clearance [m]", False, levels))
-    tolerance = [Level(problem.tolerance.position, "tolerance")]
-    error = each([result.measures.position_error for _, result in results])
-    made.append((error, "position error [m]", True, tolerance))
-    if len(results) > 1:
-        steps = [np.concatenate(([0.0], result.measures.step)) for _, result in results]
-        made.append((each(steps), "‖Δq‖ of a sample", False, []))
-        if np.isfinite(problem.arm.chain.lower).any() or np.isfinite(problem.arm.chain.upper).any():
-            margins = each([result.measures.limit_margin for _, result in results])
-            name = "distance to the nearest joint limit"
-            made.append((margins, name, False, [Level(0.0, "limit")]))
-    return made
-
-
-def _motion_charts(
-    problem: PathProblem, motion: Retimed
-) -> list[tuple[list[Curve], str, bool, list[Level]]]:
-    """Speeds and accelerations of the motion in the shortest time, as parts of their limits."""
-    made: list[tuple[list[Curve], str, bool, list[Level]]] = []
-    for name, values, limits in (
-        ("speeds", motion.velocity, motion.velocity_limits),
-        ("accelerations", motion.acceleration, motion.acceleration_limits),
-    ):
-        curves = [
-            Curve(
-                joint,
-                _thinned(motion.t),
-                _thinned(values[:, column] / limits[column]),
-                COLORS[k % len(COLORS)],
-            )
-            for k, (joint, column) in enumerate(
-                zip(problem.arm.names, problem.arm.chain.columns, strict=True)
-            )
-            if np.isfinite(limits[column])
-        ]
-        if curves:
-            levels = [Level(1.0, "limit"), Level(-1.0, "")]
-            made.append((curves, f"in the shortest time: {name} / limit", False, levels))
-    return made
-
-
-def _times(result: PathResult) -> FloatArray:
-    return _thinned(result.problem.path.t[: len(result.q)])
-
-
-def _thinned(values: FloatArray) -> FloatArray:
-    """At most ``MOST_POINTS`` of the rows, first and last among them."""
-    if len(values) <= MOST_POINTS:
-        return values
-    return np.asarray(values[np.linspace(0, len(values) - 1, MOST_POINTS).round().astype(int)])

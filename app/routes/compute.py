@@ -20,7 +20,17 @@ from app.fields.doubts import RequestDoubts
 from app.fields.field import Reading
 from app.http.bodies import read_body
 from app.http.handlers import domain_problem
-from app.http.negotiation import JSON, NDJSON, NPY, SVG, TEXT, require_type, wanted_type
+from app.http.negotiation import (
+    CSV,
+    JSON,
+    LATEX,
+    NDJSON,
+    NPY,
+    SVG,
+    TEXT,
+    require_type,
+    wanted_type,
+)
 from app.http.npy import decode_npy
 from app.http.query import check_query, digits_of, units_of, with_status
 from app.http.responses import json_lines, respond, told_in_header
@@ -30,6 +40,7 @@ from app.http.units import Units
 from app.operations.operation import PICTURES, Answer, Context, Operation, Runs
 from app.pictures.png import png_of
 from app.settings import Settings
+from app.sheets.latex import tabular
 from kinematics.errors import OutOfTime
 from robots.robot import Robot
 
@@ -218,7 +229,7 @@ class _Form:
 
     Attributes:
         type: Its media type.
-        digits: Decimals of numbers in text and CSV; None: their own choice.
+        digits: Decimals of numbers in text, CSV and LaTeX; None: their own choice.
         statuses: Whether npy comes with the status of each row.
     """
 
@@ -245,15 +256,26 @@ def _written(answer: Answer, form: _Form, context: Context, *, short: bool = Fal
         if wanted == TEXT and told:
             listing += render_text({"warnings": context.warnings})
         return Response(listing, headers=told, media_type=f"{wanted}; charset=utf-8")
+    if wanted == LATEX:
+        told = {**(answer.headers or {}), **told_in_header(context.warnings)}
+        return Response(_latex(answer, form), headers=told, media_type=f"{wanted}; charset=utf-8")
     return respond(
-        answer.payload,
+        answer.text if wanted == TEXT and answer.text is not None else answer.payload,
         wanted,
         array=answer.records if form.statuses else answer.array,
-        rows=answer.rows,
+        sheet=answer.sheet() if wanted == CSV and answer.sheet is not None else None,
         headers=answer.headers,
         short=short,
         digits=form.digits,
     )
+
+
+def _latex(answer: Answer, form: _Form) -> str:
+    """What LaTeX holds: matrices, or the table."""
+    if answer.latex is not None:
+        return answer.latex(form.digits)
+    assert answer.sheet is not None
+    return tabular(answer.sheet(), form.digits, answer.payload.get("warnings", ()))
 
 
 @dataclass(frozen=True, slots=True)

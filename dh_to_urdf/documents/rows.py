@@ -20,12 +20,14 @@ from dh_to_urdf.documents.dependence import FIELDS, Dependence, of_cell, of_fiel
 from dh_to_urdf.documents.joint_types import read_type
 from dh_to_urdf.documents.limits import read_limits
 from dh_to_urdf.documents.placements import read_inertial
+from dh_to_urdf.documents.symbols import read_symbols, symbol_of
 from dh_to_urdf.errors import Location, quoted
 from dh_to_urdf.table import Convention, DHRow, Inertial, JointType
 
 _COMMON = (
     *("name", "type", "alpha", "d", "theta", "offset", "sign", "limits", "inertial", "visual"),
     *FIELDS,
+    "symbols",
 )
 _ROW_FIELDS = {
     Convention.STANDARD: (*_COMMON, "a"),
@@ -78,6 +80,7 @@ class RowReader:
         self.columns = columns
         self.values = values
         self.dependences: dict[int, Dependence] = {}
+        self._spellings: dict[str, str] = {}
 
     def read(self, k: int, fields: object) -> DHRow | None:
         """Read row k (from 0); return None after reporting why not."""
@@ -134,7 +137,16 @@ class RowReader:
         offset, sign = self._motion(item, type_, own, variable, offset)
         self._dependence(item, type_, own, variable)
         gamma = cell("gamma", Quantity.ANGLE, optional=True).value if khalil else 0.0
-        b = cell("b", Quantity.LENGTH, optional=True).value if khalil else 0.0
+        b = cell("b", Quantity.LENGTH, optional=True) if khalil else Cell(0.0)
+        lengths = {"a": a, "b": b} | ({} if own == z_column else {"d": d})
+        named = {x_column: "a", z_column: "d"} | ({"b": "b"} if khalil else {})
+        told = read_symbols(
+            item.fields.get("symbols"), named, item.at("symbols"), item.label, self.report
+        )
+        symbols = {
+            key: symbol_of(one, self.values, self._spellings) for key, one in lengths.items()
+        }
+        symbols = told | {key: name for key, name in symbols.items() if name}
         visual = item.fields.get("visual", True)
         if not isinstance(visual, bool):
             self.report.add(item.at("visual"), f"{item.label}: visual must be true or false")
@@ -158,9 +170,10 @@ class RowReader:
                 self.report,
             ),
             gamma=gamma,
-            b=b,
+            b=b.value,
             inertial=self._inertial(item),
             visual=bool(visual),
+            symbols=tuple(symbols.items()),
         )
 
     def _motion(

@@ -56,6 +56,9 @@ def _row(k: int, row: DHRow, convention: Convention) -> dict[str, Any]:
         }
     if row.coupling:
         mapping["coupling"] = dict(row.coupling)
+    if row.symbols:
+        letters = {"a": x_column, "d": z_column}
+        mapping["symbols"] = {letters.get(key, key): name for key, name in row.symbols}
     if row.inertial is not None:
         mapping["inertial"] = {
             "mass": row.inertial.mass,

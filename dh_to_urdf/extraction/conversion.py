@@ -127,8 +127,10 @@ def _turned(row: DHRow, angle: float, length: float) -> DHRow:
     """Return a row whose frame is turned about and moved along its own z."""
     is_revolute, slides = row.type.is_revolute, row.type is JointType.PRISMATIC
     own = angle if is_revolute else length if slides else 0.0
+    kept = tuple(pair for pair in row.symbols if pair[0] != "d" or slides or not length)
     return replace(
         row,
+        symbols=kept,
         theta=row.theta if is_revolute else row.theta + angle,
         d=row.d if slides else row.d + length,
         offset=row.offset + own,
@@ -139,14 +141,15 @@ def _turned(row: DHRow, angle: float, length: float) -> DHRow:
 def _modified(table: DHTable, convention: Convention) -> DHTable:
     """Convert standard to modified or khalil; a base ``Tx Rx`` becomes a and α of row 1."""
     base = table.base
-    a, alpha = 0.0, 0.0
+    a, alpha, name = 0.0, 0.0, ""
     if (found := _along_x(base)) is not None:
         (a, alpha), base = found, np.eye(4)
     rows = []
     for row in table.rows:
         inertial = _moved(row.inertial, _x_matrix(row.a, row.alpha))
-        rows.append(replace(row, a=a, alpha=alpha, inertial=inertial))
-        a, alpha = row.a, row.alpha
+        symbols = _with_name_of_a(row, name)
+        rows.append(replace(row, a=a, alpha=alpha, inertial=inertial, symbols=symbols))
+        a, alpha, name = row.a, row.alpha, dict(row.symbols).get("a", "")
     tool = _x_matrix(a, alpha) @ table.tool
     return replace(table, convention=convention, base=base, rows=tuple(rows), tool=tool)
 
@@ -154,17 +157,24 @@ def _modified(table: DHTable, convention: Convention) -> DHTable:
 def _standard(table: DHTable) -> DHTable:
     """Convert modified to standard; a tool ``Tx Rx`` becomes a and α of the last row."""
     tool = table.tool
-    a, alpha = 0.0, 0.0
+    a, alpha, name = 0.0, 0.0, ""
     if (found := _along_x(tool)) is not None:
         (a, alpha), tool = found, np.eye(4)
     rows: list[DHRow] = []
     for row in reversed(table.rows):
         back = _x_matrix(-a, -alpha)
-        rows.append(replace(row, a=a, alpha=alpha, inertial=_moved(row.inertial, back)))
-        a, alpha = row.a, row.alpha
+        symbols, inertial = _with_name_of_a(row, name), _moved(row.inertial, back)
+        rows.append(replace(row, a=a, alpha=alpha, inertial=inertial, symbols=symbols))
+        a, alpha, name = row.a, row.alpha, dict(row.symbols).get("a", "")
     base = table.base @ _x_matrix(a, alpha)
     standard = Convention.STANDARD
     return replace(table, convention=standard, base=base, rows=tuple(reversed(rows)), tool=tool)
+
+
+def _with_name_of_a(row: DHRow, name: str) -> tuple[tuple[str, str], ...]:
+    """Return the names of a row's lengths with another one for a; empty for none."""
+    rest = tuple(pair for pair in row.symbols if pair[0] != "a")
+    return (("a", name), *rest) if name else rest
 
 
 def _x_matrix(a: float, alpha: float) -> Matrix:

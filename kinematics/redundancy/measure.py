@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.compiled import jit
-from kinematics.deadline import checkpoint
+from kinematics.deadline import checkpoint, svd
 from kinematics.inverse.task_error import TaskChain, residual
+from kinematics.jacobian import task_jacobian
 from kinematics.kernels import Array
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.distances import clearances
@@ -86,6 +87,13 @@ def clearances_at(problem: PathProblem, Q: FloatArray) -> tuple[FloatArray, NDAr
     chain, W = problem.arm.constants.chain, workspace(problem.arm.chain.length, len(problem.links))
     clearances(chain, np.ascontiguousarray(Q), problem.scene, W, found, whose)
     return found, whose
+
+
+def manipulability_at(problem: PathProblem, q: FloatArray) -> FloatArray:
+    """Return Yoshikawa's w of the task at q of all joints, shape (n, dof); shape (n,)."""
+    arm = problem.arm
+    J = task_jacobian(arm.robot, q, arm.task, arm.frame)
+    return np.asarray(np.prod(svd(J, compute_uv=False), axis=-1))
 
 
 def nearest_part(problem: PathProblem, a: FloatArray, b: FloatArray) -> float:

@@ -83,8 +83,7 @@ class Steps:
         self.table = table
         self.names = names
         self._lengths = {
-            (length.row, length.column): names.length(length.name, length.value)
-            for length in lengths_of(table)
+            (length.row, length.column): names.length(length) for length in lengths_of(table)
         }
         self._values = values_of(table)
 

@@ -11,9 +11,11 @@ from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import DHTable
 from kinematics.symbolic.chain import Chain
 from kinematics.symbolic.expressions import Sum, evaluate
+from kinematics.symbolic.inverse import Inverse
 from kinematics.symbolic.names import Names
 from kinematics.symbolic.quantities import Determinant, Entries
 from kinematics.symbolic.request import Quantity
+from kinematics.task import Task
 
 TOLERANCE = 1e-9
 SAMPLES = 3
@@ -22,9 +24,10 @@ SAMPLES = 3
 class Checker:
     """Compares expressions with the table's numbers at a few q."""
 
-    def __init__(self, table: DHTable, chain: Chain) -> None:
+    def __init__(self, table: DHTable, chain: Chain, task: Task | None = None) -> None:
         self.table = table
         self.chain = chain
+        self.task = task
         rng = np.random.default_rng(7)
         self.samples = rng.uniform(-3.0, 3.0, (SAMPLES, table.dof))
 
@@ -80,6 +83,31 @@ class Checker:
         R = poses[expressed_in][:3, :3].T
         return np.concatenate((R @ J[:3], R @ J[3:]))
 
+    def task_jacobian(self, q: Matrix, expressed_in: str) -> Matrix:
+        """Return the rows of the task, shape (rows, dof)."""
+        J = self.jacobian(q, expressed_in)
+        if self.task is None:
+            return J
+        if self.task.own_axes:
+            J = np.concatenate((J[:3], self.jacobian(q, self.chain.frames[-1])[3:]))
+        return np.asarray(J[list(self.task.rows)])
+
+    def inverts(self, inverse: Inverse, expressed_in: str) -> bool:
+        """Return whether matrix and divisor of an inverse belong to the table's Jacobian."""
+        for q in self.samples:
+            values = _values(self.chain.names, q)
+            J = (
+                self.jacobian(q, expressed_in)[list(inverse.rows)]
+                if self.task is None
+                else self.task_jacobian(q, expressed_in)
+            )[:, [joint - 1 for joint in inverse.joints]]
+            matrix = np.array([[evaluate(one, values) for one in row] for row in inverse.written])
+            expected = evaluate(inverse.over, values) * np.eye(len(J))
+            scale = max(1.0, float((np.abs(matrix) @ np.abs(J)).max()))
+            if np.abs(matrix @ J - expected).max() > TOLERANCE * scale:
+                return False
+        return True
+
     def _poses(self, q: Matrix) -> dict[str, Matrix]:
         """Return every frame in the axes of frame_0."""
         matrices = dh_matrices(self.table, q)
@@ -91,7 +119,7 @@ class Checker:
 
     def _expected(self, quantity: Quantity, q: Matrix, expressed_in: str) -> Matrix:
         if quantity is Quantity.JACOBIAN:
-            return self.jacobian(q, expressed_in)[None]
+            return self.task_jacobian(q, expressed_in)[None]
         matrices = dh_matrices(self.table, q)
         if quantity in (Quantity.A, Quantity.T0):
             return matrices.A if quantity is Quantity.A else matrices.T0

@@ -140,7 +140,7 @@ def determinant(sparse: Sparse, names: Names) -> list[Polynomial]:
     factors = [Polynomial.constant(_parity(order_rows) * _parity(order_columns))]
     for rows, columns in blocks:
         block = [[sparse.matrix[i][j] for j in columns] for i in rows]
-        factors.append(combined(_expansion(block, names), names))
+        factors.append(combined(expansion(block, names), names))
     return factors
 
 
@@ -263,7 +263,7 @@ def _reachable(start: int, follows: dict[int, set[int]]) -> set[int]:
     return found
 
 
-def _expansion(block: Sequence[Sequence[Polynomial]], names: Names) -> Polynomial:
+def expansion(block: Sequence[Sequence[Polynomial]], names: Names) -> Polynomial:
     """Return a determinant by Laplace's expansion; each minor of the last rows once."""
     size = len(block)
 

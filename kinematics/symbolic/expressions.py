@@ -138,5 +138,5 @@ def latex_name(name: str) -> str:
     letters = name.rstrip("0123456789_m") if name[0] in "CS" else name.rstrip("0123456789")
     letters = letters or name[0]
     index = name[len(letters) :].replace("_", ",").replace("m", "-")
-    letters = letters.replace("_", r"\_")
+    letters = (letters.rstrip("_") if index else letters).replace("_", r"\_")
     return f"{letters}_{{{index}}}" if index else letters

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from kinematics.symbolic.latex import bracketed
+
 WIDTH = 100
 _AXES = {"x": "u", "y": "v", "z": "w"}
 """Letters of the tip's axes beside X, Y, Z of the position."""
@@ -26,8 +28,11 @@ def latex_listing(answer: Mapping[str, Any]) -> str:
     lines = [f"% {line}" for line in _heading(answer)]
     lines += [f"% {name} = {value!r}" for name, value in answer["values"].items()]
     for label, rows in _matrices(answer):
-        body = " \\\\\n".join(" & ".join(row) for row in rows)
-        lines.append(f"\\[ {label} = \\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}} \\]")
+        lines.append(f"\\[ {label} = {bracketed(rows)} \\]")
+    inverse = answer.get("inverse_jacobian")
+    if inverse:
+        over = "" if inverse["divisor"] == "1" else f"\\frac{{1}}{{{inverse['divisor']}}} "
+        lines.append(f"\\[ J^{{-1}} = {over}{bracketed(inverse['matrix'])} \\]")
     aligned = [f"{label} &= {entry}" for label, entry in _single(answer, latex=True)]
     if aligned:
         joined = " \\\\\n".join(aligned)
@@ -48,6 +53,15 @@ def _blocks(answer: Mapping[str, Any]) -> list[list[str]]:
     blocks = []
     for label, rows in _matrices(answer):
         blocks.append(_matrix_lines(label, rows))
+    inverse = answer.get("inverse_jacobian")
+    if inverse:
+        blocks.append(
+            [
+                f"J_divisor = {inverse['divisor']}",
+                *_matrix_lines("J_adjugate", inverse["matrix"]),
+                "# the inverse of J is J_adjugate / J_divisor",
+            ]
+        )
     single = [f"{label} = {entry}" for label, entry in _single(answer, latex=False)]
     return [*blocks, *([single] if single else [])]
 

@@ -9,6 +9,7 @@ from fractions import Fraction
 from itertools import chain, count
 
 from kinematics.symbolic.angles import Angle, angle_text, twelfths
+from kinematics.symbolic.length_names import Length, written_name
 from kinematics.symbolic.polynomial import ONE, ZERO, Polynomial
 
 HALF = Fraction(1, 2)
@@ -61,20 +62,13 @@ class Names:
         self._rounded = rounded
         self._labels: dict[Angle, str] = {}
 
-    def length(self, default: str, value: float) -> Polynomial:
-        """Return the symbol of a length of the table, or its number.
-
-        Args:
-            default: Its default name, as in lectures.
-            value: m.
-        """
-        if value == 0.0:
-            return ZERO
-        name = self._chosen.get(default, default if self._symbolic else None)
-        if name is not None:
-            self.lengths[name] = value
-            return Polynomial.symbol(name)
-        return self.number(value)
+    def length(self, length: Length) -> Polynomial:
+        """Return the symbol of a length of the table, or its number."""
+        name, sign = written_name(length, self._chosen, symbolic=self._symbolic)
+        if name is None:
+            return self.number(length.value)
+        self.lengths[name] = sign * length.value
+        return Polynomial.symbol(name).scaled(sign)
 
     def number(self, value: float) -> Polynomial:
         """Return a number as a symbol of its own, kept apart until it is written."""

@@ -3,32 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHTable, JointType
 from kinematics.symbolic.angles import KNOWN, turn_text, twelfths
+from kinematics.symbolic.length_names import Length, distinct, is_usable
 from kinematics.symbolic.names import known_cosine
 
 NEAR = 2e-3
 """Distance, rad, somewhat above that of 1.57 from π/2."""
-
-
-@dataclass(frozen=True, slots=True)
-class Length:
-    """A length that can have a name.
-
-    Attributes:
-        name: Name by default.
-        row: Number of its row from 1; 0 for the base, -1 for the tool.
-        column: ``a``, ``d``, ``b``, ``offset``, or ``x``, ``y``, ``z`` of base and tool.
-        value: m.
-    """
-
-    name: str
-    row: int
-    column: str
-    value: float
 
 
 def lengths_of(table: DHTable) -> list[Length]:
@@ -36,7 +19,8 @@ def lengths_of(table: DHTable) -> list[Length]:
 
     standard: ``a_k``, ``d_k``. modified: ``a_{k-1}``, ``d_k`` (Craig's row k holds a_{k-1}).
     khalil: ``D_k`` for d, ``R_k`` for r, ``B_k`` for b. ``o_k`` is the offset of a prismatic
-    joint; ``xb yb zb`` and ``xt yt zt`` place the base and the tool.
+    joint; ``xb yb zb`` and ``xt yt zt`` place the base and the tool. A name of the table comes
+    with its length, where it can be used and names one value only.
     """
     khalil = table.convention is Convention.KHALIL
     shift = 1 if table.convention is Convention.MODIFIED else 0
@@ -48,10 +32,14 @@ def lengths_of(table: DHTable) -> list[Length]:
                 continue
             number = k - shift if column == "a" else k
             name = f"{letters.get(column, column)}{number}"
-            found.append(Length(name, k, column, float(getattr(row, column))))
+            given = dict(row.symbols).get(column, "")
+            plain = given.lstrip("+-−– ")
+            sign = 1 if plain == given or given[0] == "+" else -1
+            plain = plain if is_usable(plain) else ""
+            found.append(Length(name, k, column, float(getattr(row, column)), plain, sign))
     for row_number, letter, placement in ((0, "b", table.base), (-1, "t", table.tool)):
         found += _placement(row_number, letter, placement)
-    return [length for length in found if length.value != 0.0]
+    return distinct([length for length in found if length.value != 0.0])
 
 
 def unusual_angles(table: DHTable) -> int:

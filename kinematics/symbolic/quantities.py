@@ -159,10 +159,16 @@ class Work:
     def determinant(self) -> Determinant:
         """Return the determinants to compute."""
         joints = tuple(dict.fromkeys(axis.joint for axis in self.chain.axes))
+        if self.request.task is not None and self.request.task.own_axes:
+            note = (
+                f"the determinant is written for rows in base axes, and the task"
+                f" {self.request.task.name} counts turns about the frame's own axes"
+            )
+            return Determinant(self.request.task.rows, joints, [], note)
         if self.table.is_coupled:
             note = "the determinant is written for joints that are all free"
             return Determinant((), joints, [], note)
-        rows, note = self._rows(len(joints))
+        rows, note = self.square_rows(len(joints))
         count = comb(len(joints), len(rows)) if 0 < len(rows) <= len(joints) else 0
         if note or not count:
             return Determinant(rows, joints, [], note or "no joint moves this frame")
@@ -202,7 +208,21 @@ class Work:
             )
         return self._columns[expressed_in]
 
-    def _rows(self, joints: int) -> tuple[tuple[int, ...], str]:
+    def task_rows(self) -> list[list[Polynomial]]:
+        """Return the rows of J that the request names, all six by default."""
+        task = self.request.task
+        columns = self.jacobian(self.request.expressed_in or self.request.base)
+        if task is None:
+            return [[column[i] for column in columns] for i in range(6)]
+        turned = self.jacobian(self.chain.frames[-1]) if task.own_axes else columns
+        return [[column[i] for column in (columns if i < 3 else turned)] for i in task.rows]
+
+    def square_rows(self, joints: int) -> tuple[tuple[int, ...], str]:
+        """Return the rows that make J of so many joints square, and why there are none.
+
+        Args:
+            joints: Number of joints that move the frame.
+        """
         if self.request.task is not None:
             rows = self.request.task.rows
             if joints < len(rows):
@@ -256,5 +276,4 @@ class Work:
         return ["rotation"], [[[axis[i] for axis in axes] for i in range(3)]], False
 
     def _jacobian(self) -> tuple[list[str], list[Grid], bool]:
-        columns = self.jacobian(self.request.expressed_in or self.request.base)
-        return ["J"], [[[column[i] for column in columns] for i in range(6)]], False
+        return ["J"], [self.task_rows()], False

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import keyword
 import math
-import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -13,6 +11,7 @@ from dh_to_urdf.errors import Location, quoted
 from dh_to_urdf.table import DHTable
 from kinematics.errors import InvalidOption
 from kinematics.symbolic.chain import BASE, TOOL, path_to
+from kinematics.symbolic.length_names import Length, is_usable, written_name
 from kinematics.symbolic.parameters import lengths_of
 from kinematics.task import Task
 from robots.errors import UnknownFrame, hint
@@ -24,7 +23,8 @@ class Quantity(StrEnum):
     ``A``: the link matrices A_k. ``T0``: the products 0A_k in frame 0. ``T``: the pose of the
     frame in the base, with its ``position`` and the columns of its ``rotation``. ``jacobian``: the
     geometric Jacobian. ``det_jacobian``: its determinant in factors; for a redundant arm those of
-    its square parts.
+    its square parts. ``inverse_jacobian``: where J is square and small, its inverse, as a matrix
+    and what it is divided by.
     """
 
     A = "A"
@@ -34,6 +34,7 @@ class Quantity(StrEnum):
     ROTATION = "rotation"
     JACOBIAN = "jacobian"
     DET_JACOBIAN = "det_jacobian"
+    INVERSE_JACOBIAN = "inverse_jacobian"
 
 
 class Notation(StrEnum):
@@ -49,14 +50,6 @@ CODE = (Notation.PYTHON, Notation.C)
 PARAMETERS = ("numeric", "symbolic")
 DEFAULT_BUDGET = 10.0
 MAX_SYMBOLS = 256
-_NAME = re.compile(r"[A-Za-z]{1,12}(?:_?\d{1,3})?")
-_TAKEN = re.compile(r"[CSqtx]_?\d+")
-_WORDS = frozenset(keyword.kwlist).union(
-    ("auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else"),
-    ("enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "register"),
-    ("restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch", "typedef"),
-    ("union", "unsigned", "void", "volatile", "while", "cos", "sin", "sqrt", "pi", "q", "out"),
-)
 
 
 @dataclass(frozen=True)
@@ -72,7 +65,8 @@ class SymbolicRequest:
         frame: The frame of pose and Jacobian: ``tool`` or ``frame_k``.
         base: The frame in whose axes the pose is given: ``base_link`` or ``frame_0``.
         expressed_in: The frame in whose axes the Jacobian is given; None for the base.
-        task: Rows of the determinant, in base axes; None: those that do not vanish.
+        task: Rows of the Jacobian, and of its determinant and inverse; None: all, and for these
+            two those that do not vanish.
         notation: Notation of expressions.
         time_budget: Time for simplification, s.
         listing: Whether the answer is also given as one text.
@@ -185,7 +179,8 @@ def check_symbols(table: DHTable, request: SymbolicRequest) -> None:
             value=len(request.symbols),
             upper=MAX_SYMBOLS,
         )
-    values = {length.name: length.value for length in lengths_of(table)}
+    lengths = lengths_of(table)
+    values = {name: length.value for length in lengths for name in length.names}
     chosen = dict(request.symbols)
     for default, name in request.symbols:
         if default not in values:
@@ -197,7 +192,7 @@ def check_symbols(table: DHTable, request: SymbolicRequest) -> None:
                 value=default,
                 known=tuple(values),
             )
-        if not _NAME.fullmatch(name) or name in _WORDS or _TAKEN.fullmatch(name):
+        if not is_usable(name):
             raise InvalidOption(
                 f"{quoted(name)} cannot name {default}; give letters and a number such as L1"
                 " (C1, S1, q1, t1, x1 and words of Python and C are taken)",
@@ -205,15 +200,16 @@ def check_symbols(table: DHTable, request: SymbolicRequest) -> None:
                 index=(default,),
                 value=name,
             )
-    _check_shared(values, chosen, request.parameters == "symbolic")
+    _check_shared(lengths, chosen, request.parameters == "symbolic")
 
 
-def _check_shared(values: Mapping[str, float], chosen: Mapping[str, str], symbolic: bool) -> None:
+def _check_shared(lengths: Sequence[Length], chosen: Mapping[str, str], symbolic: bool) -> None:
     named: dict[str, tuple[str, float]] = {}
-    for default, value in values.items():
-        name = chosen.get(default, default if symbolic else None)
+    for length in lengths:
+        name, sign = written_name(length, chosen, symbolic=symbolic)
         if name is None:
             continue
+        default, value = length.name, sign * length.value
         other, known = named.setdefault(name, (default, value))
         if known != value:
             raise InvalidOption(

@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 from dh_to_urdf.table import DHTable
 from kinematics.symbolic.code import Function, c_code, python_code
 from kinematics.symbolic.expressions import Product, Sum, latex, symbols, text
+from kinematics.symbolic.inverse import Inverse
 from kinematics.symbolic.names import Kind, Names
 from kinematics.symbolic.quantities import Determinant, Entries, Minor, Work
 from kinematics.symbolic.request import Notation, Quantity, SymbolicRequest
@@ -23,7 +24,7 @@ _FUNCTIONS = {
     Quantity.ROTATION: ("rotation", "Axes of {frame} in {base}, as columns"),
     Quantity.JACOBIAN: (
         "jacobian",
-        "Geometric Jacobian of {frame} in the axes of {expressed_in}, linear rows first",
+        "Geometric Jacobian of {frame} in the axes of {expressed_in}, {rows}",
     ),
 }
 
@@ -90,13 +91,31 @@ def _minor_view(minor: Minor, write: Writer, work: Work) -> dict[str, Any]:
     }
 
 
+def inverse_view(inverse: Inverse, names: Sequence[str], write: Writer) -> dict[str, Any] | None:
+    """Return an inverse: its matrix, and what that is divided by; None where there is none."""
+    if not inverse.written:
+        return None
+    return {
+        "matrix": [[write(entry) for entry in row] for row in inverse.written],
+        "divisor": write(inverse.over),
+        "rows": [names[joint - 1] for joint in inverse.joints],
+        "columns": [ROWS[i] for i in inverse.rows],
+    }
+
+
 def _alone(factor: str | Sum) -> Sum:
     return factor if isinstance(factor, Sum) else Sum((Product(1, ((factor, 1),)),))
 
 
-def used_symbols(entries: Sequence[Entries], determinant: Determinant | None) -> set[str]:
+def used_symbols(
+    entries: Sequence[Entries], determinant: Determinant | None, inverse: Inverse | None
+) -> set[str]:
     """Return every symbol that occurs."""
     found: set[str] = set()
+    if inverse is not None:
+        found |= symbols(inverse.over)
+        for row in inverse.written:
+            found = found.union(*map(symbols, row))
     for one in entries:
         for grid in one.written:
             for row in grid:
@@ -121,6 +140,7 @@ def source(
     request: SymbolicRequest,
     entries: Sequence[Entries],
     determinant: Determinant | None,
+    inverse: Inverse | None,
     names: Names,
     *,
     share: bool,
@@ -131,6 +151,9 @@ def source(
         "frame": request.frame,
         "base": request.base,
         "expressed_in": request.expressed_in or request.base,
+        "rows": "linear rows first"
+        if request.task is None
+        else f"rows {', '.join(request.task.row_names)}",
     }
     for one in entries:
         name, says = _FUNCTIONS[one.quantity]
@@ -144,6 +167,8 @@ def source(
         functions.append(Function(name, says.format(**words), shape, flat))
     if determinant is not None and determinant.minors and determinant.found:
         functions.append(_determinant_function(determinant))
+    if inverse is not None and inverse.written:
+        functions += _inverse_functions(inverse)
     write = python_code if request.notation is Notation.PYTHON else c_code
     return write(functions, names, table.dof, share=share)
 
@@ -159,6 +184,25 @@ def _determinant_function(determinant: Determinant) -> Function:
     )
     says = f"Minors of J, rows {rows}: {left_out}"
     return Function("jacobian_minors", says, (len(expressions),), expressions)
+
+
+def _inverse_functions(inverse: Inverse) -> list[Function]:
+    rows, size = ", ".join(ROWS[i] for i in inverse.rows), len(inverse.rows)
+    flat = tuple(entry for row in inverse.written for entry in row)
+    return [
+        Function(
+            "inverse_jacobian_matrix",
+            f"The inverse of J, rows {rows}, times inverse_jacobian_divisor",
+            (size, size),
+            flat,
+        ),
+        Function(
+            "inverse_jacobian_divisor",
+            f"What inverse_jacobian_matrix is divided by: det J of the rows {rows}",
+            (),
+            (inverse.over,),
+        ),
+    ]
 
 
 def writer_of(notation: Notation) -> Writer:

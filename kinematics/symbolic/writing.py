@@ -8,8 +8,10 @@ from typing import Any
 
 from dh_to_urdf.table import DHTable
 from kinematics.symbolic.check import Checker
+from kinematics.symbolic.inverse import Inverse, inverse_of, simplify_inverse
+from kinematics.symbolic.length_names import Length, written_name
 from kinematics.symbolic.listing import latex_listing, text_listing
-from kinematics.symbolic.parameters import Length, lengths_of, nearly_right_angles
+from kinematics.symbolic.parameters import lengths_of, nearly_right_angles
 from kinematics.symbolic.quantities import Determinant, Entries, Work
 from kinematics.symbolic.request import CODE, Notation, Quantity, SymbolicRequest
 from kinematics.symbolic.time_limit import Unfinished, limited
@@ -17,6 +19,7 @@ from kinematics.symbolic.views import (
     characters,
     definitions,
     determinant_view,
+    inverse_view,
     source,
     used_symbols,
     view,
@@ -39,9 +42,10 @@ class Writing:
         self.table = table
         self.request = request
         self.work = Work(table, request)
-        self.checker = Checker(table, self.work.chain)
+        self.checker = Checker(table, self.work.chain, request.task)
         self.entries: list[Entries] = []
         self.determinant: Determinant | None = None
+        self.inverse: Inverse | None = None
         self.left_out: dict[Quantity, str] = {}
         self.code: str | None = None
         self._shared = False
@@ -54,6 +58,8 @@ class Writing:
             try:
                 if quantity is Quantity.DET_JACOBIAN:
                     self.determinant = limited(left, self.work.determinant)
+                elif quantity is Quantity.INVERSE_JACOBIAN:
+                    self.inverse = limited(left, self._plain_inverse)
                 else:
                     self.entries.append(limited(left, partial(self._plain, quantity)))
             except Unfinished as reason:
@@ -70,6 +76,8 @@ class Writing:
             self._simplify(entries, simplified_by)
         if self.determinant is not None:
             self._solve(self.determinant, simplified_by)
+        if self.inverse is not None and self.inverse.written:
+            self._simplify_inverse(self.inverse, simplified_by)
         if coding:
             self._write_code(PLAIN_SECONDS, share=False)
             self._write_code(end - time.monotonic(), share=True)
@@ -77,7 +85,7 @@ class Writing:
     def answer(self) -> dict[str, Any]:
         """Return the answer so far, ready for JSON."""
         request, names = self.request, self.work.names
-        used = used_symbols(self.entries, self.determinant)
+        used = used_symbols(self.entries, self.determinant, self.inverse)
         joints = [self.table.rows[k].name for k in self.table.free_rows]
         found: dict[str, Any] = {
             "convention": self.table.convention.value,
@@ -95,6 +103,8 @@ class Writing:
         found["notes"] = [*self.left_out.values(), *nearly_right_angles(self.table)]
         if self.determinant is not None:
             found["notes"] += [note for note in self.determinant.notes() if note]
+        if self.inverse is not None and self.inverse.note:
+            found["notes"].append(self.inverse.note)
         if request.notation in CODE:
             found["code"] = self.code
         if request.listing:
@@ -107,8 +117,27 @@ class Writing:
             raise AssertionError(f"{quantity} disagrees with the table")
         return entries
 
+    def _plain_inverse(self) -> Inverse:
+        inverse = inverse_of(self.work)
+        if inverse.written and not self.checker.inverts(inverse, self._axes):
+            raise AssertionError("inverse_jacobian disagrees with the table")
+        return inverse
+
+    @property
+    def _axes(self) -> str:
+        return self.request.expressed_in or self.request.base
+
+    def _simplify_inverse(self, inverse: Inverse, end: float) -> None:
+        before = inverse.written, inverse.over
+        try:
+            limited(end - time.monotonic(), partial(simplify_inverse, self.work, inverse))
+        except Unfinished:
+            inverse.simplified = False
+        if not self.checker.inverts(inverse, self._axes):
+            (inverse.written, inverse.over), inverse.simplified = before, False
+
     def _holds(self, entries: Entries) -> bool:
-        return self.checker.holds(entries, self.request.expressed_in or self.request.base)
+        return self.checker.holds(entries, self._axes)
 
     def _simplify(self, entries: Entries, end: float) -> None:
         before = [[list(row) for row in grid] for grid in entries.written]
@@ -138,7 +167,13 @@ class Writing:
 
     def _source(self, *, share: bool) -> str:
         return source(
-            self.table, self.request, self.entries, self.determinant, self.work.names, share=share
+            self.table,
+            self.request,
+            self.entries,
+            self.determinant,
+            self.inverse,
+            self.work.names,
+            share=share,
         )
 
     def _quantities(self, joints: list[str]) -> dict[str, Any]:
@@ -154,18 +189,23 @@ class Writing:
                 continue
             found[entries.quantity.value] = view(entries, write)
         if found.get("jacobian"):
-            found["jacobian"] = {"matrix": found["jacobian"], "rows": list(ROWS), "columns": joints}
+            rows = ROWS if self.request.task is None else self.request.task.row_names
+            found["jacobian"] = {"matrix": found["jacobian"], "rows": list(rows), "columns": joints}
         for quantity in self.left_out:
             found.setdefault(quantity.value, None)
         if self.determinant is not None:
             view_of = determinant_view(self.determinant, joints, write, self.work)
             found["det_jacobian"] = view_of
+        if self.inverse is not None:
+            found["inverse_jacobian"] = inverse_view(self.inverse, joints, write)
         return found
 
     def _simplified(self) -> dict[str, bool]:
         found = {one.quantity.value: one.simplified for one in self.entries}
         if self.determinant is not None:
             found["det_jacobian"] = self.determinant.simplified
+        if self.inverse is not None and self.inverse.written:
+            found["inverse_jacobian"] = self.inverse.simplified
         found |= {q.value: False for q in self.left_out}
         if self.request.notation in CODE:
             found["code"] = self._shared
@@ -174,8 +214,9 @@ class Writing:
     def _in_order(self, used: set[str]) -> list[str]:
         lengths: list[Length] = lengths_of(self.table)
         chosen = dict(self.request.symbols)
-        names = (chosen.get(length.name, length.name) for length in lengths)
-        return [name for name in dict.fromkeys(names) if name in used]
+        symbolic = self.request.parameters == "symbolic"
+        names = (written_name(one, chosen, symbolic=symbolic)[0] for one in lengths)
+        return [name for name in dict.fromkeys(names) if name is not None and name in used]
 
     def _listing(self, answer: dict[str, Any]) -> str:
         if self.request.notation in CODE:

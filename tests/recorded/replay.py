@@ -96,7 +96,8 @@ def replay(address: str, chosen: Iterable[Recorded]) -> Report:
             report.count += 1
             if new == one.answer or is_refused_now(asked, new.status):
                 continue
-            if one.answer.status == 422 and new.status < 300 and is_accepted_now(asked):
+            was_refused = one.answer.status in (406, 422)
+            if was_refused and new.status < 300 and is_accepted_now(asked):
                 if new.status == 201:
                     session.connection.send(Sent("DELETE", new.headers["location"]))
                 continue

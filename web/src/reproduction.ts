@@ -18,7 +18,10 @@ export function asCurl(call: Call, keyed = false): string {
   if (keyed) parts.push(`-H "X-API-Key: $${KEY}"`);
   if (call.method !== 'GET' && call.method !== 'POST') parts.push(`-X ${call.method}`);
   if (call.accept) parts.push(`-H ${shell(`Accept: ${call.accept}`)}`);
-  if (call.body !== undefined) parts.push(`--json ${shell(ascii(call.body))}`);
+  if (call.body !== undefined) {
+    // curl before 7.82, as in Ubuntu 22.04, has no --json.
+    parts.push(`-H 'Content-Type: application/json' -d ${shell(ascii(call.body))}`);
+  }
   parts.push(shell(urlOf(call)));
   return parts.join(' ');
 }

@@ -23,8 +23,13 @@ describe('a request to be run elsewhere', () => {
       '-c',
       asCurl(call).replace('curl -s', "printf '%s\\n'"),
     ]).toString();
-    const [flag, body, url] = printed.trim().split('\n');
-    expect([flag, url]).toEqual(['--json', 'http://service.test/lab/v1/fk']);
+    const [header, type, data, body, url] = printed.trim().split('\n');
+    expect([header, type, data, url]).toEqual([
+      '-H',
+      'Content-Type: application/json',
+      '-d',
+      'http://service.test/lab/v1/fk',
+    ]);
     expect(JSON.parse(body ?? '')).toEqual({ q: [1], robot: TABLE });
     expect([...printed].every((one) => one.charCodeAt(0) < 127)).toBe(true);
   });

@@ -110,6 +110,23 @@ def judge(
     return Verdict(False, reason, f"{message}{told}", violations, tracked, first_lost)
 
 
+def violated_at(problem: PathProblem, measures: Measures) -> list[tuple[str, ...]]:
+    """Return the criteria that do not hold at each sample: tracking, limits, clearance, velocity.
+
+    A clearance between two samples and a speed from one to the next count for the later one.
+    """
+    swept = np.concatenate(([np.inf], measures.swept))
+    fast = np.concatenate(([0.0], measures.speed_ratio))
+    found = {
+        "tracking": measures.off_path(problem.tolerance),
+        "limits": measures.limit_margin < -TOUCH,
+        "clearance": np.minimum(measures.clearance, swept) < problem.d_safe,
+        "velocity": fast > 1 + TOUCH,
+    }
+    rows = zip(*(values.tolist() for values in found.values()), strict=True)
+    return [tuple(name for name, one in zip(found, row, strict=True) if one) for row in rows]
+
+
 def _violations(
     problem: PathProblem, measures: Measures, first_lost: int | None, cut: bool
 ) -> tuple[str, ...]:
@@ -173,8 +190,8 @@ def _reason(
             )
         if away is not None:
             return Reason.UNREACHABLE, (
-                f"{away}; the path is lost {_where(problem, measures, first_lost)}; the end is"
-                f" missed by {_missed(measures)}"
+                f"{away}; the path is lost {_where(problem, measures, first_lost)} (tolerance"
+                f" {_allowed(problem)}); the end is missed by {_missed(measures)}"
             )
     if constrained:
         return Reason.INFEASIBLE, _conflict(problem, Q, measures, violations, first_lost)
@@ -186,8 +203,9 @@ def _reason(
         return Reason.LIMITS, _limits(problem, Q)
     if first_lost is not None:
         return Reason.TRACKING, (
-            f"the error is over the tolerance {_where(problem, measures, first_lost)}, up to"
-            f" {_largest(measures)}; the end is missed by {_missed(measures)}"
+            f"the error is over the tolerance, {_allowed(problem)},"
+            f" {_where(problem, measures, first_lost)}, up to {_largest(measures)}; the end is"
+            f" missed by {_missed(measures)}"
         )
     return Reason.VELOCITY, _velocity(problem, Q)
 
@@ -235,6 +253,11 @@ def _largest(measures: Measures) -> str:
     return _errors(measures.position_error.max(), measures.orientation_error.max())
 
 
+def _allowed(problem: PathProblem) -> str:
+    """Write the tolerance of the path."""
+    return _errors(problem.tolerance.position, problem.tolerance.orientation)
+
+
 def _missed(measures: Measures) -> str:
     return _errors(measures.position_error[-1], measures.orientation_error[-1])
 
@@ -258,9 +281,10 @@ def _conflict(
     if first_lost is not None:
         parts.append(
             f"{_both(problem, first_lost)} within reach, but the path is lost"
-            f" {_where(problem, measures, first_lost)}: the targets were not met together with"
-            f" limits, speeds and clearance{_held(problem, Q, measures, first_lost)}; the end is"
-            f" missed by {_missed(measures)}"
+            f" {_where(problem, measures, first_lost)}: the targets were not met within the"
+            f" tolerance, {_allowed(problem)}, together with limits, speeds and"
+            f" clearance{_held(problem, Q, measures, first_lost)}; the end is missed by"
+            f" {_missed(measures)}"
         )
     if "clearance" in violations:
         parts.append(_clearance(problem, Q, measures))

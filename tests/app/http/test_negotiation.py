@@ -20,7 +20,7 @@ from tests.app.http.requests import JSON, check, post
         ({"Accept": "image/png"}, 406, "application/json"),
         ({"Accept": "*/*;q=0"}, 406, "application/json"),
         ({"Accept": "application/json;q=nan"}, 406, "application/json"),
-        ({"Accept": "application/json;q=0, text/csv"}, 406, "application/json"),
+        ({"Accept": "application/json;q=0, image/svg+xml"}, 406, "application/json"),
     ],
 )
 def test_headers_that_are_not_served(client, headers, status, words):

@@ -70,3 +70,24 @@ def test_a_spatial_arm_is_drawn_in_space(client):
     assert "nan" not in picture
     flat = {**body_of(SCENARIOS["8R_obstacles"]), "methods": ["qp"]}
     assert ">z [m]<" not in client.post("/v1/path/compare?angle=deg&format=svg", json=flat).text
+
+
+@pytest.mark.scene
+def test_a_method_that_needs_more_is_left_out(client):
+    body = {**LINE, "methods": ["task_priority", "qp", "task_priority"]}
+    url = "/v1/robots/panda/path/compare"
+    answer = client.post(url, json=body)
+    assert answer.status_code == 200, answer.text
+    said = answer.json()
+    assert [row["method"] for row in said["rows"]] == ["qp"]
+    assert set(said["left_out"]) == {"task_priority", "task_priority (2)"}
+    assert "secondary" in said["left_out"]["task_priority"]
+    assert any("task_priority is left out" in one for one in said["warnings"])
+    assert "left_out" not in client.post(url, json={**body, "methods": ["qp"]}).json()
+    rows = list(csv.DictReader(io.StringIO(client.post(f"{url}?format=csv", json=body).text)))
+    assert [row["method"] for row in rows] == ["qp"]
+    assert "left out" in rows[0]["warnings"]
+    assert client.post(f"{url}?format=svg", json=body).status_code == 200
+    alone = client.post(url, json={**body, "methods": ["task_priority"]})
+    assert alone.status_code == 422
+    assert "secondary" in alone.json()["errors"][0]["pointer"]

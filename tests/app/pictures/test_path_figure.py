@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from app.pictures.canvas import Canvas
-from app.pictures.chart import Curve, chart, ticks
+from app.pictures.chart import Chart, draw_chart, ticks
+from app.pictures.curves import Curve
 
 SVG = "{http://www.w3.org/2000/svg}"
 SPHERES = {
@@ -88,9 +89,9 @@ def test_a_chart_of_nothing_and_of_gaps():
     canvas = Canvas(400, 200, "a < b & c")
     x = np.arange(4.0)
     empty = np.full(4, np.inf)
-    chart(canvas, (0, 0, 400, 200), [Curve("x", x, empty, "#000")], "t", "x", log=True)
+    draw_chart(canvas, (0, 0, 400, 200), Chart([Curve("x", x, empty, "#000")], "t", "x", log=True))
     gaps = Curve("y", x, np.array([0, np.nan, 1e-300, 5]), "#000")
-    chart(canvas, (0, 0, 400, 200), [gaps], "t", "x", log=True)
+    draw_chart(canvas, (0, 0, 400, 200), Chart([gaps], "t", "x", log=True))
     text = canvas.render()
     ET.fromstring(text)
     assert "nan" not in text

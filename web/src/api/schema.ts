@@ -620,6 +620,11 @@ export interface components {
              */
             frame?: string | null;
             /**
+             * @description The rows of a task: the 2x2 J of a planar 2R with xy, with its determinant and its inverse where J is square; default all six rows.
+             * @default null
+             */
+            task?: ((("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | null) | string | number[] | null;
+            /**
              * @description local_world_aligned (default): at the frame's origin in base axes. world: of the body point at the base's origin, in base axes. local: at the frame's origin, in the frame's own axes.
              * @default null
              * @enum {unknown}
@@ -645,6 +650,11 @@ export interface components {
              * @default null
              */
             frame?: string | null;
+            /**
+             * @description The rows of a task: the 2x2 J of a planar 2R with xy, with its determinant and its inverse where J is square; default all six rows.
+             * @default null
+             */
+            task?: ((("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | null) | string | number[] | null;
             /**
              * @description local_world_aligned (default): at the frame's origin in base axes. world: of the body point at the base's origin, in base axes. local: at the frame's origin, in the frame's own axes.
              * @default null
@@ -1941,8 +1951,8 @@ export interface components {
          * @description What to write down, and how.
          */
         SymbolicRequest: {
-            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian; or "all". Default T. */
-            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian")[]) | string[] | string;
+            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian, inverse_jacobian; or "all". Default T. */
+            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian")[]) | string[] | string;
             /**
              * @description numeric (default): lengths as numbers; symbolic: by name, a2 and d4, in khalil D2 and R4, of the base xb yb zb, of the tool xt yt zt.
              * @default numeric
@@ -1972,7 +1982,7 @@ export interface components {
              */
             expressed_in?: string | null;
             /**
-             * @description Rows of the determinant: a task or a mask; default the rows that do not vanish, or vx, vy, vz.
+             * @description Rows of the Jacobian, its determinant and its inverse: a task or a mask. Default: all six rows; of determinant and inverse the rows that do not vanish, or vx, vy, vz.
              * @default null
              */
             task?: ((("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | null) | string | number[] | null;
@@ -1993,8 +2003,8 @@ export interface components {
          * @description What to write down, and how.
          */
         InlineSymbolicRequest: {
-            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian; or "all". Default T. */
-            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian")[]) | string[] | string;
+            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian, inverse_jacobian; or "all". Default T. */
+            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian")[]) | string[] | string;
             /**
              * @description numeric (default): lengths as numbers; symbolic: by name, a2 and d4, in khalil D2 and R4, of the base xb yb zb, of the tool xt yt zt.
              * @default numeric
@@ -2024,7 +2034,7 @@ export interface components {
              */
             expressed_in?: string | null;
             /**
-             * @description Rows of the determinant: a task or a mask; default the rows that do not vanish, or vx, vy, vz.
+             * @description Rows of the Jacobian, its determinant and its inverse: a task or a mask. Default: all six rows; of determinant and inverse the rows that do not vanish, or vx, vy, vz.
              * @default null
              */
             task?: ((("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | null) | string | number[] | null;
@@ -2335,9 +2345,10 @@ export interface components {
          * @description All solutions, the closest to the seed first, those within the limits before the others.
          *
          *         ``complete`` says that mathematics knows no others (but for whole turns). ``free`` names joints
-         *         that a singular branch leaves free; they have the seed's value. ``beyond_limits``, where there
-         *         are some, names the joints beyond their limits. ``explanation``, where no solution is within the
-         *         limits: why, as far as it is proved.
+         *         that a singular branch leaves free; they have the seed's value. ``multiplicity``, where it is
+         *         above 1: how many solutions meet there, as two do where an arm is stretched. ``beyond_limits``,
+         *         where there are some, names the joints beyond their limits. ``explanation``, where no solution
+         *         is within the limits: why, as far as it is proved.
          */
         IKSolutionsAnswer: {
             columns: string[];
@@ -2362,6 +2373,7 @@ export interface components {
         IKSolutionView: {
             beyond_limits?: string[];
             free: string[];
+            multiplicity?: number;
             orientation_error: number;
             position_error: number;
             posture: string[];
@@ -2372,14 +2384,22 @@ export interface components {
         /**
          * JacobianAnswer
          * @description The Jacobian.
+         *
+         *         With a ``task`` whose rows are as many as the joints that move the frame (``square_columns``),
+         *         ``determinant`` is that of these columns, and ``inverse`` has one row a joint of them and one
+         *         column a row of J; null where J is singular.
          */
         JacobianAnswer: {
             columns: string[];
+            determinant?: number;
             euler: string | null;
             frame: string;
+            inverse?: number[][] | null;
             jacobian: number[][];
             reference_frame: string;
             rows: string[];
+            square_columns?: string[];
+            task?: string;
             /** @description Units of the answer: {"angle": …, "length": "m"}. */
             units: {
                 [key: string]: string;
@@ -2587,9 +2607,15 @@ export interface components {
         /**
          * CompareAnswer
          * @description The table, and in words what stood in the way of each method.
+         *
+         *         ``left_out``, where there are some: methods that need what the request does not have, each with
+         *         what that is.
          */
         CompareAnswer: {
             frame: string;
+            left_out?: {
+                [key: string]: string;
+            };
             links: components["schemas"]["LinkPart"][] | null;
             messages: {
                 [key: string]: string;
@@ -2817,6 +2843,7 @@ export interface components {
             elapsed_ms: number;
             expressed_in: string;
             frame: string;
+            inverse_jacobian?: components["schemas"]["InverseForm"] | null;
             jacobian?: components["schemas"]["JacobianForms"] | null;
             notation: string;
             notes: string[];
@@ -2869,6 +2896,16 @@ export interface components {
         FactorForm: {
             exponent: number;
             factor: string;
+        };
+        /**
+         * InverseForm
+         * @description The inverse of J: ``matrix`` over ``divisor``; one row a joint, one column a row of J.
+         */
+        InverseForm: {
+            columns: string[];
+            divisor: string;
+            matrix: string[][];
+            rows: string[];
         };
         /**
          * JacobianForms
@@ -3050,14 +3087,22 @@ export interface components {
         /**
          * JacobianAnswerBatch
          * @description The Jacobian.
+         *
+         *         With a ``task`` whose rows are as many as the joints that move the frame (``square_columns``),
+         *         ``determinant`` is that of these columns, and ``inverse`` has one row a joint of them and one
+         *         column a row of J; null where J is singular.
          */
         JacobianAnswerBatch: {
             columns: string[];
+            determinant?: number[];
             euler: string | null;
             frame: string;
+            inverse?: (number[][] | null)[];
             jacobian: number[][][];
             reference_frame: string;
             rows: string[];
+            square_columns?: string[];
+            task?: string;
             /** @description Units of the answer: {"angle": …, "length": "m"}. */
             units: {
                 [key: string]: string;
@@ -3350,6 +3395,10 @@ export interface components {
                 /** @description Other joints that move this one too, and coefficients. As a text: "q2". */
                 coupling?: string | {
                     [key: string]: components["schemas"]["DHCell"];
+                };
+                /** @description What lengths are called in closed forms, by column: L1 or -L1. A cell that is a name with a value is called so by itself. */
+                symbols?: {
+                    [key: string]: string;
                 };
             }[];
             /** @description In answers: largest deviation of the table's FK from its source over random q, m and rad (or deg). Not read. */

@@ -1,0 +1,1 @@
+"""Answers as tables: columns with headings and units, for spreadsheets and reports."""
