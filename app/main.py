@@ -22,7 +22,7 @@ from app.middleware.request_line import RequestLine
 from app.openapi.document import build_openapi
 from app.operations import OPERATIONS, Operation
 from app.readiness import Readiness, ReadinessReport
-from app.routes import compute, convert, diff, health, meshes, metrics, robots, tables
+from app.routes import compute, convert, diff, exercises, health, meshes, metrics, robots, tables
 from app.serving.connections import STATE, ConnectionGuard, ConnectionLimits
 from app.serving.kernels import loaded_kernels
 from app.settings import Settings
@@ -87,6 +87,7 @@ def create_app(
     app.include_router(convert.build_router(chosen.max_document_bytes))
     app.include_router(tables.build_router(chosen.max_document_bytes))
     app.include_router(diff.build_router(chosen.max_document_bytes))
+    app.include_router(exercises.router)
     if counted is not None:
         metrics.add_route(app, counted)
     app.state.page = page.load_page()
@@ -112,6 +113,7 @@ def create_app(
                 diff.DiffRequest,
                 diff.InlineDiffRequest,
                 diff.DiffResponse,
+                *exercises.TYPES,
             )
             app.openapi_schema = build_openapi(app, offered, types)
             describe(app.openapi_schema, needs_keys=app.state.keys.required)

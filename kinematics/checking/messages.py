@@ -97,7 +97,8 @@ def message_of(slip: Slip) -> str:
         case "alpha_and_a_of_neighbour_row":
             return _neighbour("alpha and a", slip)
         case "alpha_sign" | "a_sign" | "d_sign" | "offset_sign":
-            return f"{slip.code.removesuffix('_sign')} of {where} has the opposite sign"
+            column = slip.code.removesuffix("_sign")
+            return f"{column} of {where or 'every row'} has the opposite sign"
         case "offset_missing":
             return _missing(slip)
         case "a_missing" | "d_missing":

@@ -283,8 +283,8 @@ def _why(
         slips = [*_in_wrong_unit(question, structure), *slips]
 
         def distance(T: FloatArray) -> FloatArray:
-            errors = [_pose_errors(one, target, task) for one in T]
-            return np.array([float(np.abs(one).max()) for one in errors])
+            errors = _pose_errors(T.reshape(-1, 4, 4), target, task)
+            return np.asarray(np.abs(errors).reshape(len(T), -1).max(axis=1))
 
         trial = Trial(
             structure,

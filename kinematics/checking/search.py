@@ -140,22 +140,32 @@ def _best(found: Sequence[Explanation]) -> list[Explanation]:
 
 def _with_one_situation_slip(trial: Trial) -> Iterator[Explanation]:
     """Yield all explanations with at most one slip in the numbers."""
-    situations = [trial.situation, *(one.apply(trial.situation) for one in trial.slips)]
-    own: list[tuple[Slip, ...]] = [(), *((one.slip,) for one in trial.slips)]
+    # Two slips in reading and comparison leave no room for one in the numbers.
+    yield from _tried(trial, [trial.situation], [()], 2)
     size = max(1, CHUNK_LINKS // _links(trial))
-    for start in range(0, len(situations), size):
+    for start in range(0, len(trial.slips), size):
         checkpoint()
-        motion = evaluate(trial.structure, situations[start : start + size])
-        for reading in trial.readings:
-            values = reading.values(motion)
-            for comparison in trial.comparisons:
-                others = (*reading.slips, *comparison.slips)
-                if len(others) > 2:
-                    continue
-                distances = comparison.distance(values)
-                for slips, distance in zip(own[start : start + size], distances, strict=True):
-                    if 1 <= len(slips) + len(others) <= 2:
-                        yield Explanation((*slips, *others), float(distance))
+        part = trial.slips[start : start + size]
+        situations = [one.apply(trial.situation) for one in part]
+        yield from _tried(trial, situations, [(one.slip,) for one in part], 1)
+
+
+def _tried(
+    trial: Trial, situations: Sequence[Situation], own: Sequence[tuple[Slip, ...]], most: int
+) -> Iterator[Explanation]:
+    """Yield explanations of situations with at most so many slips beside their own."""
+    motion = evaluate(trial.structure, situations)
+    for reading in trial.readings:
+        if len(reading.slips) > most:
+            continue
+        values = reading.values(motion)
+        for comparison in trial.comparisons:
+            others = (*reading.slips, *comparison.slips)
+            if len(others) > most:
+                continue
+            for slips, distance in zip(own, comparison.distance(values), strict=True):
+                if slips or others:
+                    yield Explanation((*slips, *others), float(distance))
 
 
 def _with_two_situation_slips(trial: Trial) -> list[Explanation]:

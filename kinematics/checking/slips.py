@@ -136,15 +136,19 @@ def constants_of_neighbour_rows(structure: Structure, situation: Situation) -> F
 def opposite_signs(structure: Structure, situation: Situation) -> Found:
     """The sign of one α, a, d or offset, of any row."""
 
-    def negated(column: str, row: int, one: Situation) -> Situation:
+    def negated(column: str, row: int | None, one: Situation) -> Situation:
         values = getattr(one, column)
-        return replace(
-            one, **{column: np.where(np.arange(structure.count) == row, -values, values)}
-        )
+        rows = np.arange(structure.count)
+        chosen = rows >= 0 if row is None else rows == row
+        return with_columns(one, {column: np.where(chosen, -values, values)})
 
     for column, cost in (("alpha", 1.1), ("a", 1.3), ("d", 1.3), ("offset", 1.3)):
         values = getattr(situation, column)
-        for row in np.flatnonzero(np.atleast_2d(np.abs(values)).max(axis=0) > EXACT):
+        present = np.flatnonzero(np.atleast_2d(np.abs(values)).max(axis=0) > EXACT)
+        if len(present) > 1:
+            slip = Slip(f"{column}_sign", cost=cost + 0.1)
+            yield SituationSlip(slip, partial(negated, column, None))
+        for row in present:
             slip = Slip(f"{column}_sign", structure.rows[row], cost=cost)
             yield SituationSlip(slip, partial(negated, column, int(row)))
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -28,9 +27,11 @@ from kinematics.errors import InvalidAnswer, InvalidOption
 from kinematics.orientation import wrap
 from robots.chains import chain_of_robot
 from robots.errors import RobotError
-from robots.robot import robot_from_table
+from robots.robot import FloatArray, robot_from_table
 
-MAX_PAIRS = 4000
+MAX_PAIRS = 500
+MOST_SHOWN = 3
+IDENTICAL = 1e-6
 _GEOMETRY = ("alpha", "a", "d", "theta", "offset", "sign", "gamma", "b", "type", "ant", "r")
 
 
@@ -252,52 +253,79 @@ def _why(question: Question, table: DHTable, given: DHTable) -> list[Explanation
         if one.slip.code != "row_missing"
         and not (one.slip.code == "joint_sign" and one.slip.detail == "value")
     ]
-    # Frames differ by whole turns of their angles only.
-    away = partial(_away, structure, wrong)
-    for threshold in (1e-6, question.tolerance):
-        for candidates in (_singly(slips, right), _in_pairs(slips, right)):
-            found = [
-                Explanation(made, distance)
-                for made, situation in candidates
-                if (distance := away(situation)) <= threshold
-            ]
-            if found:
-                return sorted(found, key=lambda one: one.cost)[:3]
+    return _explained(structure, right, wrong, slips, question.tolerance)
+
+
+def _explained(
+    structure: Structure,
+    right: Situation,
+    given: Situation,
+    slips: list[SituationSlip],
+    tolerance: float,
+) -> list[Explanation]:
+    """Return the slips, one or two, that turn the right table into the given one."""
+    turns = _turning_cells(structure)
+    start, end = _cell_values(right), _cell_values(given)
+    moved = np.array([_cell_values(one.apply(right)) for one in slips]).reshape(len(slips), -1)
+    single = _differences(moved - end, turns)
+    for threshold in (IDENTICAL, tolerance):
+        found = [
+            Explanation((slip.slip,), float(distance))
+            for slip, distance in zip(slips, single, strict=True)
+            if distance <= threshold
+        ]
+        if not found:
+            found = _in_pairs(right, slips, moved - start, start, end, turns, threshold)
+        if found:
+            return sorted(found, key=lambda one: one.cost)[:MOST_SHOWN]
     return []
 
 
-def _singly(
-    slips: list[SituationSlip], right: Situation
-) -> Iterator[tuple[tuple[Slip, ...], Situation]]:
-    for one in slips:
-        yield (one.slip,), one.apply(right)
-
-
 def _in_pairs(
-    slips: list[SituationSlip], right: Situation
-) -> Iterator[tuple[tuple[Slip, ...], Situation]]:
-    for count, (one, two) in enumerate(combinations(slips, 2)):
-        if count >= MAX_PAIRS:
-            return
-        yield (one.slip, two.slip), two.apply(one.apply(right))
+    right: Situation,
+    slips: list[SituationSlip],
+    changes: FloatArray,
+    start: FloatArray,
+    end: FloatArray,
+    turns: BoolArray,
+    threshold: float,
+) -> list[Explanation]:
+    """Return pairs of slips that lead from the right cells to the given ones.
+
+    Slips of different cells add up; of those that share one, one is made after the other.
+    """
+    found: list[Explanation] = []
+    touched = np.abs(changes) > 0.0
+    tried = 0
+    for k, one in enumerate(slips[:-1]):
+        added = _differences(start + changes[k] + changes[k + 1 :] - end, turns)
+        shared = (touched[k] & touched[k + 1 :]).any(axis=1)
+        for j, two in enumerate(slips[k + 1 :]):
+            distance = float(added[j])
+            if shared[j] and tried < MAX_PAIRS:
+                tried += 1
+                both = _cell_values(two.apply(one.apply(right)))
+                distance = float(_differences((both - end)[None], turns)[0])
+            if distance <= threshold:
+                found.append(Explanation((one.slip, two.slip), distance))
+    return found
 
 
-def _away(structure: Structure, given: Situation, one: Situation) -> float:
-    """Return the largest difference of two tables, rad and m; inf for other conventions."""
-    if one.standard is not given.standard:
-        return math.inf
-    turns = structure.revolute
-    offset = one.offset - given.offset
-    differences = (
-        wrap(one.alpha - given.alpha),
-        wrap(one.theta - given.theta),
-        wrap(one.gamma - given.gamma),
-        np.where(turns, wrap(offset), offset),
-        one.a - given.a,
-        one.d - given.d,
-        one.b - given.b,
-        one.sign - given.sign,
-        one.base - given.base,
-        one.tool - given.tool,
-    )
-    return max(float(np.abs(part).max(initial=0.0)) for part in differences)
+def _cell_values(one: Situation) -> FloatArray:
+    """Return all cells of a table, its placements and its convention, in one row."""
+    angles = (one.alpha, one.theta, one.gamma, one.offset[0])
+    others = (one.a[0], one.d[0], one.b[0], one.sign, one.base[0].ravel(), one.tool[0].ravel())
+    return np.concatenate((*angles, *others, [float(one.standard)]))
+
+
+def _turning_cells(structure: Structure) -> BoolArray:
+    """Return which of the cells are angles."""
+    count = structure.count
+    angles = np.ones(3 * count, dtype=bool)
+    rest = np.zeros(4 * count + 33, dtype=bool)
+    return np.concatenate((angles, structure.revolute, rest))
+
+
+def _differences(cells: FloatArray, turns: BoolArray) -> FloatArray:
+    """Return the largest entry of each row of differences, of angles without whole turns."""
+    return np.asarray(np.abs(np.where(turns, wrap(cells), cells)).max(axis=1))

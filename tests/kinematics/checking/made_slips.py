@@ -8,7 +8,7 @@ import sys
 import time
 from collections import Counter
 from dataclasses import dataclass, replace
-from itertools import count
+from itertools import count, islice
 
 import numpy as np
 
@@ -74,7 +74,7 @@ class Arm:
             frames.append(frames[-1] if k in self.left_out else frames[-1] @ A)
         return frames
 
-    def T(self):
+    def pose(self):
         if not self.backwards:
             return self.frames()[-1] @ self.tool
         T = self.base
@@ -83,7 +83,7 @@ class Arm:
         return T @ self.tool
 
     def jacobian(self, point=None):
-        frames, tip = self.frames(), self.T()[:3, 3] if point is None else point
+        frames, tip = self.frames(), self.pose()[:3, 3] if point is None else point
         columns = []
         for k, slides in enumerate(self.slides):
             frame = frames[k] if self.standard else frames[k + 1]
@@ -109,7 +109,8 @@ def with_entry(values, k, value):
 
 
 def scaled_angles(arm, factor):
-    return replace(arm, q=tuple(x if p else factor * x for x, p in zip(arm.q, arm.slides, strict=True)))
+    q = tuple(x if p else factor * x for x, p in zip(arm.q, arm.slides, strict=True))
+    return replace(arm, q=q)
 
 
 def shifted(values, step):
@@ -124,7 +125,9 @@ def on_one(column, change):
     def slip(arm, random):
         values = getattr(arm, column)
         k = choose(random, [k for k, x in enumerate(values) if abs(x) > 1e-9])
-        return None if k is None else replace(arm, **{column: with_entry(values, k, change(values[k]))})
+        if k is None:
+            return None
+        return replace(arm, **{column: with_entry(values, k, change(values[k]))})
 
     return slip
 
@@ -175,7 +178,10 @@ IN_NUMBERS = {
     "joint_sign": negative_q,
     "joints_in_other_order": exchanged_q,
 }
-OF_POSES = {"order_reversed": lambda arm, random: replace(arm, backwards=True), "row_missing": left_out_row}
+OF_POSES = {
+    "order_reversed": lambda arm, random: replace(arm, backwards=True),
+    "row_missing": left_out_row,
+}
 IN_POSES = {
     "transposed": lambda T: np.block([[T[:3, :3].T, T[:3, 3:]], [T[3:]]]),
     "inverted": np.linalg.inv,
@@ -184,7 +190,7 @@ IN_POSES = {
 
 
 def in_frame(arm, J):
-    R = arm.T()[:3, :3]
+    R = arm.pose()[:3, :3]
     return np.vstack((R.T @ J[:3], R.T @ J[3:]))
 
 
@@ -219,9 +225,11 @@ def random_robot(random, number):
         for row in joints:
             row["r"], row["d"] = row.pop("d"), row.pop("a")
     if random.random() < 0.6:
-        document["tool"] = {"xyz": [0, 0, float(np.round(random.uniform(0.05, 0.3), 3))], "rpy": [0, 0, 0]}
+        length = float(np.round(random.uniform(0.05, 0.3), 3))
+        document["tool"] = {"xyz": [0, 0, length], "rpy": [0, 0, 0]}
     if random.random() < 0.5:
-        document["base"] = {"xyz": np.round(random.uniform(-0.5, 0.5, 3), 2).tolist(), "rpy": [0, 0, 0.5]}
+        place = np.round(random.uniform(-0.5, 0.5, 3), 2).tolist()
+        document["base"] = {"xyz": place, "rpy": [0, 0, 0.5]}
     return robot_from_table(read_mapping(document))
 
 
@@ -273,7 +281,7 @@ def made_slip(random, all_robots):
 
     def written(one, writing):
         if of_pose:
-            return IN_POSES[writing[0]](one.T()) if writing else one.T()
+            return IN_POSES[writing[0]](one.pose()) if writing else one.pose()
         return IN_JACOBIANS[writing[0]](one) if writing else one.jacobian()
 
     wrong, right = written(slipped, writing), written(arm, [])
@@ -285,22 +293,16 @@ def made_slip(random, all_robots):
     if len(chosen) == 2:
         # A pair of which one slip does nothing is the other one alone.
         for name in chosen:
-            if name in writing:
-                if np.abs(wrong - written(slipped, [])).max() <= 1e-6:
-                    codes -= {same_code(robot, name)}
+            if name in writing and np.abs(wrong - written(slipped, [])).max() <= 1e-6:
+                codes -= {same_code(robot, name)}
     return Made(question, codes, wrong, right)
 
 
 def made_slips(seed, number):
     random = np.random.default_rng(seed)
     all_robots = robots(random)
-    found = []
-    for _ in count():
-        made = made_slip(random, all_robots)
-        if made is not None:
-            found.append(made)
-        if len(found) == number:
-            return found
+    found = (made_slip(random, all_robots) for _ in count())
+    return list(islice((made for made in found if made is not None), number))
 
 
 def first_codes(verdict, explanation=1):
@@ -314,29 +316,41 @@ def outcome(made, digits):
     if first_codes(verdict) == made.codes:
         return "named"
     exact = check_answer(made.question, made.wrong.tolist())
-    if first_codes(verdict) and first_codes(verdict) == first_codes(exact) and len(
-        [one for one in exact.diagnosis if one.explanation == 1]
-    ) <= len(made.codes):
+    if (
+        first_codes(verdict)
+        and first_codes(verdict) == first_codes(exact)
+        and len([one for one in exact.diagnosis if one.explanation == 1]) <= len(made.codes)
+    ):
         # The explanation gives the same numbers to 1e-9, by as few slips.
         return "same"
     numbers = {one.explanation for one in verdict.diagnosis}
     return "listed" if any(first_codes(verdict, k) == made.codes for k in numbers) else "missed"
 
 
-def main():
-    number = int(sys.argv[1]) if len(sys.argv) > 1 else 2000
-    started, outcomes, missed = time.perf_counter(), Counter(), Counter()
-    for k, made in enumerate(made_slips(1, number)):
+def figures(number, seed=1):
+    """Diagnose many slips; how many in which way, and what was missed."""
+    outcomes, missed = Counter(), Counter()
+    for k, made in enumerate(made_slips(seed, number)):
         result = outcome(made, (16, 6, 4)[k % 3])
         outcomes[result] += 1
         if result in ("missed", "listed"):
             missed[(made.question.quantity.value, *sorted(made.codes))] += 1
-    seconds = time.perf_counter() - started
+    return outcomes, missed
+
+
+def main():
+    number = int(sys.argv[1]) if len(sys.argv) > 1 else 2000
+    started = time.process_time()
+    outcomes, missed = figures(number)
+    spent = 1e3 * (time.process_time() - started) / number
     right = outcomes["named"] + outcomes["same"]
-    print(f"{number} slips on 50 robots: {dict(outcomes)}; right first: {right / number:.1%}"
-          f" (by name {outcomes['named'] / number:.1%}); {1e3 * seconds / number:.0f} ms each")
-    for codes, times in missed.most_common(15):
-        print(f"  missed {times}: {', '.join(codes)}")
+    lines = [
+        f"{number} slips on 50 robots: {dict(outcomes)}",
+        f"right first: {right / number:.1%}, by name {outcomes['named'] / number:.1%}",
+        f"{spent:.0f} ms of CPU each, of two checks",
+    ]
+    lines += [f"missed {times}: {', '.join(codes)}" for codes, times in missed.most_common(15)]
+    sys.stdout.write("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":
