@@ -377,13 +377,15 @@ def _trial(
     structure, given = found.structure, found.given[:points]
     slips = slips_of(structure, situation, written=ground.is_written, product=measure.product)
     right = Comparison((), to_given(given))
+    # Many slips make a determinant 0: an answer that is 0 everywhere tells none of them.
+    limits = thresholds(entries, question.tolerance) if np.any(np.abs(given) > IDENTICAL) else ()
     return Trial(
         structure,
         situation,
         slips,
         measure.readings(structure),
         (right,),
-        thresholds(entries, question.tolerance),
+        limits,
         independent(found.expected[:points]) if not general else 8,
     )
 

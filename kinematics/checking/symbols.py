@@ -25,6 +25,10 @@ _TRIGONOMETRIC = re.compile(
 _VARIABLE = re.compile(r"(?P<letter>q|t|th|theta|θ|d|r)_?(?P<number>\d+)", re.IGNORECASE)
 
 
+_ZERO = re.compile(r"[aA]_?(?P<number>\d{1,3})")
+"""An a without a length of its own: that of a row of the table where it is 0."""
+
+
 class AngleReading(Enum):
     """What S2 and θ2 mean where a table has offsets: the sine of q2, or of q2 + offset."""
 
@@ -196,8 +200,8 @@ def scope_of(
                 return np.asarray(situation.q[:, number - 1]) if 1 <= number <= dof else None
             else:
                 return angle(number)
-        zero = re.fullmatch(r"[aALlDRr]_?\d+", word)
-        if zero is not None and word.lower()[0] == "a":
+        zero = _ZERO.fullmatch(word)
+        if zero is not None and int(zero["number"]) in (0, *structure.numbers):
             return np.zeros(len(situation.q))
         if word in structure.joints:
             return np.asarray(situation.q[:, structure.joints.index(word)])

@@ -315,7 +315,7 @@ def outcome(made, digits):
     assert not verdict.correct
     if first_codes(verdict) == made.codes:
         return "named"
-    exact = check_answer(made.question, made.wrong.tolist())
+    exact = check_answer(replace(made.question, tolerance=1e-9), made.wrong.tolist())
     if (
         first_codes(verdict)
         and first_codes(verdict) == first_codes(exact)
