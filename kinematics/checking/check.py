@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from kinematics.checking.angles import check_angles
-from kinematics.checking.answers import read_entries
+from kinematics.checking.answers import Entries, read_entries
 from kinematics.checking.jacobians import check_determinant, check_jacobian, check_step
 from kinematics.checking.matrices import check_matrices
 from kinematics.checking.postures import check_solutions
@@ -50,4 +50,6 @@ def check_answer(question: Question, answer: object) -> Verdict:
         )
     if question.quantity is Quantity.TABLE:
         return check_table(question, answer)
+    if question.quantity is Quantity.IK and answer == []:
+        return check_solutions(question, Entries((0, question.robot.dof), ()))
     return _CHECKS[question.quantity](question, read_entries(answer))

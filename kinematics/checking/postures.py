@@ -18,7 +18,8 @@ from kinematics.checking.slips import DEGREE, SituationSlip, Slip, slips_of
 from kinematics.checking.verdict import MAX_ERRORS, Diagnosis, EntryError, Verdict, told
 from kinematics.errors import InvalidAnswer, InvalidOption
 from kinematics.forward import fk
-from kinematics.inverse.all_solutions import IKSolutions, all_solutions
+from kinematics.inverse.all_solutions import all_solutions
+from kinematics.inverse.solutions import IKSolutions
 from kinematics.orientation import wrap
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
@@ -49,7 +50,7 @@ class _Given:
 
 
 def check_solutions(question: Question, entries: Entries) -> Verdict:
-    """Check one q that reaches a target, or all of them.
+    """Check one q that reaches a target, or all of them; an empty list says that none does.
 
     Raises:
         InvalidAnswer: Not one value a joint, or a list of such lists.
@@ -73,7 +74,8 @@ def check_solutions(question: Question, entries: Entries) -> Verdict:
         target = fk(robot, question.q, [frame])[frame]
     every = len(entries.shape) == 2 if question.every is None else question.every
     unit = np.where(robot.is_revolute, question.angle, question.length)
-    rows = constants(entries).reshape(-1, robot.dof) * unit
+    rows = np.zeros((0, robot.dof)) if not entries.values else constants(entries)
+    rows = rows.reshape(-1, robot.dof) * unit
     known = all_solutions(robot, target, frame=frame, task=task)
     found = [_held(question, row, known, target, task, frame) for row in rows]
     return _judged(question, entries, found, known, rows, target, task, every=every, unit=unit)

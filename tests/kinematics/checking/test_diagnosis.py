@@ -146,6 +146,18 @@ def test_solutions_count_in_any_order_and_modulo_turns(name, task):
     assert "false_solution" in {one.code for one in found.diagnosis}
 
 
+def test_an_empty_list_says_that_nothing_reaches_the_target():
+    robot = shipped_robot("planar_2r")
+    for x, reached in ((5.0, False), (1.0, True)):
+        target = np.eye(4)
+        target[0, 3] = x
+        question = Question(Quantity.IK, robot, target=target, task=TASKS["xy"])
+        found = check_answer(question, [])
+        assert found.correct is not reached
+        assert not reached or first_codes(found) == {"missing_solutions"}
+        assert check_answer(question, [[0.0, 0.0]]).correct is False
+
+
 def test_joint_values_in_degrees_and_a_forgotten_tool_are_named():
     robot = shipped_robot("pa10")
     q = some_q(robot)

@@ -2667,9 +2667,10 @@ export interface components {
          * @description All solutions, the closest to the seed first, those within the limits before the others.
          *
          *         ``complete`` says that mathematics knows no others (but for whole turns). ``free`` names joints
-         *         that a singular branch leaves free; they have the seed's value. ``beyond_limits``, where there
-         *         are some, names the joints beyond their limits. ``explanation``, where no solution is within the
-         *         limits: why, as far as it is proved.
+         *         that a singular branch leaves free; they have the seed's value. ``multiplicity``, where it is
+         *         above 1: how many solutions meet there, as two do where an arm is stretched. ``beyond_limits``,
+         *         where there are some, names the joints beyond their limits. ``explanation``, where no solution
+         *         is within the limits: why, as far as it is proved.
          */
         IKSolutionsAnswer: {
             columns: string[];
@@ -2694,6 +2695,7 @@ export interface components {
         IKSolutionView: {
             beyond_limits?: string[];
             free: string[];
+            multiplicity?: number;
             orientation_error: number;
             position_error: number;
             posture: string[];
