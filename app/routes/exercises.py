@@ -30,6 +30,14 @@ _LANG = {
     "description": "Language of the texts; default by Accept-Language.",
     "schema": {"enum": list(LANGUAGES)},
 }
+_NAME = {
+    "name": "name",
+    "in": "path",
+    "required": True,
+    "description": "Name of the exercise.",
+    "schema": {"type": "string"},
+    "example": "planar-2r",
+}
 _SEED = {
     "name": "seed",
     "in": "query",
@@ -159,7 +167,7 @@ async def list_exercises(request: Request) -> Response:
     "/{name}",
     summary="An exercise with numbers of one's own",
     responses=_described("ExerciseView"),
-    openapi_extra={"parameters": [_SEED, _LANG]},
+    openapi_extra={"parameters": [_NAME, _SEED, _LANG]},
 )
 async def read_exercise(name: str, request: Request, services: ServicesDep) -> Response:
     """Each seed draws other lengths and poses; the same seed always the same. Text is a sheet."""
@@ -188,6 +196,7 @@ async def read_exercise(name: str, request: Request, services: ServicesDep) -> R
     summary="Mark the answers of an exercise",
     responses=_described("Marks"),
     openapi_extra={
+        "parameters": [_NAME],
         "requestBody": {
             "required": True,
             "content": {
@@ -196,7 +205,7 @@ async def read_exercise(name: str, request: Request, services: ServicesDep) -> R
                     "example": {"seed": "20261234", "answers": {"determinant": "L1*L2*S2"}},
                 }
             },
-        }
+        },
     },
 )
 async def check_exercise(name: str, request: Request, services: ServicesDep) -> Response:
