@@ -8,10 +8,12 @@ from itertools import combinations, product
 import numpy as np
 
 from kinematics.checking.answers import Entries
-from kinematics.checking.comparing import cut_short, diagnosed, ground_of, thresholds
+from kinematics.checking.comparing import diagnosed
 from kinematics.checking.formulas import Scope
+from kinematics.checking.ground import ground_of
 from kinematics.checking.question import Question
 from kinematics.checking.readings import rotation_transposed
+from kinematics.checking.rounding import cut_short, thresholds
 from kinematics.checking.search import (
     Comparison,
     Explanation,

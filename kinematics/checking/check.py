@@ -6,10 +6,11 @@ import math
 
 from kinematics.checking.angles import check_angles
 from kinematics.checking.answers import Entries, read_entries
-from kinematics.checking.jacobians import check_determinant, check_jacobian, check_step
+from kinematics.checking.jacobians import check_determinant, check_jacobian
 from kinematics.checking.matrices import check_matrices
 from kinematics.checking.postures import check_solutions
 from kinematics.checking.question import Quantity, Question
+from kinematics.checking.steps import check_step
 from kinematics.checking.tables import check_table
 from kinematics.checking.verdict import Verdict
 from kinematics.errors import InvalidOption

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dh_to_urdf.extraction.extract import extract
-from dh_to_urdf.table import Convention, DHTable
 from kinematics.checking.answers import FEW, WRITTEN_IN_FULL, Entries, decimals_of
 from kinematics.checking.formulas import Formula
+from kinematics.checking.ground import Ground, ground_of
 from kinematics.checking.messages import message_of
 from kinematics.checking.question import Question
+from kinematics.checking.rounding import IDENTICAL, cut_short, thresholds
 from kinematics.checking.search import (
     Comparison,
     Explanation,
@@ -31,7 +30,6 @@ from kinematics.checking.situation import (
     Structure,
     at_first_points,
     evaluate,
-    rows_to,
     situation_of,
 )
 from kinematics.checking.slips import Slip, slips_of
@@ -40,8 +38,6 @@ from kinematics.checking.symbols import (
     Points,
     drawn_q,
     lengths_in,
-    named_lengths,
-    plain,
     points_at,
     scope_of,
     uses_joints,
@@ -49,11 +45,8 @@ from kinematics.checking.symbols import (
 from kinematics.checking.verdict import MAX_ERRORS, Diagnosis, EntryError, Verdict, largest, told
 from kinematics.errors import InvalidAnswer
 from kinematics.symbolic.parameters import Length
-from robots.chains import chain_of_robot
 from robots.robot import FloatArray
 
-IDENTICAL = 1e-9
-"""Differences up to which formulas are equal, relative to values over 1."""
 DIAGNOSED_POINTS = 3
 
 
@@ -84,39 +77,6 @@ class Measure:
     rows: Sequence[int] | None = None
     product: bool = True
     prepared: Callable[[Situation], Situation] = lambda situation: situation
-
-
-@dataclass(frozen=True, eq=False)
-class Ground:
-    """The table that an answer is about.
-
-    Attributes:
-        table: Of the robot; or worked out from its joint axes, for one made from a URDF.
-        is_written: Whether it is the robot's own.
-        names: Lengths by name.
-        rows: Indices of the rows on the way to the frame.
-        frame: Frame of the table.
-    """
-
-    table: DHTable
-    is_written: bool
-    names: dict[str, Length]
-    rows: list[int]
-    frame: str
-
-
-def ground_of(
-    question: Question, frame: str | None = None, rows: Sequence[int] | None = None
-) -> Ground:
-    """Return the table that an answer is about."""
-    robot, table = question.robot, question.robot.table
-    if table is None:
-        found = extract(chain_of_robot(robot, None, frame), Convention.MODIFIED).table
-        return Ground(found, False, {}, rows_to(found, "tool"), "tool")
-    name = frame or "tool"
-    chosen = rows_to(table, name) if rows is None else list(rows)
-    lengths = named_lengths(table, question.symbols, chosen, tool=name == "tool")
-    return Ground(table, True, lengths, chosen, name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -390,59 +350,6 @@ def _trial(
     )
 
 
-def thresholds(entries: Entries, tolerance: float, unit: float = 1.0) -> tuple[float, ...]:
-    """Return the differences up to which an explanation fits, the closest first.
-
-    Args:
-        entries: The answer: numbers with few decimals cannot be met more closely than these say.
-        tolerance: Of the question.
-        unit: Value of 1 of the answer.
-    """
-    found = {IDENTICAL}
-    if not entries.formulas or any(not isinstance(one, Formula) for one in entries.values):
-        decimals = entries.decimals
-        if decimals is not None and decimals >= 2:
-            found.add(min(1.05 * 10.0**-decimals * unit, 0.02))
-        found.add(tolerance)
-    elif any(entries.rounded(k, ()) for k in range(len(entries.values))):
-        found.add(tolerance)
-    return tuple(sorted(found))
-
-
-def cut_short(entries: Entries, given: FloatArray, expected: FloatArray) -> Slip | None:
-    """Return the slip of an answer that is right but for its few digits; None where it is not.
-
-    Args:
-        entries: The answer.
-        given: Its numbers, in its own units.
-        expected: The right ones, in the same units.
-    """
-    if entries.formulas:
-        return None
-    decimals = entries.decimals
-    if decimals is not None and decimals <= 8:
-        scale = 10.0**decimals
-        for code, values in (
-            ("rounded", np.round(expected, decimals)),
-            ("truncated", np.trunc(expected * scale) / scale),
-        ):
-            if np.abs(values - given).max() <= IDENTICAL and np.abs(given).max() > 0.0:
-                return Slip(code, detail=_count(decimals, "decimal"))
-    for digits in range(1, 7):
-        values = np.array([_significant(x, digits) for x in np.ravel(expected)])
-        if np.abs(values - np.ravel(given)).max() <= IDENTICAL * max(1.0, np.abs(given).max()):
-            return Slip("rounded", detail=_count(digits, "digit"))
-    return None
-
-
-def _significant(value: float, digits: int) -> float:
-    return float(f"{value:.{digits}g}") if math.isfinite(value) else value
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
-
-
 def diagnosed(found: Sequence[Explanation]) -> tuple[Diagnosis, ...]:
     """Return the slips of explanations with their messages."""
     return tuple(
@@ -455,6 +362,3 @@ def diagnosed(found: Sequence[Explanation]) -> tuple[Diagnosis, ...]:
 def without_base(situation: Situation) -> Situation:
     """Return a situation whose base is that of frame 0."""
     return replace(situation, base=np.broadcast_to(np.eye(4), situation.base.shape))
-
-
-__all__ = ["Measure", "check_entries", "cut_short", "diagnosed", "ground_of", "plain", "thresholds"]

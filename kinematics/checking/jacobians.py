@@ -12,7 +12,11 @@ from kinematics.checking.answers import Entries
 from kinematics.checking.comparing import Measure, check_entries, diagnosed
 from kinematics.checking.matrices import absolute
 from kinematics.checking.question import Question
-from kinematics.checking.readings import Project, jacobian_readings, jacobian_values, step_readings
+from kinematics.checking.readings import (
+    Project,
+    jacobian_readings,
+    jacobian_values,
+)
 from kinematics.checking.search import Explanation, Reading
 from kinematics.checking.situation import Motion, Structure
 from kinematics.checking.slips import Slip
@@ -21,13 +25,11 @@ from kinematics.errors import InvalidAnswer, InvalidOption, UnknownTask
 from kinematics.forward import fk
 from kinematics.jacobian import ReferenceFrame, jacobian
 from kinematics.orientation import analytic_map, euler_angles, euler_rates_matrix
-from kinematics.redundancy.step import StepTask, differential_step
 from kinematics.task import POSE, TASKS, Task, task_from
 from robots.robot import FloatArray
 
 STILL = 1e-9
 """Entries of a row of a Jacobian below which the frame does not move in it."""
-SMALL_STEP = 10.0
 
 
 def task_of(question: Question, rows: int) -> Task:
@@ -99,7 +101,7 @@ def _exact(question: Question, task: Task) -> Callable[[FloatArray], FloatArray]
     return exact
 
 
-def _readings(
+def readings_of(
     question: Question, task: Task, *, square: bool = False
 ) -> Callable[[Structure], list[Reading]]:
     """Return the function that gives the Jacobian and what may be taken for it."""
@@ -147,13 +149,13 @@ def check_jacobian(question: Question, entries: Entries) -> Verdict:
         )
     on_its_side = shape[1] != dof
     upright = _transposed(entries) if on_its_side else entries
-    readings = _readings(question, task, square=shape[0] == shape[1])
+    readings = readings_of(question, task, square=shape[0] == shape[1])
 
     def note(wrong: NDArray[np.bool_]) -> str:
         return _matrix_note(wrong, task, tuple(joint.name for joint in question.robot.joints))
 
     measure = Measure(
-        values=lambda motion: _first(readings, motion),
+        values=lambda motion: right_values(readings, motion),
         exact=_exact(question, task),
         readings=readings,
         allowed=absolute,
@@ -166,7 +168,8 @@ def check_jacobian(question: Question, entries: Entries) -> Verdict:
     return _on_its_side(found, shape) if on_its_side else found
 
 
-def _first(readings: Callable[[Structure], list[Reading]], motion: Motion) -> FloatArray:
+def right_values(readings: Callable[[Structure], list[Reading]], motion: Motion) -> FloatArray:
+    """Return the values of the reading without slips."""
     return readings(motion.structure)[0].values(motion)
 
 
@@ -228,7 +231,7 @@ def check_determinant(question: Question, entries: Entries) -> Verdict:
             " and no determinant; give a task with as many rows as the robot has joints",
             argument="task",
         )
-    rows = _readings(question, task)
+    rows = readings_of(question, task)
     exact = _exact(question, task)
 
     def readings(structure: Structure) -> list[Reading]:
@@ -253,7 +256,7 @@ def check_determinant(question: Question, entries: Entries) -> Verdict:
         return tolerance * np.maximum(np.abs(expected), size)
 
     measure = Measure(
-        values=lambda motion: np.linalg.det(_first(rows, motion)),
+        values=lambda motion: np.linalg.det(right_values(rows, motion)),
         exact=lambda q: np.linalg.det(exact(q)),
         readings=readings,
         allowed=allowed,
@@ -263,92 +266,3 @@ def check_determinant(question: Question, entries: Entries) -> Verdict:
         product=False,
     )
     return check_entries(question, entries, measure)
-
-
-def check_step(question: Question, entries: Entries) -> Verdict:
-    """Check the differential step ``J† Δx + (I − J†J) z``.
-
-    Raises:
-        InvalidAnswer: The answer has another form.
-        InvalidOption: q or delta_x is missing.
-        RankDeficient: J lacks full row rank, and there is no damping.
-    """
-    robot = question.robot
-    if question.delta_x is None:
-        raise InvalidOption("delta_x is missing; give the wanted motion", argument="delta_x")
-    if question.q is None:
-        raise InvalidOption("q is missing; give the joint values", argument="q")
-    if entries.shape != (robot.dof,):
-        raise InvalidAnswer(f"answer is not {robot.dof} values, one a joint", argument="answer")
-    dx = question.delta_x
-    task = task_of(question, len(dx))
-    right = differential_step(
-        robot, question.q, StepTask(dx, task, question.frame), z=question.z,
-        damping=question.damping,
-    )  # fmt: skip
-    z = np.zeros(robot.dof) if question.z is None else question.z
-    damped = question.damping**2 * np.eye(len(task.rows))
-
-    def step(J: FloatArray) -> FloatArray:
-        Jt = np.swapaxes(J, -1, -2)
-        inverse = Jt @ np.linalg.pinv(J @ Jt + damped) if damped.any() else np.linalg.pinv(J)
-        return (inverse @ dx) + z - (np.linalg.pinv(J) @ (J @ z)[..., None])[..., 0]
-
-    rows = _readings(replace(question, euler=None), task)
-
-    def readings(structure: Structure) -> list[Reading]:
-        found = step_readings(rows(structure), step, lambda J: np.swapaxes(J, -1, -2) @ dx)
-        first = found[0]
-        degrees = Slip("degrees_for_radians", detail="answer")
-        found.append(_scaled(degrees, first, 180 / np.pi, structure))
-        if question.angle != 1.0:
-            radians = Slip("radians_for_degrees", detail="answer")
-            found.append(_scaled(radians, first, np.pi / 180, structure))
-        if z.any():
-            for slip, rest in (
-                (Slip("null_motion_forgotten"), np.zeros_like(z)),
-                (Slip("null_motion_not_projected"), z),
-            ):
-                found.append(_with_null_motion(slip, rows, step, z, rest))
-        return found
-
-    unit = np.where(robot.is_revolute, question.angle, question.length)
-    most = float(np.abs(right.delta_q).max(initial=0.0))
-
-    def allowed(expected: FloatArray, tolerance: float) -> FloatArray:
-        # Steps are small: of one far below 1 rad the tolerance is a part of its largest entry.
-        return np.full(expected.shape, tolerance * min(1.0, SMALL_STEP * most) + 1e-12)
-
-    measure = Measure(
-        values=lambda motion: step(_first(rows, motion)),
-        exact=lambda q: np.broadcast_to(right.delta_q, q.shape),
-        readings=readings,
-        allowed=allowed,
-        unit=unit,
-        note=lambda _: "",
-        frame=question.frame,
-        product=False,
-    )
-    return check_entries(question, entries, measure)
-
-
-def _scaled(slip: Slip, reading: Reading, factor: float, structure: Structure) -> Reading:
-    factors = np.where(structure.turning, factor, 1.0)
-    return Reading((slip,), lambda motion: reading.values(motion) * factors)
-
-
-def _with_null_motion(
-    slip: Slip,
-    rows: Callable[[Structure], list[Reading]],
-    step: Callable[[FloatArray], FloatArray],
-    z: FloatArray,
-    rest: FloatArray,
-) -> Reading:
-    """Return the reading of a step that has something else in the place of its null motion."""
-
-    def values(motion: Motion) -> FloatArray:
-        J = _first(rows, motion)
-        projected = z - (np.linalg.pinv(J) @ (J @ z)[..., None])[..., 0]
-        return step(J) - projected + rest
-
-    return Reading((slip,), values)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kinematics.checking.answers import Entries
 from kinematics.checking.comparing import Measure, check_entries, without_base
 from kinematics.checking.question import Quantity, Question
-from kinematics.checking.readings import POSE_CHANGES, pose_readings
+from kinematics.checking.readings import pose_readings
 from kinematics.checking.search import Reading
 from kinematics.checking.situation import Motion, Structure, rows_to
 from kinematics.checking.slips import Slip
@@ -232,6 +232,3 @@ def _shape(shape: tuple[int, ...]) -> str:
     if len(shape) == 2:
         return f"{shape[0]} rows of {shape[1]}"
     return f"{shape[0]} matrices of {shape[1]} rows of {shape[2]}"
-
-
-__all__ = ["POSE_CHANGES", "absolute", "check_matrices"]

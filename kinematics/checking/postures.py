@@ -10,8 +10,10 @@ import numpy as np
 from kinematics.chain import chain_of
 from kinematics.checking.angles import constants
 from kinematics.checking.answers import Entries
-from kinematics.checking.comparing import diagnosed, ground_of, thresholds
+from kinematics.checking.comparing import diagnosed
+from kinematics.checking.ground import ground_of
 from kinematics.checking.question import Question
+from kinematics.checking.rounding import thresholds
 from kinematics.checking.search import Comparison, Explanation, Reading, Trial, explanations
 from kinematics.checking.situation import Situation, Structure, situation_of
 from kinematics.checking.slips import DEGREE, SituationSlip, Slip, slips_of
