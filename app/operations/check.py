@@ -10,6 +10,7 @@ from typing import Annotated, Any, NotRequired, TypedDict
 import msgspec
 import numpy as np
 
+from app.admission.need import Need
 from app.fields import texts
 from app.fields.bounds import within
 from app.fields.doubts import RequestDoubts
@@ -33,6 +34,7 @@ from app.http.problems import INVALID_REQUEST, NOT_REVEALED, RequestProblem
 from app.http.strict_json import decode_json
 from app.operations.operation import Answer, Context, Operation, Runs
 from app.operations.shapes import AnswerUnits
+from app.operations.sizes import fixed_bytes
 from app.settings import Settings
 from dh_to_urdf.errors import Location
 from kinematics.checking.check import LEAST_TOLERANCE, MOST_TOLERANCE, check_answer
@@ -43,6 +45,8 @@ from kinematics.task import POSE, TASKS, Task
 from robots.robot import FloatArray, Robot
 
 MAX_INDEX = 300
+WORK_BYTES = 32_000_000
+"""Memory of the slips that are tried at once, whose number is bounded."""
 _ORIENTATIONS = ("matrix", "quaternion_xyzw", "rpy", "euler")
 
 
@@ -328,6 +332,10 @@ def _plain(value: Any) -> Any:
     return float(value) if isinstance(value, np.floating) else value
 
 
+def _memory(_: Robot, __: CheckRequest, context: Context) -> Need:
+    return Need(0.0, fixed=fixed_bytes(context.form) + WORK_BYTES)
+
+
 def _run(robot: Robot, request: CheckRequest, context: Context) -> Answer:
     check_reveal(request.reveal, context.settings)
     verdict = check_answer(question_of(robot, request, context.doubts), request.answer)
@@ -351,6 +359,7 @@ CHECK = Operation(
     request=CheckRequest,
     answer=CheckAnswer,
     run=_run,
+    memory=_memory,
     example={"quantity": "det_jacobian", "answer": "a1*a2*S2", "task": "xy"},
     example_robot="planar_2r",
     runs=Runs.THREAD,
