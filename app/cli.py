@@ -6,6 +6,7 @@ import json
 import os
 import sys
 from pathlib import Path
+from typing import TextIO
 
 import click
 from pydantic import ValidationError
@@ -13,6 +14,7 @@ from pydantic import ValidationError
 from app.access.keys import InvalidKeys, Scope, new_key
 from app.access.rates import InvalidRate
 from app.environment import faults_of, is_service_address
+from app.http.problems import RequestProblem
 from app.http.query import number
 from app.http.text import render_text
 from app.http.units import Units
@@ -182,3 +184,52 @@ def _load(robot: str) -> Robot:
         raise click.ClickException("CSV says no convention: convert it with dh-to-urdf first")
     reader = read_json if path.suffix == ".json" else read_yaml
     return robot_from_table(reader(content))
+
+
+_CLASS = click.argument("students", type=click.Path(path_type=Path, exists=True, dir_okay=False))
+
+
+@main.command("sheets")
+@click.argument("exercise")
+@_CLASS
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write to.")
+@click.option("--lang", type=click.Choice(["en", "fr"]), default="en", show_default=True)
+@click.option("--url", default="http://localhost:8000/", show_default=True, help="Of the service.")
+def make_sheets(exercise: str, students: Path, out: Path, lang: str, url: str) -> None:
+    """Writes a sheet of EXERCISE for each of STUDENTS, a CSV with a column id.
+
+    Each student gets other numbers: denavit sheets planar-2r class.csv --out sheets
+    """
+    from app.exercises.class_list import ClassListError, read_class_list, write_sheets
+
+    try:
+        listed = read_class_list(students)
+        written = write_sheets(exercise, listed, out, lang, f"{url.rstrip('/')}/")
+    except (ClassListError, RequestProblem) as error:
+        raise click.ClickException(str(error)) from None
+    except OSError as error:
+        raise click.ClickException(f"{out}: {error.strerror}") from None
+    click.echo(f"{len(written)} sheets in {out}")
+
+
+@main.command("marks")
+@click.argument("exercise")
+@_CLASS
+@click.option(
+    "--answers",
+    type=click.Path(path_type=Path, exists=True, file_okay=False),
+    help="Folder with ID.json of each student; default: columns of the list, named as the parts.",
+)
+@click.option("--out", type=click.File("w", encoding="utf-8"), default="-", help="CSV.")
+def make_marks(exercise: str, students: Path, answers: Path | None, out: TextIO) -> None:
+    """Marks the answers of STUDENTS, a CSV with a column id, to EXERCISE; writes a CSV of marks.
+
+    denavit marks planar-2r class.csv --answers answers --out marks.csv
+    """
+    from app.exercises.class_list import ClassListError, marks_table, read_class_list
+
+    try:
+        table = marks_table(exercise, read_class_list(students), answers)
+    except (ClassListError, RequestProblem) as error:
+        raise click.ClickException(str(error)) from None
+    out.write(table)

@@ -26,6 +26,7 @@ from app.routes import (
     compute,
     convert,
     diff,
+    exercises,
     health,
     link_matrix,
     meshes,
@@ -98,6 +99,7 @@ def create_app(
     app.include_router(tables.build_router(chosen.max_document_bytes))
     app.include_router(diff.build_router(chosen.max_document_bytes))
     app.include_router(link_matrix.build_router())
+    app.include_router(exercises.router)
     if counted is not None:
         metrics.add_route(app, counted)
     app.state.page = page.load_page()
@@ -123,6 +125,7 @@ def create_app(
                 diff.DiffRequest,
                 diff.InlineDiffRequest,
                 diff.DiffResponse,
+                *exercises.TYPES,
             )
             app.openapi_schema = build_openapi(app, offered, types)
             describe(app.openapi_schema, needs_keys=app.state.keys.required)

@@ -124,6 +124,9 @@ class Settings(BaseSettings):
     drain_seconds: float = Field(
         default=0.0, ge=0, description="How long a stopping service still accepts, unready."
     )
+    check_reveal: bool = Field(
+        default=True, description="Answers of `check` may show what is right (`reveal`)."
+    )
     log_format: Literal["auto", "json", "text"] = Field(
         default="auto", description="Form of log lines; auto is text on a terminal, else JSON."
     )

@@ -144,6 +144,20 @@ class InvalidOption(KinematicsError):
     """An option of a solver out of its range."""
 
 
+class InvalidAnswer(KinematicsError):
+    """An answer to check that has another form than the quantity, or cannot be read.
+
+    Attributes:
+        position: Place of the fault in a formula, from 0; None where it is no matter of one.
+    """
+
+    def __init__(
+        self, message: str, *, position: int | None = None, **data: Unpack[ErrorData]
+    ) -> None:
+        super().__init__(message, **data)
+        self.position = position
+
+
 class RankDeficient(KinematicsError):
     """A Jacobian without full row rank, where the pseudo-inverse Jᵀ(JJᵀ)⁻¹ does not exist.
 

@@ -77,6 +77,7 @@ BUSY = ProblemType("busy", 503, "The service has no room for this now")
 UNAUTHORISED = ProblemType("unauthorised", 401, "This needs a key")
 TWO_KEYS = ProblemType("two-keys", 400, "The request shows two different keys")
 FORBIDDEN = ProblemType("forbidden", 403, "The key does not allow this")
+NOT_REVEALED = ProblemType("not-revealed", 403, "Right answers are not shown here")
 CROSS_ORIGIN = ProblemType("cross-origin", 403, "A page of another origin may not change robots")
 MALFORMED_HOST = ProblemType("malformed-host", 400, "The request does not say whom it calls")
 MISDIRECTED = ProblemType("misdirected", 421, "The service does not go by this name")
@@ -98,6 +99,7 @@ GENERIC_TYPES = (
     UNAUTHORISED,
     TWO_KEYS,
     FORBIDDEN,
+    NOT_REVEALED,
     CROSS_ORIGIN,
     MALFORMED_HOST,
     MISDIRECTED,

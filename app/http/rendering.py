@@ -157,6 +157,9 @@ RENDERINGS: dict[type[Exception], Rendering] = {
     kinematics.InvalidTarget: Rendering(
         ProblemType("invalid-target", 422, "The target is no pose")
     ),
+    kinematics.InvalidAnswer: Rendering(
+        ProblemType("invalid-answer", 422, "The answer cannot be checked")
+    ),
     kinematics.InvalidOption: Rendering(
         ProblemType("invalid-option", 422, "An option is out of range")
     ),

@@ -274,6 +274,348 @@ export interface components {
             configurations: number;
         };
         /**
+         * ExerciseList
+         * @description All exercises.
+         */
+        ExerciseList: {
+            exercises: components["schemas"]["ExerciseLine"][];
+        };
+        /**
+         * ExerciseLine
+         * @description One exercise.
+         */
+        ExerciseLine: {
+            name: string;
+            title: string;
+            parts: string[];
+            marks: number;
+        };
+        /**
+         * ExerciseView
+         * @description An exercise with the numbers of one student; degrees and m.
+         */
+        ExerciseView: {
+            name: string;
+            seed: string;
+            title: string;
+            text: string;
+            units: {
+                [key: string]: string;
+            };
+            robot: Record<string, never>;
+            lengths: {
+                [key: string]: number;
+            };
+            parts: components["schemas"]["ExercisePart"][];
+            marks: number;
+            send: string;
+            /** @default null */
+            q?: number[] | null;
+            /** @default null */
+            delta_x?: number[] | null;
+            /** @default null */
+            z?: number[] | null;
+        };
+        /**
+         * ExercisePart
+         * @description One question: what to give, in which form. The named fields are those of ``check``.
+         */
+        ExercisePart: {
+            name: string;
+            text: string;
+            quantity: string;
+            form: string;
+            marks: number;
+            /** @default null */
+            index?: number | null;
+            /** @default null */
+            frame?: string | null;
+            /** @default null */
+            reference_frame?: string | null;
+            /** @default null */
+            task?: string | null;
+            /** @default null */
+            euler?: string | null;
+            /** @default null */
+            convention?: string | null;
+            /** @default null */
+            target?: Record<string, never> | null;
+        };
+        /**
+         * ExerciseAnswers
+         * @description The answers of one student, by name of the part; ``answer`` where there is one part only.
+         */
+        ExerciseAnswers: {
+            seed: string;
+            /** @default {} */
+            answers?: Record<string, never>;
+            /** @default null */
+            answer?: unknown;
+            /** @default false */
+            reveal?: boolean;
+        };
+        /**
+         * Marks
+         * @description The marks of one student.
+         */
+        Marks: {
+            name: string;
+            seed: string;
+            marks: number;
+            out_of: number;
+            parts: components["schemas"]["MarkedPart"][];
+        };
+        /**
+         * MarkedPart
+         * @description What was found of one answer, as ``check`` tells it, and its marks.
+         */
+        MarkedPart: {
+            name: string;
+            marks: number;
+            out_of: number;
+            correct: boolean;
+            largest_error: number | null;
+            errors: components["schemas"]["CheckError"][];
+            diagnosis: components["schemas"]["CheckDiagnosis"][];
+            note: string;
+            /** @default null */
+            expected?: unknown;
+        };
+        /**
+         * CheckError
+         * @description An entry beyond the tolerance: its place, and the size of its error without sign.
+         */
+        CheckError: {
+            given: number | string | null;
+            off_by: number | null;
+            pointer: string;
+        };
+        /**
+         * CheckDiagnosis
+         * @description A slip. Those with one number of ``explanation`` happened together; 1 is the likeliest.
+         */
+        CheckDiagnosis: {
+            code: string;
+            explanation: number;
+            message: string;
+        };
+        /**
+         * CheckRequest
+         * @description What was asked, and the answer to check.
+         */
+        CheckRequest: {
+            /**
+             * @description T: pose of the frame, or its rotation or position. T0: pose at q = 0, or the products 0A_k. A: link matrices. jacobian, det_jacobian: of the rows of the task. euler: three angles, or both triples. ik: one q or a list of them. delta_q: a differential step. table: a D-H table.
+             * @enum {string}
+             */
+            quantity: "T" | "T0" | "A" | "jacobian" | "det_jacobian" | "euler" | "ik" | "delta_q" | "table";
+            /** @description Numbers or formulas such as a1*C1 + a2*C12, in nested lists; for table its document or its rows. */
+            answer: unknown;
+            /**
+             * @description Joint values that the answer holds at; not needed by formulas, T0, ik and table.
+             * @default null
+             */
+            q?: number[] | {
+                [key: string]: number;
+            } | null;
+            /**
+             * @description Which A_k, or which 0A_k; left out: all of them.
+             * @default null
+             */
+            index?: number | null;
+            /**
+             * @description Frame name; default the tip.
+             * @default null
+             */
+            frame?: string | null;
+            /**
+             * @description local_world_aligned (default): at the frame's origin in base axes. world: of the body point at the base's origin, in base axes. local: at the frame's origin, in the frame's own axes.
+             * @default null
+             * @enum {unknown}
+             */
+            reference_frame?: "local_world_aligned" | "world" | "local" | null;
+            /**
+             * @description Rows of Jacobians, and what of a target counts; default by the answer. pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz.
+             * @default null
+             */
+            task?: ((("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | null) | string | number[] | null;
+            /**
+             * @description Sequence of the angles, default ZXZ; with jacobian the analytic one.
+             * @default null
+             */
+            euler?: string | null;
+            /**
+             * @description ik: what to reach; default the pose at q.
+             * @default null
+             */
+            target?: components["schemas"]["Target"] | null;
+            /**
+             * @description delta_q: wanted motion, one value a task row: m, and rad (or degrees).
+             * @default null
+             */
+            delta_x?: number[] | null;
+            /**
+             * @description delta_q: wanted joint motion; its part in the null space is added.
+             * @default null
+             */
+            z?: number[] | {
+                [key: string]: number;
+            } | null;
+            /**
+             * @description delta_q: λ of damped least squares.
+             * @default 0
+             */
+            damping?: number;
+            /**
+             * @description Other names for lengths in formulas: {"a2": "L1"}.
+             * @default {}
+             */
+            symbols?: {
+                [key: string]: string;
+            };
+            /**
+             * @description ik: whether all solutions are asked, or any; default all where the answer is a list of them.
+             * @default null
+             * @enum {unknown}
+             */
+            solutions?: "all" | "any" | null;
+            /**
+             * @description Largest error that counts as right: m and rad, of entries over 1 relative.
+             * @default 0.001
+             */
+            tolerance?: number;
+            /**
+             * @description Also what is right. A deployment may switch this off.
+             * @default false
+             */
+            reveal?: boolean;
+        };
+        /**
+         * Target
+         * @description A pose: a matrix, or a position with one orientation; what the task ignores may be left out.
+         *
+         *         For the task xy the position may be [x, y]. phi is an angle about z: a frame that follows a
+         *         path turns to it with whatever tilt it has. direction is that of the frame's z axis, for tasks
+         *         that leave the turn about it open.
+         */
+        Target: {
+            /** @default null */
+            matrix?: number[][] | null;
+            /** @default null */
+            position?: number[] | null;
+            /** @default null */
+            quaternion_xyzw?: number[] | null;
+            /** @default null */
+            rpy?: number[] | null;
+            /** @default null */
+            euler?: components["schemas"]["EulerField"] | null;
+            /** @default null */
+            phi?: number | null;
+            /** @default null */
+            direction?: number[] | null;
+        };
+        /**
+         * EulerField
+         * @description An orientation as Euler angles.
+         */
+        EulerField: {
+            sequence: string;
+            angles: number[];
+        };
+        /**
+         * InlineCheckRequest
+         * @description What was asked, and the answer to check.
+         */
+        InlineCheckRequest: {
+            /**
+             * @description T: pose of the frame, or its rotation or position. T0: pose at q = 0, or the products 0A_k. A: link matrices. jacobian, det_jacobian: of the rows of the task. euler: three angles, or both triples. ik: one q or a list of them. delta_q: a differential step. table: a D-H table.
+             * @enum {string}
+             */
+            quantity: "T" | "T0" | "A" | "jacobian" | "det_jacobian" | "euler" | "ik" | "delta_q" | "table";
+            /** @description Numbers or formulas such as a1*C1 + a2*C12, in nested lists; for table its document or its rows. */
+            answer: unknown;
+            /**
+             * @description Joint values that the answer holds at; not needed by formulas, T0, ik and table.
+             * @default null
+             */
+            q?: number[] | {
+                [key: string]: number;
+            } | null;
+            /**
+             * @description Which A_k, or which 0A_k; left out: all of them.
+             * @default null
+             */
+            index?: number | null;
+            /**
+             * @description Frame name; default the tip.
+             * @default null
+             */
+            frame?: string | null;
+            /**
+             * @description local_world_aligned (default): at the frame's origin in base axes. world: of the body point at the base's origin, in base axes. local: at the frame's origin, in the frame's own axes.
+             * @default null
+             * @enum {unknown}
+             */
+            reference_frame?: "local_world_aligned" | "world" | "local" | null;
+            /**
+             * @description Rows of Jacobians, and what of a target counts; default by the answer. pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz.
+             * @default null
+             */
+            task?: ((("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | null) | string | number[] | null;
+            /**
+             * @description Sequence of the angles, default ZXZ; with jacobian the analytic one.
+             * @default null
+             */
+            euler?: string | null;
+            /**
+             * @description ik: what to reach; default the pose at q.
+             * @default null
+             */
+            target?: components["schemas"]["Target"] | null;
+            /**
+             * @description delta_q: wanted motion, one value a task row: m, and rad (or degrees).
+             * @default null
+             */
+            delta_x?: number[] | null;
+            /**
+             * @description delta_q: wanted joint motion; its part in the null space is added.
+             * @default null
+             */
+            z?: number[] | {
+                [key: string]: number;
+            } | null;
+            /**
+             * @description delta_q: λ of damped least squares.
+             * @default 0
+             */
+            damping?: number;
+            /**
+             * @description Other names for lengths in formulas: {"a2": "L1"}.
+             * @default {}
+             */
+            symbols?: {
+                [key: string]: string;
+            };
+            /**
+             * @description ik: whether all solutions are asked, or any; default all where the answer is a list of them.
+             * @default null
+             * @enum {unknown}
+             */
+            solutions?: "all" | "any" | null;
+            /**
+             * @description Largest error that counts as right: m and rad, of entries over 1 relative.
+             * @default 0.001
+             */
+            tolerance?: number;
+            /**
+             * @description Also what is right. A deployment may switch this off.
+             * @default false
+             */
+            reveal?: boolean;
+            /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
+            robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
+        };
+        /**
          * DHMatricesRequest
          * @description Where to evaluate the table.
          */
@@ -428,38 +770,6 @@ export interface components {
              * @default 1000
              */
             time_budget_ms?: number;
-        };
-        /**
-         * Target
-         * @description A pose: a matrix, or a position with one orientation; what the task ignores may be left out.
-         *
-         *         For the task xy the position may be [x, y]. phi is an angle about z: a frame that follows a
-         *         path turns to it with whatever tilt it has. direction is that of the frame's z axis, for tasks
-         *         that leave the turn about it open.
-         */
-        Target: {
-            /** @default null */
-            matrix?: number[][] | null;
-            /** @default null */
-            position?: number[] | null;
-            /** @default null */
-            quaternion_xyzw?: number[] | null;
-            /** @default null */
-            rpy?: number[] | null;
-            /** @default null */
-            euler?: components["schemas"]["EulerField"] | null;
-            /** @default null */
-            phi?: number | null;
-            /** @default null */
-            direction?: number[] | null;
-        };
-        /**
-         * EulerField
-         * @description An orientation as Euler angles.
-         */
-        EulerField: {
-            sequence: string;
-            angles: number[];
         };
         /**
          * TargetBatch
@@ -2219,6 +2529,28 @@ export interface components {
             tolerance?: number;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
+        };
+        /**
+         * CheckAnswer
+         * @description Right or not. Errors have two digits, in the units of the answer.
+         *
+         *         ``note`` says what of a wrong answer is right. ``expected`` is there with ``reveal``; null for
+         *         a formula without q.
+         */
+        CheckAnswer: {
+            correct: boolean;
+            diagnosis: components["schemas"]["CheckDiagnosis"][];
+            errors: components["schemas"]["CheckError"][];
+            expected?: unknown;
+            largest_error: number | null;
+            note: string;
+            quantity: string;
+            tolerance: number;
+            /** @description Units of the answer: {"angle": …, "length": "m"}. */
+            units: {
+                [key: string]: string;
+            };
+            warnings: string[];
         };
         /**
          * DHMatricesAnswer

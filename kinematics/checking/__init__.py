@@ -1,0 +1,1 @@
+"""What a student worked out, compared with what is right, and the slips that explain it."""
