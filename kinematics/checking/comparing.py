@@ -44,7 +44,7 @@ from kinematics.checking.symbols import (
 )
 from kinematics.checking.verdict import MAX_ERRORS, Diagnosis, EntryError, Verdict, largest, told
 from kinematics.errors import InvalidAnswer
-from kinematics.symbolic.parameters import Length
+from kinematics.symbolic.length_names import Length
 from robots.robot import FloatArray
 
 DIAGNOSED_POINTS = 3

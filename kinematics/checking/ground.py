@@ -10,7 +10,7 @@ from dh_to_urdf.table import Convention, DHTable
 from kinematics.checking.question import Question
 from kinematics.checking.situation import rows_to
 from kinematics.checking.symbols import named_lengths
-from kinematics.symbolic.parameters import Length
+from kinematics.symbolic.length_names import Length
 from robots.chains import chain_of_robot
 
 

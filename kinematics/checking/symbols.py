@@ -12,7 +12,8 @@ import numpy as np
 from dh_to_urdf.table import DHTable
 from kinematics.checking.formulas import Formula, Scope
 from kinematics.checking.situation import Situation, Structure, with_columns
-from kinematics.symbolic.parameters import Length, lengths_of
+from kinematics.symbolic.length_names import Length
+from kinematics.symbolic.parameters import lengths_of
 from robots.robot import FloatArray
 
 POINTS = 12
