@@ -23,7 +23,7 @@ ROOM = 2_000_000
 """Bytes that any computation may take besides."""
 TEXT_BYTES = 12_000_000
 """Bytes of a text for a terminal, which shortens what is long."""
-PICTURE_BYTES = 24_000_000
+PICTURE_BYTES = 12_000_000
 """Bytes of a picture, as SVG and as pixels."""
 
 
