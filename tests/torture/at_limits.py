@@ -245,7 +245,7 @@ def _long_batches() -> Iterator[Case]:
         for accept in (JSON, NPY, TEXT):
             name = f"few joints {operation} {accept}"
             yield Case(name, operation, body, accept=accept, robot=SMALL_ROBOT)
-    body = _with_batches(q, frames="all")
+    body = _with_batches({"q": (rows(32 * (FEW + 6)), FEW)}, frames="all")
     yield Case("few joints fk all frames", "fk", body, robot=SMALL_ROBOT)
     body = _npy(BATCH, FEW)
     for query in ("", "?euler=ZXZ"):
