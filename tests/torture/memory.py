@@ -235,11 +235,13 @@ def in_pairs(
     workers: int = 2,
     worker_bytes: int = WORKER_BYTES,
     told: Callable[[str], None] = lambda _: None,
+    *,
+    preload: bool = True,
 ) -> Report:
     """Send pairs of requests at the same time to some workers; tell a line of each."""
     report = Report()
     spawn = multiprocessing.get_context("spawn")
-    with service(workers, worker_bytes, preload=True) as (address, pid):
+    with service(workers, worker_bytes, preload=preload) as (address, pid):
         httpx.get(f"{address}/health/ready", timeout=PATIENCE).raise_for_status()
         before = workers_of(pid)
         ours, theirs = spawn.Pipe()
