@@ -94,6 +94,7 @@ torture: $(STAMP)
 	$(BIN)/python -m tests.torture.schema
 	$(BIN)/python -m tests.torture.store --kills 300
 	$(BIN)/python -m tests.torture.children --requests 10000 --kills 300
+	$(BIN)/python -m tests.torture.memory
 	$(BIN)/python -m tests.torture.classroom --drags 600
 	$(BIN)/python -m tests.torture.soak --minutes 10
 

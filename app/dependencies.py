@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from typing import Annotated, Any, TypeVar
 
 import msgspec
@@ -13,7 +14,8 @@ from fastapi import Depends, Request
 
 from app.access.control import key_of
 from app.access.keys import Scope
-from app.admission.memory import Memory
+from app.admission.memory import SMALL_BODY, Memory
+from app.admission.need import document_need
 from app.admission.thread_pool import ThreadPool, while_connected
 from app.documents import robot_from_inline
 from app.http.problems import INVALID_REQUEST, TOO_LARGE, RequestProblem
@@ -119,27 +121,49 @@ class Services:
         self.symbolic.close()
         self.programs.close()
 
-    async def computed(self, call: Callable[[], T], request: Request) -> T:
+    async def computed(self, call: Callable[[], T], request: Request, size: int = 0) -> T:
         """Runs a computation in one of the compute threads, as long as the client is there.
 
+        Args:
+            call: The computation.
+            request: For whom.
+            size: Bytes of a document that it reads.
+
         Raises:
-            RequestProblem: 503, too many are at work or wait.
+            RequestProblem: 503, too many are at work or wait; 413, there is too little memory.
             Cancelled: The client went away.
         """
         seconds = self.settings.max_request_seconds
         async with (
             self.compute.admission(seconds) as admission,
             while_connected(request, admission),
+            self._read(size),
         ):
             return await admission.run(call)
 
-    async def loaded(self, call: Callable[[], T]) -> T:
+    async def loaded(self, call: Callable[[], T], size: int = 0) -> T:
         """Reads robots in a thread: a pool of its own, not held up by computations.
 
+        Args:
+            call: What reads.
+            size: Bytes of a document that it reads.
+
         Raises:
-            RequestProblem: 503, too many are at work or wait.
+            RequestProblem: 503, too many are at work or wait; 413, there is too little memory.
         """
-        return await self.load.run(call)
+        async with self._read(size):
+            return await self.load.run(call)
+
+    @asynccontextmanager
+    async def _read(self, size: int) -> AsyncIterator[None]:
+        """Holds the memory that reading a document takes."""
+        reservation = self.memory.reservation(size)
+        try:
+            if size > SMALL_BODY:
+                await reservation.grow(document_need(size))
+            yield
+        finally:
+            reservation.end()
 
     async def stored(self, call: Callable[[], T]) -> T:
         """Writes robots in a thread: may wait for other writers, and holds up no reader.
@@ -212,7 +236,7 @@ class Services:
             return stored.robot, stored.robot.doubts
         robot = self.inline.known(document)
         if robot is None:
-            robot = await self.loaded(lambda: self.inline.get(document))
+            robot = await self.loaded(lambda: self.inline.get(document), len(document))
         return robot, robot.warnings
 
 

@@ -89,7 +89,7 @@ def manipulability_gradient(
 
 def peak_bytes(dof: int) -> int:
     """Return the bytes for each q of a batch of gradients: its Hessian, and products with it."""
-    return 8 * (2 * 6 * dof**2 + 20 * dof + 64)
+    return 8 * (2 * 6 * dof**2 + 12 * dof + 40)
 
 
 def _products_of_others(sigma: FloatArray) -> FloatArray:

@@ -8,8 +8,8 @@ from kinematics.deadline import checked
 
 NUMBERS = 500_000
 """Numbers of a slice, whatever the machine."""
-SLICE_BYTES = 8 * 8 * NUMBERS
-"""Bytes that are enough for what is computed of a slice, eight arrays of its size."""
+SLICE_BYTES = 4 * 8 * NUMBERS
+"""Bytes that are enough for what is computed of a slice, four arrays of its size."""
 
 
 def slices(rows: int, numbers: int) -> Iterator[slice]:

@@ -78,7 +78,7 @@ def joint_torques(
 
 def wrench_bytes(dof: int) -> int:
     """Return the bytes for each q of a batch: decomposed Jacobians, and lost directions."""
-    return jacobian_bytes(dof) + 8 * (2 * dof**2 + 8 * dof + 100) + 200
+    return jacobian_bytes(dof) + 8 * (2 * dof**2 + 8 * dof + 50)
 
 
 def wrench_of(

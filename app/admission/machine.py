@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 
 SUPERVISOR = 100_000_000
 """Bytes of the process that watches several workers."""
-IDLE = 400_000_000
+IDLE = 500_000_000
 """Bytes of a worker that has served for a while and has nothing to do: programs, the library of
 robots, compiled functions, what it keeps of requests, and its idle processes."""
 LEAST = 32_000_000

@@ -249,7 +249,8 @@ def _too_much(need: Need, most: int) -> str:
     size = f"this needs about {need.bytes / 1e6:.0f} MB, and there are {most / 1e6:.0f} MB for it"
     if fitting < 1:
         return f"{size}; it does not fit on this service"
-    return f"{size}; give at most {fitting} {need.of} of this robot at once"
+    of_what = f"{need.of} of this robot" if need.argument else need.of
+    return f"{size}; give at most {fitting} {of_what} at once"
 
 
 def return_free_memory() -> None:

@@ -7,6 +7,11 @@ from math import isqrt
 
 SMALL = 4_000_000
 """Bytes of a need, a body or an answer that fit beside everything else."""
+READING = 4.0
+"""Bytes for one of a body while it is read: fields are cut out of it, and become arrays."""
+READING_DOCUMENT = 50.0
+"""Bytes for one of a document of a robot while it is read: trees of its elements, lists of cells.
+Measured with what is cut into the smallest pieces: 45."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,3 +47,13 @@ class Need:
 
 NOTHING = Need(0.0)
 """What is too small to be counted."""
+
+
+def body_need(size: int) -> Need:
+    """Return what reading a body needs besides its bytes: copies of its fields, and the values."""
+    return Need(READING, size, of="bytes in a body", argument="")
+
+
+def document_need(size: int) -> Need:
+    """Return what reading a document of a robot needs besides its bytes."""
+    return Need(READING_DOCUMENT, size, of="bytes in a document", argument="")

@@ -102,11 +102,10 @@ class PathAnswer(JudgedView, LinksView):
 def _memory(robot: Robot, request: PathRequest, context: Context) -> Need:
     need = scenario_need(robot, request, [request.method])
     numbers = 3 * robot.dof + joints_shown(robot) + 6
-    each = need.each + FLOAT * 3 * robot.dof
+    shown = 3 * robot.dof * (1 if request.retime is None else 2)
+    each = need.each + FLOAT * shown
     if context.form in (JSON, NDJSON):
-        each += JSON_NUMBER * numbers
-        if request.retime is not None:
-            each += JSON_NUMBER * 3 * robot.dof
+        each += JSON_NUMBER * (numbers - 3 * robot.dof + shown)
     return replace(need, each=each, fixed=need.fixed + fixed_bytes(context.form))
 
 

@@ -29,7 +29,7 @@ from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance import obstacles as solids
 from kinematics.redundancy.clearance.links import skeleton
-from kinematics.redundancy.follow import peak_bytes as result_bytes
+from kinematics.redundancy.follow import result_bytes, working_bytes
 from kinematics.redundancy.methods.whole_path import MOST as MOST_PROGRAM
 from kinematics.redundancy.path.geometry import Circle, Path, Sampling, circle, polyline
 from kinematics.redundancy.path.time_law import TimeLaw
@@ -430,10 +430,10 @@ def read_options(
 
 
 def scenario_need(robot: Robot, request: PathScenario, methods: Sequence[str]) -> Need:
-    """Return the need of a scenario without its answer: the results of some methods, one by one."""
+    """Return the need of a scenario without its answer: the results of some methods, all kept."""
     arm = Arm.of(robot, request.frame, request.task)
     samples = min(max(request.samples, 0), MAX_SAMPLES)
-    each = float(result_bytes(robot.dof)) * len(methods)
+    each = float(working_bytes(robot.dof) + result_bytes(robot.dof) * len(methods))
     fixed = 0
     if request.retime is not None:
         each += motion_bytes(robot.dof) * len(methods)

@@ -139,9 +139,11 @@ def _caption(robot: Robot, q: FloatArray, context: Context, width: float) -> lis
     return [*joints, robot.tip_frame[: min(40, letters_of(width) - len(where))] + where]
 
 
-def _memory(robot: Robot, request: PictureRequest, _: Context) -> Need:
+def _memory(robot: Robot, request: PictureRequest, context: Context) -> Need:
     arms = min(rows_of(request.q), MOST_ARMS)
-    drawn = arms * len(robot.frames) * DRAWN + PIXEL * request.width * request.height
+    drawn = arms * len(robot.frames) * DRAWN
+    if context.form != SVG:
+        drawn += PIXEL * request.width * request.height
     return Need(0.0, fixed=ROOM + drawn)
 
 

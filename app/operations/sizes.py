@@ -18,12 +18,14 @@ CSV_NUMBER = JSON_NUMBER + 3 * FLOAT
 LISTED = 56
 """Bytes of a number in a Python list."""
 WORDS = 700
-"""Bytes of a sentence, or of a row's other Python objects."""
+"""Bytes of a sentence."""
+ROW_OBJECTS = 400
+"""Bytes of the Python objects of a row: small arrays, numbers in lists."""
 ROOM = 2_000_000
 """Bytes that any computation may take besides."""
 TEXT_BYTES = 12_000_000
 """Bytes of a text for a terminal, which shortens what is long."""
-PICTURE_BYTES = 24_000_000
+PICTURE_BYTES = 12_000_000
 """Bytes of a picture, as SVG and as pixels."""
 
 

@@ -21,7 +21,7 @@ from app.operations.shapes import (
     EachMatrix,
     EachVector,
 )
-from app.operations.sizes import FLOAT, WORDS, encoded, rows_need, rows_of
+from app.operations.sizes import FLOAT, ROW_OBJECTS, encoded, rows_need, rows_of
 from kinematics.configuration import joint_names
 from kinematics.jacobian import peak_bytes
 from kinematics.singularity import RANK_TOLERANCE
@@ -96,7 +96,7 @@ def _torques_memory(robot: Robot, request: JointTorquesRequest, context: Context
 
 
 def _wrench_memory(robot: Robot, request: WrenchRequest, context: Context) -> Need:
-    each = wrench_bytes(robot.dof) + WORDS + encoded(context.form, robot.dof + 44, 6)
+    each = wrench_bytes(robot.dof) + ROW_OBJECTS + encoded(context.form, robot.dof + 36, 6)
     rows, numbers = rows_of(request.q, request.tau), 6 * robot.dof + robot.dof**2
     return rows_need(rows, each, context.form, numbers=numbers)
 

@@ -24,7 +24,7 @@ from app.operations.shapes import (
     each,
     vector,
 )
-from app.operations.sizes import FLOAT, WORDS, encoded, rows_need, rows_of
+from app.operations.sizes import FLOAT, ROW_OBJECTS, encoded, rows_need, rows_of
 from kinematics.configuration import joint_names
 from kinematics.jacobian import peak_bytes
 from kinematics.singularity import RANK_TOLERANCE
@@ -105,7 +105,7 @@ def _twist_memory(robot: Robot, request: TwistRequest, context: Context) -> Need
 
 def _velocities_memory(robot: Robot, request: JointVelocitiesRequest, context: Context) -> Need:
     dof = robot.dof
-    each = float(joint_velocities_bytes(dof) + FLOAT * dof**2 + WORDS)
+    each = float(joint_velocities_bytes(dof) + FLOAT * dof**2 + ROW_OBJECTS)
     each += encoded(context.form, dof**2 + 2 * dof + 8, dof)
     return rows_need(
         rows_of(request.q, request.twist), each, context.form, numbers=6 * dof + dof**2

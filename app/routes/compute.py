@@ -13,7 +13,7 @@ from starlette.routing import Match, Route
 from starlette.types import Scope
 
 from app.admission.memory import SMALL_BODY, AdmittedResponse, Reservation
-from app.admission.need import Need
+from app.admission.need import body_need
 from app.admission.thread_pool import Admission, while_connected
 from app.dependencies import Services, services_of
 from app.fields.doubts import RequestDoubts
@@ -47,8 +47,6 @@ from robots.robot import Robot
 PLAIN = Units()
 INLINE_BYTES = 4_000
 """Bodies above this are read in a thread, so that they do not delay other requests."""
-READING = 4.0
-"""Bytes for one of a body while it is read: fields are cut out of it, and become arrays."""
 TARGET_BYTES = 1_000
 """Room for one of many targets."""
 
@@ -145,7 +143,7 @@ class _Handlers:
         if len(body) > INLINE_BYTES:
             reservation = services.memory.reservation(len(body))
             try:
-                await reservation.grow(_reading_need(len(body)))
+                await reservation.grow(body_need(len(body)))
                 decoded = await services.computed(
                     lambda: self._with_robot(body, services.settings), request
                 )
@@ -304,7 +302,7 @@ class _Work:
         try:
             async with while_connected(self.request, admission):
                 if size:
-                    await reservation.grow(_reading_need(size))
+                    await reservation.grow(body_need(size))
                     asked = await admission.run(read)
                 else:
                     asked = read()
@@ -358,8 +356,3 @@ class _Work:
         headers = {"X-Accel-Buffering": "no", **told_in_header(self.context.warnings)}
         lines = StreamingResponse(body(), media_type=NDJSON, headers=headers)
         return AdmittedResponse(lines, admission, reservation, reservation.size)
-
-
-def _reading_need(size: int) -> Need:
-    """Return what reading a body needs besides its bytes: copies of its fields, and the values."""
-    return Need(READING, size, of="bytes in a body", argument="")

@@ -44,7 +44,7 @@ def build_router(max_body: int) -> APIRouter:
         if media_type(request) in XML_TYPES:
             raise unsupported(media_type(request), TABLES)
         body = await read_body(request, max_body)
-        robot = await services.loaded(lambda: robot_from_body(request, body, "robot"))
+        robot = await services.loaded(lambda: robot_from_body(request, body, "robot"), len(body))
         told = told_in_header(robot.warnings)
         return Response(robot.urdf, headers=told, media_type="application/xml")
 

@@ -367,7 +367,7 @@ def build_router(max_body: int) -> APIRouter:
         wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
         overwrite = flag_of(request, OVERWRITE)
         robot = await services.loaded(
-            lambda: robot_from_body(request, body, default_name=None, also=(OVERWRITE,))
+            lambda: robot_from_body(request, body, default_name=None, also=(OVERWRITE,)), len(body)
         )
         name = request.query_params.get("name", robot.name)
         robot_id = id_from_name(name)
@@ -427,7 +427,7 @@ def build_router(max_body: int) -> APIRouter:
             except RobotExists:
                 raise RevisionMismatch(robot_id, "another") from None
 
-        robot = await services.loaded(read)
+        robot = await services.loaded(read, len(body))
         stored, created = await services.stored(put)
         return await _uploaded(request, services, stored, wanted, created=created)
 

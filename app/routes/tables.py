@@ -125,6 +125,7 @@ def build_router(max_body: int) -> APIRouter:
             services,
             convention,
             lambda: chain_of_urdf(body, query.get("base"), query.get("tip")),
+            len(body),
         )
 
     @router.post(
@@ -191,7 +192,7 @@ def build_router(max_body: int) -> APIRouter:
                 )
             return _written(to_convention(table, convention, tip), wanted, units)
 
-        return await services.loaded(convert)
+        return await services.loaded(convert, len(body))
 
     return router
 
@@ -201,6 +202,7 @@ async def _extracted(
     services: ServicesDep,
     convention: Convention,
     read: Callable[[], SerialChain],
+    size: int = 0,
 ) -> Response:
     units, wanted = units_of(request), wanted_type(request, *OFFERS)
     snap, explained = _snap(request), flag_of(request, "explain")
@@ -210,7 +212,7 @@ async def _extracted(
         found = extract(read(), convention, snap=snap, positive_a=positive_a)
         return _written(found, wanted, units, explained)
 
-    return await services.computed(answer, request)
+    return await services.computed(answer, request, size)
 
 
 def _robot_table(robot: Robot, request: Request) -> Callable[[], DHTable | Extraction]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import select
+import signal
 import subprocess
 import sys
 import tempfile
@@ -29,6 +30,8 @@ START = (
 the module that does the work."""
 NEARLY = 0.9
 """Part of its memory with which a process that died is taken to have run out of it."""
+ENDING = 5.0
+"""Seconds that a process which has closed its output may take to end."""
 _LOG = logging.getLogger(__name__)
 _READ = 1 << 20
 
@@ -136,7 +139,7 @@ def outcome(process: subprocess.Popen[bytes], task: bytes, deadline: float) -> O
             continue
         piece = os.read(process.stdout.fileno(), _READ)
         if not piece:
-            found.out_of_memory = filled > NEARLY
+            found.out_of_memory = filled > NEARLY or _has_aborted(process)
             break
         complete, received = messages(received + piece)
         for tag, content in complete:
@@ -147,6 +150,13 @@ def outcome(process: subprocess.Popen[bytes], task: bytes, deadline: float) -> O
             if tag == FAILED:
                 found.failure = content.decode()
     return found
+
+
+def _has_aborted(process: subprocess.Popen[bytes]) -> bool:
+    """Return whether a process that has closed its output aborted, as C++ does without memory."""
+    with suppress(subprocess.TimeoutExpired):
+        return process.wait(ENDING) == -signal.SIGABRT
+    return False
 
 
 def _filled(pid: int) -> float:

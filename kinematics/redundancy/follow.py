@@ -66,9 +66,14 @@ class Progress:
     q: FloatArray
 
 
-def peak_bytes(dof: int) -> int:
-    """Return the bytes of each sample of a result: poses, joint values, rates, and measures."""
-    return 8 * (11 * dof + 60)
+def result_bytes(dof: int) -> int:
+    """Return the bytes of each sample of a result: joint values, their rates, and measures."""
+    return 8 * (4 * dof + 30)
+
+
+def working_bytes(dof: int) -> int:
+    """Return the bytes of each sample that one result takes while it is made and measured."""
+    return 8 * (3 * dof + 60)
 
 
 def follow(

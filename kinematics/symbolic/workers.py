@@ -12,6 +12,7 @@ from importlib.util import find_spec
 from typing import Any
 
 from dh_to_urdf.table import DHTable
+from kinematics.deadline import current
 from kinematics.errors import KinematicsError, WorkersBusy
 from kinematics.processes.pool import ProcessPool, Session, TaskFailed
 from kinematics.processes.protocol import Limits
@@ -65,6 +66,7 @@ class SymbolicWorkers:
             UnknownFrame: There is no such frame.
             SymbolicUnavailable: SymPy is not installed.
             WorkersBusy: No worker was free in time, or it was killed from outside.
+            OutOfTime: The time of the whole request is up.
             OutOfMemory: The formulas are too long for the memory that they may take.
         """
         request = checked(table, request)
@@ -91,6 +93,7 @@ class SymbolicWorkers:
             _LOG.error("symbolic worker: %s", failed)
             raise WorkersBusy("the symbolic worker failed on this table", 60.0) from None
         if not lines:
+            current().check()  # the time of the whole request is up
             raise WorkersBusy("the symbolic worker had no answer in time; ask again", 1.0)
         return lines[-1].decode()
 

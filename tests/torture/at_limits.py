@@ -26,19 +26,25 @@ JSON, NPY, TEXT, NDJSON, SVG, PNG, CSV = (
     "image/png",
     "text/csv",
 )
-ROBOT = "limits"
-"""Id under which :data:`TABLE` is uploaded."""
+ROBOT, SMALL_ROBOT = "limits", "small"
+"""Ids under which the arm with the most joints is uploaded, and one with few."""
+FEW = 2
+"""Joints of the small one: with it, batches are long, and what each row takes besides counts."""
+ROBOTS = {ROBOT: DOF, SMALL_ROBOT: FEW}
+"""Number of joints by id."""
 
 
 @cache
-def table() -> dict[str, Any]:
-    """An arm of as many joints as a robot may have."""
-    alphas = np.random.default_rng(0).uniform(-1.5, 1.5, DOF).round(3).tolist()
+def table(robot: str = ROBOT) -> dict[str, Any]:
+    """An arm of as many joints as a robot may have, or of few."""
+    alphas = np.random.default_rng(0).uniform(-1.5, 1.5, ROBOTS[robot]).round(3).tolist()
     limits = {"lower": -2.9, "upper": 2.9, "velocity": 2}
     joints = [
         {"type": "R", "a": 0.1, "alpha": alpha, "d": 0.02, "limits": limits} for alpha in alphas
     ]
-    return {"convention": "standard", "joints": joints}
+    # Turned and moved at both ends, so that no number of an answer is short.
+    base, tool = {"rpy": [0.3, 0.5, 0.7]}, {"xyz": [0.11, 0.13, 0.17], "rpy": [0.2, 0.4, 0.6]}
+    return {"convention": "standard", "base": base, "tool": tool, "joints": joints}
 
 
 @dataclass(frozen=True)
@@ -52,6 +58,7 @@ class Case:
         type: Media type of the body.
         accept: Media type of the answer.
         query: Query of the address.
+        robot: Id of the robot.
     """
 
     name: str
@@ -60,11 +67,12 @@ class Case:
     type: str = JSON
     accept: str = JSON
     query: str = ""
+    robot: str = ROBOT
 
     @property
     def address(self) -> str:
         """Path and query."""
-        return f"/v1/robots/{ROBOT}/{self.operation}{self.query}"
+        return f"/v1/robots/{self.robot}/{self.operation}{self.query}"
 
     @property
     def headers(self) -> dict[str, str]:
@@ -88,8 +96,9 @@ def _batch(n: int, width: int = DOF, digits: int = 2) -> str:
 
 
 def _with_batches(batches: dict[str, tuple[int, int]], **fields: Any) -> bytes:
-    more = "".join(f', "{name}": {_batch(*size)}' for name, size in batches.items())
-    return (json.dumps({**fields, "frame": "tool"})[:-1] + more + "}").encode()
+    parts = [f'"{name}": {_batch(*size)}' for name, size in batches.items()]
+    parts += [f'"{name}": {json.dumps(value)}' for name, value in fields.items()]
+    return ("{" + ", ".join(parts) + "}").encode()
 
 
 def _npy(n: int, width: int = DOF) -> bytes:
@@ -211,3 +220,46 @@ def cases() -> Iterator[Case]:
     for form in ("svg", "png"):
         body = _posted(q=many, frames="all", width=2000, height=2000)
         yield Case(f"picture.{form}", f"picture.{form}", body, accept="*/*")
+    yield from _long_batches()
+
+
+def _long_batches() -> Iterator[Case]:
+    """Give the computations with as many rows as a request may hold, of an arm with few joints."""
+    q = {"q": (BATCH, FEW)}
+    with_rates = {**q, "qd": (BATCH, FEW)}
+    batches = {
+        "fk": q,
+        "dh-matrices": {"q": (rows(32 * FEW + 16), FEW)},
+        "jacobian": q,
+        "jacobian-derivative": with_rates,
+        "hessian": q,
+        "manipulability-gradient": q,
+        "singularity": q,
+        "twist": with_rates,
+        "joint-velocities": {**q, "twist": (BATCH, 6)},
+        "joint-torques": {**q, "wrench": (BATCH, 6)},
+        "wrench": {**q, "tau": (BATCH, FEW)},
+    }
+    for operation, sizes in batches.items():
+        body = _with_batches(sizes)
+        for accept in (JSON, NPY, TEXT):
+            name = f"few joints {operation} {accept}"
+            yield Case(name, operation, body, accept=accept, robot=SMALL_ROBOT)
+    body = _with_batches({"q": (rows(32 * (FEW + 6)), FEW)}, frames="all")
+    yield Case("few joints fk all frames", "fk", body, robot=SMALL_ROBOT)
+    body = _npy(BATCH, FEW)
+    for query in ("", "?euler=ZXZ"):
+        yield Case(f"few joints fk npy{query}", "fk", body, NPY, JSON, query, SMALL_ROBOT)
+    targets = {"position": np.random.default_rng(1).uniform(-1, 1, (IK_BATCH, 3)).round(3).tolist()}
+    body = _posted(targets=targets, task="position", max_restarts=0, max_iterations=20)
+    for accept in (JSON, NPY, TEXT, NDJSON):
+        yield Case(f"few joints ik {accept}", "ik", body, accept=accept, robot=SMALL_ROBOT)
+    line = {"q": [0.1, 0.5], "target": {"position": [0.12, 0.1, 0.04]}, "task": "xy"}
+    retime = {"acceleration": 5, "samples": 10_000}
+    body = _posted(**line, samples=10_000, method="damped", retime=retime)
+    for accept in (JSON, NPY, TEXT, NDJSON, SVG, PNG):
+        yield Case(f"few joints path {accept}", "path", body, accept=accept, robot=SMALL_ROBOT)
+    body = _posted(**line, samples=10_000, methods=["damped"] * 16, retime={"acceleration": 5})
+    for accept in (JSON, SVG):
+        name = f"few joints path/compare {accept}"
+        yield Case(name, "path/compare", body, accept=accept, robot=SMALL_ROBOT)

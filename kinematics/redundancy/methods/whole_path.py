@@ -120,7 +120,12 @@ def _look_ahead(
             limit = _Limit(Deadline(min(search.left, whole.left / 2), of=whole), FEWER_ITERATIONS)
         if limit.deadline.left <= 0:
             break
-        solved = _solved(session, problem, options, guess, limit)
+        try:
+            solved = _solved(session, problem, options, guess, limit)
+        except OutOfMemory:
+            if search is None:
+                raise
+            break  # the first guess had enough: what came of it counts
         until = kept_until(problem, solved)
         if until > best or until == len(Q):
             best, found = until, solved

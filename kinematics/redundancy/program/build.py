@@ -19,6 +19,7 @@ from kinematics.redundancy.program.data import (
     Segment,
     Solid,
 )
+from kinematics.redundancy.program.exhausted import Complaints
 
 if TYPE_CHECKING:
     from robots.robot import FloatArray
@@ -36,6 +37,8 @@ SETTINGS: dict[str, Any] = {
     "mu_strategy": "adaptive",
     "mumps_mem_percent": 50,
 }
+SOLVED = "Solve_Succeeded", "Solved_To_Acceptable_Level"
+"""What IPOPT says of a solution."""
 
 
 class Program:
@@ -72,8 +75,9 @@ class Program:
         constraints = casadi.vertcat(*parts)
         program = {"x": casadi.vec(X), "f": casadi.sumsqr(steps), "g": constraints}
         self._until = _until(X.numel(), constraints.numel())
+        self._complaints = Complaints()
         told = {
-            "ipopt": {**SETTINGS, "max_iter": MOST_ITERATIONS},
+            "ipopt": {**SETTINGS, **self._complaints.options, "max_iter": MOST_ITERATIONS},
             "print_time": False,
             "iteration_callback": self._until,
         }
@@ -94,7 +98,10 @@ class Program:
         found = self._solver(
             x0=guess, lbx=self._low, ubx=self._high, lbg=self._lower, ubg=self._upper
         )
-        if self._solver.stats()["return_status"] == "Insufficient_Memory":
+        status = self._solver.stats()["return_status"]
+        if status == "Insufficient_Memory":
+            raise MemoryError
+        if status not in SOLVED and self._complaints.are_about_memory():
             raise MemoryError
         return np.asarray(found["x"]).reshape(self.N - 1, -1)
 

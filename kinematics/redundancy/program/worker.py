@@ -17,8 +17,10 @@ MOST_HELD = 2
 def prepare() -> Callable[[Attempt], Iterator[bytes]]:
     """Import what the first task needs, and return what does tasks: it keeps its last programs."""
     from kinematics.redundancy.program.build import Program, load_solver
+    from kinematics.redundancy.program.exhausted import abort_without_memory
 
     load_solver()
+    abort_without_memory()
 
     held: dict[bytes, Program] = {}
 

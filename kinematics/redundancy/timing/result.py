@@ -98,13 +98,13 @@ class Retimed:
 
 
 def motion_bytes(dof: int) -> int:
-    """Return the bytes of each sample of a motion: joint values and their rates, thrice."""
-    return 8 * 9 * dof
+    """Return the bytes of each sample of a motion: joint values and their rates."""
+    return 8 * (4 * dof + 10)
 
 
 def grid_bytes(joints: int) -> int:
     """Return the bytes of the grid on which a motion is timed, and of what is measured on it."""
-    return MOST_GRID * 8 * (18 * joints + 60)
+    return MOST_GRID * 8 * (30 * joints + 100)
 
 
 def retimed(result: PathResult, options: RetimeOptions) -> Retimed:

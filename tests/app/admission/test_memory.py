@@ -5,9 +5,12 @@ import asyncio
 import httpx
 import pytest
 
+from app.admission.machine import IDLE
 from app.admission.memory import Memory
 from app.admission.need import SMALL, Need
+from app.dependencies import Services
 from app.http.problems import RequestProblem
+from app.settings import Settings
 from tests.conftest import PATIENCE, until
 
 FK = "/v1/robots/panda/fk"
@@ -117,3 +120,28 @@ def test_memory_of_large_bodies_is_bounded(serve):
             small = httpx.post(server.address + FK, json={"q": [0] * 7}, timeout=PATIENCE)
             assert small.status_code == 200
         until(lambda: answer().status_code == 200)
+
+
+def test_documents_count_while_they_are_read():
+    """Of a robot, in the threads that read them, too."""
+
+    async def scene():
+        services = Services(Settings(max_worker_bytes=IDLE + LARGE, max_wait_seconds=0.05))
+        try:
+            memory, size = services.memory, LARGE // 100
+            assert await services.loaded(lambda: memory.used, size) >= 10 * size
+            assert memory.used == 0
+            with pytest.raises(RequestProblem, match="bytes in a document at once") as refused:
+                await services.loaded(lambda: None, LARGE // 10)
+            assert refused.value.type.status == 413
+            held = memory.reservation()
+            await held.grow(Need(LARGE))
+            with pytest.raises(RequestProblem) as busy:
+                await services.loaded(lambda: None, size)
+            assert busy.value.type.status == 503
+            assert await services.loaded(lambda: "small", 1000) == "small"
+            held.end()
+        finally:
+            services.close()
+
+    run(scene())

@@ -28,6 +28,8 @@ def work(task: tuple[str, int]) -> Iterator[bytes]:
         yield b"z" * size
     elif word == "die":
         os.kill(os.getpid(), signal.SIGKILL)
+    elif word == "abort":
+        os.abort()
     elif word == "pid":
         yield str(os.getpid()).encode()
     else:

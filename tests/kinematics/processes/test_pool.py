@@ -37,6 +37,8 @@ def test_more_than_its_memory_is_refused_and_less_is_not(pool):
     assert done(pool, "fill", 128 * MB, Limits(256 * MB, PATIENCE))
     assert done(pool, "fill", MB, Limits(64 * MB, math.inf)), "without a limit of time"
     assert done(pool, "fill later", 128 * MB) == [b"first"], "what there was is kept"
+    with pytest.raises(OutOfMemory, match="67 MB"):
+        done(pool, "abort")  # as C++ does
 
 
 def test_what_is_printed_is_no_answer(pool):
