@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import isqrt
 
+from dh_to_urdf.messages import say
+
 SMALL = 4_000_000
 """Bytes of a need, a body or an answer that fit beside everything else."""
 
@@ -25,7 +27,7 @@ class Need:
     each: float
     count: int = 1
     fixed: int = 0
-    of: str = "rows of q"
+    of: str = say("rows of q")
     argument: str = "q"
     squared: bool = False
 
