@@ -13,6 +13,7 @@ from app.readiness import Check, ReadinessReport
 from app.routes.diff import DiffResponse
 from app.routes.meshes import MeshList
 from app.routes.robots import RobotList, RobotView
+from app.sheets.headings import Heading
 from dh_to_urdf.documents.csv_words import COLUMNS
 from dh_to_urdf.extraction.comparison_result import Verdict
 from dh_to_urdf.extraction.normals import Case
@@ -52,7 +53,7 @@ def headings() -> list[str]:
     types = [*answers, RobotView, RobotList, MeshList, DiffResponse, ReadinessReport, Check]
     seen: set[Any] = set()
     found = {name for type_ in types for name in _fields(type_, seen)}
-    return sorted({*found, *COLUMNS, *UNTYPED})
+    return sorted({*found, *COLUMNS, *UNTYPED, *(one.value for one in Heading)})
 
 
 def words() -> list[tuple[str, str]]:
