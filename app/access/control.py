@@ -10,11 +10,13 @@ from app.access.refusal import changes_robots, is_from_outside, path_of, refuse
 from app.http.problems import FORBIDDEN, TOO_MANY, TWO_KEYS, UNAUTHORISED
 from dh_to_urdf.messages import say
 
-OPEN = ("/", "/docs", "/guide", "/openapi.json", "/favicon.ico")
-OPEN_BELOW = ("/health/", "/docs-assets/", "/guide/", "/assets/", "/problems/")
+OPEN = ("/", "/docs", "/guide", "/labs", "/openapi.json", "/favicon.ico")
+OPEN_BELOW = ("/health/", "/docs-assets/", "/guide/", "/labs/", "/assets/", "/problems/")
 """Open to everybody: whether the service lives, and documents that tell nothing about robots."""
-UNCOUNTED = ("/", "/docs", "/guide", "/health/live", "/health/ready")
-UNCOUNTED_BELOW = ("/assets/", "/docs-assets/", "/guide/")
+CLOSED_BELOW = "/labs/teacher"
+"""But these: solutions of the lab sheets."""
+UNCOUNTED = ("/", "/docs", "/guide", "/labs", "/health/live", "/health/ready")
+UNCOUNTED_BELOW = ("/assets/", "/docs-assets/", "/guide/", "/labs/")
 """Asked by load balancers, which must not be turned away; and pages with their parts, which a
 browser asks for many at a time, without a key, and a classroom by one address."""
 KEY = "denavit.key"
@@ -120,10 +122,14 @@ def _client_of(scope: Scope, key: Key | None) -> str:
 
 
 def _is_open(path: str) -> bool:
+    if path.startswith(CLOSED_BELOW):
+        return False
     return path in OPEN or path.startswith(OPEN_BELOW)
 
 
 def _is_uncounted(path: str) -> bool:
+    if path.startswith(CLOSED_BELOW):
+        return False
     return path in UNCOUNTED or path.startswith(UNCOUNTED_BELOW)
 
 

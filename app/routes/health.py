@@ -98,6 +98,7 @@ async def index(request: Request) -> Response:
         "service": "denavit",
         "docs": f"{base}/docs",
         "guide": f"{base}/guide",
+        "labs": f"{base}/labs",
         "openapi": f"{base}/openapi.json",
         "robots": f"{base}/v1/robots",
         "try": f"curl '{base}/v1/robots/puma560/fk?q=0,45,-90,0,45,0&angle=deg&format=text'",

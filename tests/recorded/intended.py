@@ -135,9 +135,10 @@ def _is_unknown(old: Answer, text: str) -> bool:
 
 def _without_guide(text: str) -> str:
     if text[:1] != "{":
-        return re.sub(r"^guide: .*\n", "", text, flags=re.MULTILINE)
+        return re.sub(r"^(guide|labs): .*\n", "", text, flags=re.MULTILINE)
     payload: dict[str, Any] = orjson.loads(text)
-    payload.pop("guide", None)
+    for name in ("guide", "labs"):
+        payload.pop(name, None)
     return orjson.dumps(payload).decode() if payload else text
 
 
@@ -662,7 +663,7 @@ INTENDED: list[Intended] = [
         lambda old, text: old.text if old.text is not None and _is_unknown(old, text) else text,
     ),
     Intended(
-        "the index names the guide",
+        "the index names the guide and the lab sheets",
         lambda asked, answer: asked.sent.path == "/",
         lambda old, text: _without_guide(text),
     ),

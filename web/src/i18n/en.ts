@@ -8,6 +8,7 @@ export const en = {
   dhTables: 'D-H tables',
   upload: 'Open file …',
   save: 'Save …',
+  labs: 'Labs',
   download: 'Download …',
   undo: 'Undo',
   redo: 'Redo',

@@ -8,6 +8,7 @@ export const fr: First = {
   dhTables: 'Tableaux D-H',
   upload: 'Ouvrir …',
   save: 'Enregistrer …',
+  labs: 'TP',
   download: 'Télécharger …',
   undo: 'Annuler',
   redo: 'Rétablir',
