@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from dh_to_urdf.messages import say
+
 Matrix: TypeAlias = NDArray[np.float64]
 
 GIMBAL = 3e-16
@@ -35,13 +37,15 @@ def rigid_transform(matrix: ArrayLike) -> Matrix:
     try:
         T = np.array(matrix, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ValueError("is not a 4x4 matrix of numbers; give four rows of four numbers") from None
+        raise ValueError(
+            say("is not a 4x4 matrix of numbers; give four rows of four numbers")
+        ) from None
     if T.shape != (4, 4):
-        raise ValueError("is not a 4x4 matrix; give four rows of four numbers")
+        raise ValueError(say("is not a 4x4 matrix; give four rows of four numbers"))
     if not np.isfinite(T).all():
-        raise ValueError("has an entry that is not finite")
+        raise ValueError(say("has an entry that is not finite"))
     if not np.array_equal(T[3], [0.0, 0.0, 0.0, 1.0]):
-        raise ValueError("has a last row other than 0 0 0 1")
+        raise ValueError(say("has a last row other than 0 0 0 1"))
     R = T[:3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
         deviation = float(np.abs(R.T @ R - np.eye(3)).max())
@@ -49,8 +53,11 @@ def rigid_transform(matrix: ArrayLike) -> Matrix:
     # Products of huge numbers may be NaN, for which every comparison is False.
     if not (deviation <= ROUNDING and proper):
         raise ValueError(
-            "has no rotation in its upper left 3x3 block: its columns must be orthonormal to 1e-5"
-            " and right-handed; give more digits, or rpy or quaternion_xyzw instead"
+            say(
+                "has no rotation in its upper left 3x3 block: its columns must be"
+                " orthonormal to 1e-5 and right-handed; give more digits, or rpy or"
+                " quaternion_xyzw instead"
+            )
         )
     if deviation > 1e-14:
         U, _, Vt = np.linalg.svd(R)
@@ -73,7 +80,7 @@ def rigid_transforms(matrices: Matrix) -> Matrix:
     if not good.all():
         first = int(np.flatnonzero(~good)[0])
         rigid_transform(T[first])
-        raise ValueError("is no rigid placement")
+        raise ValueError(say("is no rigid placement"))
     mend = deviation > 1e-14
     if mend.any():
         U, _, Vt = np.linalg.svd(R[mend])
@@ -102,7 +109,7 @@ def from_xyz_quaternion(xyz: ArrayLike, quaternion_xyzw: ArrayLike) -> Matrix:
     """
     quaternion = np.asarray(quaternion_xyzw, dtype=np.float64)
     if abs(float(np.linalg.norm(quaternion)) - 1.0) > 1e-3:
-        raise ValueError("is no unit quaternion (x, y, z, w); divide it by its norm")
+        raise ValueError(say("is no unit quaternion (x, y, z, w); divide it by its norm"))
     T = np.eye(4)
     T[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
     T[:3, 3] = xyz

@@ -8,6 +8,7 @@ from app.access.keys import Key, KeySource
 from app.access.rates import RateLimits, Standing, network_of
 from app.access.refusal import changes_robots, is_from_outside, path_of, refuse
 from app.http.problems import FORBIDDEN, TOO_MANY, TWO_KEYS, UNAUTHORISED
+from dh_to_urdf.messages import say
 
 OPEN = ("/", "/docs", "/guide", "/openapi.json", "/favicon.ico")
 OPEN_BELOW = ("/health/", "/docs-assets/", "/guide/", "/assets/", "/problems/")
@@ -49,7 +50,11 @@ class AccessControl:
             standing = self.rates.count(_client_of(scope, key))
             send = _with_headers(send, standing)
             if not standing.allowed:
-                detail = f"more than {standing.limit} requests; ask again in {standing.reset} s"
+                detail = say(
+                    "more than {limit} requests; ask again in {reset} s",
+                    limit=standing.limit,
+                    reset=standing.reset,
+                )
                 await refuse(scope, receive, send, TOO_MANY, detail)
                 return
         if self.keys.required and not _is_open(path):
@@ -59,7 +64,7 @@ class AccessControl:
                     receive,
                     send,
                     TWO_KEYS,
-                    "two different keys are shown; send one",
+                    say("two different keys are shown; send one"),
                     BEARER + ', error="invalid_request"',
                 )
                 return
@@ -69,9 +74,9 @@ class AccessControl:
                     receive,
                     send,
                     UNAUTHORISED,
-                    "this key is not known"
+                    say("this key is not known")
                     if secrets
-                    else "send a key as Authorization: Bearer … or as X-API-Key",
+                    else say("send a key as Authorization: Bearer … or as X-API-Key"),
                     BEARER + (', error="invalid_token"' if secrets else ""),
                 )
                 return
@@ -81,7 +86,7 @@ class AccessControl:
                     receive,
                     send,
                     FORBIDDEN,
-                    "this key reads and computes; robots are changed with one of scope write",
+                    say("this key reads and computes; robots are changed with one of scope write"),
                     BEARER + ', error="insufficient_scope", scope="write"',
                 )
                 return

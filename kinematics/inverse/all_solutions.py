@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.chain import Chain, chain_of
 from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.closed_form import closed_form_of, solutions, swivel_of
@@ -155,7 +156,9 @@ def _closed_form(
                 collected.append(one)
     description = form.description
     if redundant:
-        description += f"; a one-parameter family, shown at {SWIVELS} swivel angles"
+        description += say(
+            "; a one-parameter family, shown at {swivels} swivel angles", swivels=SWIVELS
+        )
     return IKSolutions("closed_form", not redundant, description, start, tuple(collected))
 
 
@@ -192,12 +195,15 @@ def _algebraic(
         )
     added = fibre.system.added
     description = (
-        f"the polynomial equations of {chain.length} joints"
-        + (f" and {added} more that a solution leaves at 0" if added else "")
-        + f": each of their {answer.degree} complex solutions was followed to the target"
+        say("the polynomial equations of {length} joints", length=chain.length)
+        + (say(" and {added} more that a solution leaves at 0", added=added) if added else "")
+        + say(
+            ": each of their {degree} complex solutions was followed to the target",
+            degree=answer.degree,
+        )
     )
     if not answer.is_complete:
-        description += ", but not all to the end; there may be others"
+        description += say(", but not all to the end; there may be others")
     return IKSolutions("algebraic", answer.is_complete, description, start, tuple(collected))
 
 
