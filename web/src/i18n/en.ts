@@ -152,8 +152,6 @@ export const en = {
   singularValues: 'Singular values',
   manipulability: 'manipulability',
   conditionNumber: 'condition',
-  nullLead: 'Joint motions that do nothing to the task',
-  lostDirections: 'Lost: no motion along',
   determinant: 'det J',
   manipulabilityProduct: 'w',
   factors: 'Factors',

@@ -150,8 +150,6 @@ export const fr: First = {
   singularValues: 'Valeurs singulières',
   manipulability: 'manipulabilité',
   conditionNumber: 'conditionnement',
-  nullLead: 'Mouvements des articulations sans effet sur la tâche',
-  lostDirections: 'Perdu : aucun mouvement selon',
   determinant: 'dét J',
   manipulabilityProduct: 'w',
   factors: 'Facteurs',
