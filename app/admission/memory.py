@@ -257,15 +257,12 @@ def _too_much(need: Need, most: int) -> str:
     )
     if fitting < 1:
         return say("{size}; it does not fit on this service", size=size)
-    if need.argument:
-        return say(
-            "{size}; give at most {fitting} {of} of this robot at once",
-            size=size,
-            fitting=fitting,
-            of=need.of,
-        )
+    of_what = say("{of} of this robot", of=need.of) if need.argument else need.of
     return say(
-        "{size}; give at most {fitting} {of} at once", size=size, fitting=fitting, of=need.of
+        "{size}; give at most {fitting} {of_what} at once",
+        size=size,
+        fitting=fitting,
+        of_what=of_what,
     )
 
 

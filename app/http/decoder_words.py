@@ -16,6 +16,7 @@ _TYPES = {
 }
 _NAMES = r"[a-z]+(?: \| [a-z]+)*"
 _UNLIKE = re.compile(rf"Expected ({_NAMES}), got ({_NAMES})")
+_ALONE = re.compile(rf"Expected ({_NAMES})")
 _LENGTH = re.compile(rf"Expected ({_NAMES}) of length ((?:[<>]= )?\d+)")
 _BOUND = re.compile(rf"Expected ({_NAMES}) ([<>]=? .+)")
 _PATTERN = re.compile(rf"Expected ({_NAMES}) matching regex (.+)", re.DOTALL)
@@ -54,6 +55,8 @@ def words_of_value(text: str) -> str:
         return say(
             "expected {wanted}, got {given}", wanted=_named(found[1]), given=_named(found[2])
         )
+    if found := _ALONE.fullmatch(text):
+        return say("expected {wanted}", wanted=_named(found[1]))
     if found := _LENGTH.fullmatch(text):
         return say("expected {wanted} of length {size}", wanted=_named(found[1]), size=found[2])
     if found := _PATTERN.fullmatch(text):

@@ -42,7 +42,7 @@ def check_query(request: Request, *allowed: str, common: tuple[str, ...] = COMMO
                 say(
                     "query parameter {name!r} is unknown; {hint}",
                     name=name[:64],
-                    hint=hint(name, known),
+                    hint=hint(name, _suggested(name, known)),
                 ),
                 f"/{escaped(name)}",
             )
@@ -58,6 +58,11 @@ def check_query(request: Request, *allowed: str, common: tuple[str, ...] = COMMO
             say("lang is {named!r}; give {codes}", named=named[:32], codes=", ".join(codes())),
             "/lang",
         )
+
+
+def _suggested(name: str, known: tuple[str, ...]) -> tuple[str, ...]:
+    """The names to choose from: of ``length`` and ``angle``, ``lang`` is no misspelling."""
+    return known if name.lower().startswith("la") else tuple(n for n in known if n != "lang")
 
 
 def units_of(request: Request) -> Units:

@@ -13,6 +13,7 @@ from typing import Any
 
 import orjson
 
+from app.operations import OPERATIONS
 from tests.recorded.fixture import Answer, Asked
 from tests.recorded.normalise import LONGEST, split, text_digest, top_keys
 from tests.recorded.requests.bases import BODIES
@@ -70,8 +71,17 @@ _PASTED = ("text/markdown", "application/x-latex", "text/tab-separated-values")
 _MAPS = ("manipulability-map", "workspace")
 _DEGENERATE = re.compile(r"(degenerate:)((?: (?:yes|no),?)+)$", re.MULTILINE)
 _KNOWN = re.compile(r"known are [^\"\n]*")
-_NEW_NAMES = re.compile(r", (?:lang|decimal)\b")
+_MORE = re.compile(r" and (\d+) more")
+_PARAMETERS = re.compile(r"query parameter [^\"\n]* is unknown; known are [^\"\n]*")
+_WITH_DECIMAL = {one.name for one in OPERATIONS if "decimal" in one.parameters}
 _PLACE = re.compile(r"targets[./]\w+[./]\w+(?:[./]sequence)?")
+
+
+def _without_decimal(known: str) -> str:
+    """A list of known names without ``decimal``, or with one name less where it is cut."""
+    if ", decimal" in known:
+        return known.replace(", decimal", "")
+    return _MORE.sub(lambda cut: f" and {int(cut[1]) - 1} more", known)
 
 
 def _kind(answer: Answer) -> str:
@@ -510,9 +520,9 @@ INTENDED: list[Intended] = [
         lambda old, text: text.replace("mimic, coupling, symbols", "mimic, coupling"),
     ),
     Intended(
-        "answers are in the language of ?lang=, and CSV has the commas of ?decimal=",
-        lambda asked, answer: answer.status == 422,
-        lambda old, text: _KNOWN.sub(lambda known: _NEW_NAMES.sub("", known[0]), text),
+        "CSV has the commas of ?decimal=, a parameter more where lists of them are cut",
+        lambda asked, answer: answer.status == 422 and asked.operation in _WITH_DECIMAL,
+        lambda old, text: _PARAMETERS.sub(lambda known: _without_decimal(known[0]), text),
     ),
     Intended(
         "robots of the library do not tell what is left out of their files",
