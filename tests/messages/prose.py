@@ -43,6 +43,9 @@ FILES = {
     "app/cli.py": "told to the operator",
     "app/exercises/class_list.py": "told to a teacher at the command line",
     "kinematics/symbolic/link_matrix.py": "matrices and their sources",
+    "app/labs/commands.py": "told to those who write sheets",
+    "app/labs/programs.py": "Python and PowerShell",
+    "app/labs/words.py": "words of the sheets, in each of their languages",
     "app/docs.py": "the page of the OpenAPI document",
     "app/environment.py": "told to the operator, at the start",
     "app/licences.py": "a list of licences",
@@ -72,6 +75,7 @@ TEXTS = {
     "app/exercises/sheets.py": ("vx v",),
     "kinematics/checking/slips.py": ("all angles",),
     "app/operations/step.py": ("Wanted motion",),
+    "app/labs/routes.py": ("private, no-cache",),
     "app/routes/meshes.py": ("public, max-age",),
     "app/routes/robots.py": (
         *("Name of the robot", "CSV and pasted", "Pasted text", "Numbers for names", "SYMORO:"),
