@@ -30,6 +30,7 @@ from app.labs.rendering import sheet_parser
 from app.labs.sources import SHEETS, student_addresses, teacher_addresses
 from app.labs.words import WORDS
 from app.page import TYPES, PageFile
+from dh_to_urdf.messages import say
 
 LABS_STYLE = "labs.css"
 ADDRESS = "http://localhost:8000"
@@ -183,7 +184,7 @@ def _require_teacher(request: Request) -> None:
         return
     key = key_of(request.scope)
     if key is None or key.scope is not Scope.SHARE:
-        raise RequestProblem(FORBIDDEN, "solutions are shown to keys of scope share")
+        raise RequestProblem(FORBIDDEN, say("solutions are shown to keys of scope share"))
 
 
 async def _answer(labs: Labs, address: str, request: Request, cache: str) -> Response:

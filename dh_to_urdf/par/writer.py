@@ -9,6 +9,7 @@ import numpy as np
 
 from dh_to_urdf.cells.notation import angle_text, number_text, variable_cell
 from dh_to_urdf.errors import DHError
+from dh_to_urdf.messages import say
 from dh_to_urdf.par.inertia import PARAMETERS, to_parameters
 from dh_to_urdf.par.text import DYNAMICS
 from dh_to_urdf.poses import Matrix
@@ -33,8 +34,10 @@ def table_to_par(table: DHTable) -> str:
     if table.convention is Convention.STANDARD:
         raise DHError.single(
             ("convention",),
-            "a .par file holds the khalil convention, and this table is standard; convert it to"
-            " khalil or modified first",
+            say(
+                "a .par file holds the khalil convention, and this table is standard; convert it to"
+                " khalil or modified first"
+            ),
         )
     tool = _tool_rows(table)
     rows = (*table.rows, *tool)

@@ -16,6 +16,7 @@ import numpy as np
 
 from dh_to_urdf.cells.notation import angle_text, in_degrees, number_text, variable_cell
 from dh_to_urdf.errors import DHError
+from dh_to_urdf.messages import say
 from dh_to_urdf.par.writer import table_to_par
 from dh_to_urdf.pasted.cells import LIMIT_TURNS, NO_LIMIT
 from dh_to_urdf.poses import Matrix
@@ -94,20 +95,32 @@ def table_to_matlab(table: DHTable) -> str:
         if row.type is JointType.FIXED:
             raise DHError.single(
                 ("joints", k - 1),
-                f"joint {k} ({row.name}) is fixed, and the Robotics Toolbox has no fixed links;"
-                " fold it into a neighbour or into the tool",
+                say(
+                    "joint {k} ({row}) is fixed, and the Robotics Toolbox has no fixed"
+                    " links; fold it into a neighbour or into the tool",
+                    k=k,
+                    row=row.name,
+                ),
             )
         if row.parent != k - 1 or row.gamma or row.b:
             raise DHError.single(
                 ("joints", k - 1),
-                f"joint {k} ({row.name}) branches (ant, gamma, b), and a robot of the Robotics"
-                " Toolbox is a serial chain",
+                say(
+                    "joint {k} ({row}) branches (ant, gamma, b), and a robot of the"
+                    " Robotics Toolbox is a serial chain",
+                    k=k,
+                    row=row.name,
+                ),
             )
         if row.mimic is not None or row.coupling:
             raise DHError.single(
                 ("joints", k - 1),
-                f"joint {k} ({row.name}) depends on other joints, and the links of the Robotics"
-                " Toolbox are independent; write json, yaml, csv or urdf",
+                say(
+                    "joint {k} ({row}) depends on other joints, and the links of the"
+                    " Robotics Toolbox are independent; write json, yaml, csv or urdf",
+                    k=k,
+                    row=row.name,
+                ),
             )
         lines.append(f"L({k}) = Link({', '.join(_link(row, modified))});")
     lines.append(f"robot = SerialLink(L, 'name', '{table.name}');")

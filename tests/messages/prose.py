@@ -43,6 +43,9 @@ FILES = {
     "app/cli.py": "told to the operator",
     "app/exercises/class_list.py": "told to a teacher at the command line",
     "kinematics/symbolic/link_matrix.py": "matrices and their sources",
+    "app/labs/commands.py": "told to those who write sheets",
+    "app/labs/programs.py": "Python and PowerShell",
+    "app/labs/words.py": "words of the sheets, in each of their languages",
     "app/docs.py": "the page of the OpenAPI document",
     "app/environment.py": "told to the operator, at the start",
     "app/licences.py": "a list of licences",
@@ -72,6 +75,7 @@ TEXTS = {
     "app/exercises/sheets.py": ("vx v",),
     "kinematics/checking/slips.py": ("all angles",),
     "app/operations/step.py": ("Wanted motion",),
+    "app/labs/routes.py": ("private, no-cache",),
     "app/routes/meshes.py": ("public, max-age",),
     "app/routes/robots.py": (
         *("Name of the robot", "CSV and pasted", "Pasted text", "Numbers for names", "SYMORO:"),
@@ -94,13 +98,21 @@ TEXTS = {
 def plain_sentences() -> Iterator[str]:
     """Each place with a text that reads like a sentence, in a file that answers are made in."""
     for path, tree in sources():
-        if path in FILES or path.startswith(tuple(FOLDERS)):
-            continue
         texts: list[ast.AST] = []
-        _walk(tree, texts)
+        if path.startswith(("dh_to_urdf/", "robots/", "kinematics/")) and path in FILES:
+            # What such a file refuses reaches an answer all the same.
+            for node in ast.walk(tree):
+                if isinstance(node, ast.Raise) and not _is_for_operators(node):
+                    _walk(node, texts)
+        elif path not in FILES and not path.startswith(tuple(FOLDERS)):
+            _walk(tree, texts)
         known = TEXTS.get(path, ())
         texts = [one for one in texts if not _shown(one).startswith(known or "\0")]
         yield from (f"{path}:{one.lineno}: {_shown(one)!r}" for one in texts)  # type: ignore[attr-defined]
+
+
+def _is_for_operators(node: ast.Raise) -> bool:
+    return isinstance(node.exc, ast.Call) and ast.unparse(node.exc.func) in NO_ANSWER
 
 
 def _walk(node: ast.AST, found: list[ast.AST]) -> None:
