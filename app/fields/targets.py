@@ -20,7 +20,7 @@ from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.strict_json import validation_problem
 from app.http.units import Units
 from dh_to_urdf.errors import Location
-from kinematics.inverse.target import Targets, target_poses
+from kinematics.inverse.target import Targets, mended, target_poses
 from kinematics.task import Task
 from robots.robot import FloatArray
 
@@ -95,6 +95,8 @@ def target_pose(
         InvalidTarget: The target is no pose, or lacks what the task needs.
     """
     pose: FloatArray = target_poses(_one(target, doubts, location), task)[0]
+    if target.matrix is not None:
+        doubts.mended(mended([target.matrix], pose[None]), f"the matrix of {_named(location)}")
     if target.position is not None or target.matrix is not None:
         doubts.place(pose[:3, 3], f"the {_named(location)}")
     return pose
@@ -213,14 +215,21 @@ class ManyTargets(Field):
             _check_count(len(array), location, reading)
             targets = Targets(matrix=array, location=location, many=True, by_field=True)
             poses = target_poses(targets, task)
+            reading.doubts.mended(mended(array, poses), "a target's matrix")
             reading.doubts.place(poses[:, :3, 3], "a target")
             return poses if value.ndim == 3 else poses[0]
         if isinstance(value, TargetBatch):
             poses = target_poses(_by_field(value, location, reading), task)
+            if value.matrix is not None:
+                reading.doubts.mended(mended(value.matrix, poses), "a target's matrix")
         else:
             _check_count(len(value), location, reading)
             groups = _listed(value, location, reading)
             poses = np.concatenate([target_poses(group, task) for group in groups])
+            rows = [k for k, one in enumerate(value) if one.matrix is not None]
+            if rows:
+                given = [value[k].matrix for k in rows]
+                reading.doubts.mended(mended(given, poses[rows]), "a target's matrix")
         reading.doubts.place(poses[:, :3, 3], "a target")
         return poses
 
