@@ -156,7 +156,8 @@ _SENTENCES = re.compile(
 _EXPLANATION = re.compile(r"^explanation:(?: .*)?\n(?: {2}- .*\n)*", re.MULTILINE)
 _FACTORS = re.compile(r"^ {2}factors:\n(?: {4}.*\n)*", re.MULTILINE)
 _AS_WRITTEN = re.compile(r"^as_written:(?: .*)?\n(?: {2}.*\n)*", re.MULTILINE)
-_BEYOND = ("explanation", "beyond_limits", "as_written")
+_FORBIDDEN = re.compile(r"^forbidden:(?: .*)?\n(?: {2}.*\n)*", re.MULTILINE)
+_BEYOND = ("explanation", "beyond_limits", "as_written", "forbidden")
 
 
 def _with_old_words(old: Answer, text: str) -> str:
@@ -166,11 +167,16 @@ def _with_old_words(old: Answer, text: str) -> str:
     if text[:1] == "{":
         payload = orjson.loads(text)
         payload.pop("as_written", None)
+        payload.pop("forbidden", None)
         for solution in payload.get("solutions", []):
             solution.pop("beyond_limits", None)
         return orjson.dumps(payload).decode()
     keys = _keys(old)
-    for name, pattern in (("explanation", _EXPLANATION), ("as_written", _AS_WRITTEN)):
+    for name, pattern in (
+        ("explanation", _EXPLANATION),
+        ("as_written", _AS_WRITTEN),
+        ("forbidden", _FORBIDDEN),
+    ):
         if name not in keys:
             text = pattern.sub("", text)
     text = _without_last_column(text, "beyond_limits")
@@ -704,10 +710,18 @@ INTENDED: list[Intended] = [
         lambda old, text: old.text if old.text is not None else text,
     ),
     Intended(
-        "a search for all solutions names free joints, and tells a family once",
+        "a search for all solutions names free joints, and tells a family once; redundant arms have"
+        " their curves",
         lambda asked, answer: asked.operation == "ik/solutions" and answer.status == 200,
         lambda old, text: (
-            old.text if old.text is not None and "starts of the numeric solver" in text else text
+            old.text
+            if old.text is not None
+            and (
+                "starts of the numeric solver" in text
+                or "one joint more than the task needs" in text
+                or "a one-parameter family" in text
+            )
+            else text
         ),
     ),
     Intended(

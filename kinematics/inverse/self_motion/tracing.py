@@ -26,7 +26,9 @@ BEND = 0.97
 """Least cosine of the angle between the directions of successive nodes."""
 ASIDE = 0.15
 """Largest correction of a step, in parts of its length."""
-MOST_NODES = 6000
+MOST_NODES = 2000
+SECOND = 12
+"""Node at which a curve is seen to come around too, beside its start."""
 FAR = 20.0
 """Slides beyond this many sizes of the chain are taken to move on for ever."""
 SAME = 1e-6
@@ -157,7 +159,9 @@ def _walked(
     motion: Motion, start: FloatArray, direction: FloatArray
 ) -> tuple[FloatArray, Stop | None]:
     """Walk from a point in a direction; return the nodes and why it ended, None: it came around."""
-    nodes, q, h, first = [start], start, 0.3 * LONGEST, direction
+    nodes, q, h = [start], start, 0.3 * LONGEST
+    # A curve is not sure to come back with the direction that it has where others cross it.
+    anchors = [(0, direction)]
     square = motion.weights**2
     for number in range(MOST_NODES):
         if number % 64 == 0:
@@ -169,19 +173,21 @@ def _walked(
                 return np.array(nodes), Stop.SINGULARITY
             found = _step(motion, q, direction, h)
         there, onward, aside = found
-        ahead, past = motion.apart(start, q), motion.apart(there, start)
-        if (
-            number > 1
-            and motion.length(ahead) < 1.5 * h
-            and float((ahead * square) @ direction) > 0.0
-            and float((past * square) @ onward) >= 0.0
-            and float((onward * square) @ first) > BEND
-            and _is_one_step(motion, q, q + ahead)
-        ):
-            nodes.append(q + ahead)
-            return np.array(nodes), None
+        for first, way in anchors:
+            ahead = motion.apart(nodes[first], q)
+            if (
+                number > first + 1
+                and motion.length(ahead) < 1.5 * h
+                and float((ahead * square) @ direction) > 0.0
+                and float((motion.apart(there, nodes[first]) * square) @ onward) >= 0.0
+                and float((onward * square) @ way) > BEND
+                and _is_one_step(motion, q, q + ahead)
+            ):
+                return np.array([*nodes[first:], q + ahead]), None
         nodes.append(there)
         q, direction = there, onward
+        if number == SECOND:
+            anchors.append((len(nodes) - 1, onward))
         if (np.abs(q * motion.weights)[~motion.chain.is_revolute] > FAR).any():
             return np.array(nodes), Stop.UNBOUNDED
         if aside < 0.2 * ASIDE * h:
