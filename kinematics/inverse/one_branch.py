@@ -40,6 +40,10 @@ SMALL = 1e-7
 SINGULAR = 1e-3
 """Part of the largest singular value below which the Jacobian is near a loss of rank."""
 MOST_BRANCHES = 64
+SEARCH_SECONDS = 0.05
+"""Time for finding whether a target is within reach at all."""
+AHEAD = 1e-3
+"""Part of a way behind its end at which it is seen whether the way goes on."""
 EXACT = 1e-9
 STEPS = 40
 
@@ -302,6 +306,10 @@ class _Arm:
         self, q: FloatArray, way: Callable[[float], FloatArray], part: float, target: FloatArray
     ) -> tuple[Reason, str | None, Literal["lower", "upper"] | None]:
         """Return why a branch ends after a part of a way."""
+        options = self.options.within(SEARCH_SECONDS)
+        known = solve_ik(self.robot, target, frame=self.frame, task=self.task, options=options)
+        if known.status is IKStatus.UNREACHABLE:
+            return "unreachable", None, None
         ahead, errors = q.copy(), np.empty(2)
         chain = self.chain
         if not chain.is_coupled:
@@ -320,12 +328,11 @@ class _Arm:
             k = int(np.flatnonzero(at_limit)[0])
             name = self.robot.joints[int(chain.columns[k])].name
             return "limit", name, "lower" if q[k] <= chain.lower[k] + 1e-6 else "upper"
-        options = self.options.within(0.1)
-        for place, reason in ((target, "unreachable"), (way(min(1.0, part + 1e-3)), "jump")):
-            found = solve_ik(self.robot, place, frame=self.frame, task=self.task, options=options)
-            if found.status is not IKStatus.CONVERGED:
-                return ("unreachable" if reason == "unreachable" else "jump"), None, None
-        return "singularity", None, None
+        if known.status is not IKStatus.CONVERGED:
+            return "unreachable", None, None
+        ahead_of = way(min(1.0, part + AHEAD))
+        near = solve_ik(self.robot, ahead_of, frame=self.frame, task=self.task, options=options)
+        return ("singularity" if near.status is IKStatus.CONVERGED else "jump"), None, None
 
     def _is_singular(self, q: FloatArray) -> bool:
         J = np.empty((self.chain.length, 6))
