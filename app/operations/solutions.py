@@ -32,8 +32,8 @@ from kinematics.inverse.unreached import beyond_limits, why_unreached
 from kinematics.task import POSE
 from robots.robot import FloatArray, Robot
 
-MOST_ROWS = 2_000
-"""Solutions of one target, with room: those of sampled swivel angles."""
+MOST_ROWS = 8_000
+"""Rows of q of one answer, with room: solutions in all their turns, or samples of curves."""
 
 
 class IKSolutionsRequest(msgspec.Struct, kw_only=True):
