@@ -34,6 +34,7 @@ RUN --mount=type=cache,target=/var/cache/npm \
 
 COPY LICENSE README.md SECURITY.md CHANGELOG.md ./
 COPY docs docs
+COPY labs labs
 COPY dh_to_urdf dh_to_urdf
 COPY robots robots
 COPY kinematics kinematics

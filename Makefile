@@ -15,7 +15,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # is quicker: .venv/bin/python -m pytest tests/robots
 PYTEST := $(BIN)/python -m pytest -n 2 --dist worksteal
 
-.PHONY: help install page kernels run test check api-types lint lock bench bench-peers torture image-test clean
+.PHONY: help install page kernels run test check messages api-types lint lock bench bench-peers torture image-test clean
 
 help:
 	@echo "make run         set up .venv and serve on http://localhost:8000"
@@ -25,6 +25,7 @@ help:
 	@echo "make page        build the page anew if web/ has changed"
 	@echo "make lint        ruff, strict types, import contract"
 	@echo "make api-types   write the page's types anew from the OpenAPI document"
+	@echo "make messages    bring the catalogues of other languages up to the sources"
 	@echo "make bench       paired benchmarks"
 	@echo "make bench-peers inverse kinematics beside other libraries, in .venv-peers"
 	@echo "make torture     the long campaigns: documents, requests, schemas, the store, load (hours)"
@@ -65,6 +66,10 @@ test: page kernels
 
 check: page kernels
 	$(PYTEST) $(if $(REST),-m "not first")
+
+# New sentences into the catalogues of other languages; the compiled ones anew.
+messages: $(STAMP)
+	$(BIN)/python -m tests.messages.update
 
 # The types of answers and requests that the page is checked with.
 api-types: kernels

@@ -26,8 +26,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 ROOT = Path(__file__).parent
 STAMP = ".sources"
-GUIDE = ("docs", "SECURITY.md", "CHANGELOG.md")
-"""What the guide is made from; in a wheel it lies in ``app/guide/sources``."""
+GUIDE = ("docs", "labs", "SECURITY.md", "CHANGELOG.md")
+"""What the guide and the lab sheets are made from; in a wheel it lies in ``app/guide/sources``."""
 MIN_NODE = ((20, 19), (22, 12))
 """Vite runs on 20.19 and later of 20, and from 22.12 on."""
 

@@ -21,6 +21,7 @@ from app.documents import robot_from_inline
 from app.http.problems import INVALID_REQUEST, TOO_LARGE, RequestProblem
 from app.http.strict_json import decode_json, refuse_doubled_keys
 from app.settings import Settings
+from dh_to_urdf.messages import say
 from kinematics.processes.pool import ProcessPool
 from kinematics.redundancy.methods.whole_path import WORKER
 from kinematics.symbolic import SymbolicWorkers
@@ -67,7 +68,9 @@ class InlineRobots:
         refuse_doubled_keys(document, "/robot")
         if not isinstance(data, dict):
             raise RequestProblem(
-                INVALID_REQUEST, "robot is neither a table nor the id of a robot", "/robot"
+                INVALID_REQUEST,
+                say("{field} is neither a table nor the id of a robot", field="robot"),
+                "/robot",
             )
         robot = robot_from_inline(data)
         with self._lock:
@@ -229,7 +232,11 @@ class Services:
         document, limit = bytes(raw), self.settings.max_document_bytes
         if len(document) > limit:
             raise RequestProblem(
-                TOO_LARGE, f"robot is larger than the {limit} bytes read here", "/robot"
+                TOO_LARGE,
+                say(
+                    "{field} is larger than the {limit} bytes read here", field="robot", limit=limit
+                ),
+                "/robot",
             )
         if document[:1] == b'"':
             stored = await self.robot(decode_json(document, str, "/robot"), request)

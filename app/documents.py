@@ -22,6 +22,7 @@ from dh_to_urdf import (
     split_values,
 )
 from dh_to_urdf.errors import Fault
+from dh_to_urdf.messages import say
 from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 
@@ -64,7 +65,7 @@ def robot_from_body(
     """
     kind, query = media_type(request), request.query_params
     if kind in XML_TYPES:
-        check_query(request, "tip", "base", "name", *also, common=("format",))
+        check_query(request, "tip", "base", "name", *also, common=("format", "lang"))
         return robot_from_urdf(body, base=query.get("base"), tip=query.get("tip"))
     if kind in CSV_TYPES:
         check_query(request, "convention", "name", "length", "values", *also)
@@ -74,7 +75,7 @@ def robot_from_body(
             read_csv(body, query.get("convention"), name, angle, length, _values(request))
         )
     if kind in PAR_TYPES:
-        check_query(request, "name", "values", "loops", *also, common=("format",))
+        check_query(request, "name", "values", "loops", *also, common=("format", "lang"))
         return robot_from_table(
             read_par(
                 body,
@@ -100,7 +101,7 @@ def robot_from_body(
         )
     if kind not in (*JSON_TYPES, *YAML_TYPES):
         raise unsupported(kind, ACCEPTED)
-    check_query(request, "name", *also, common=("format",))
+    check_query(request, "name", *also, common=("format", "lang"))
     default_name = query.get("name", default_name)
     read = read_json if kind in JSON_TYPES else read_yaml
     return robot_from_table(read(body, default_name))
@@ -117,7 +118,9 @@ def _cut_loops(request: Request) -> bool:
     text = request.query_params.get("loops")
     if text not in (None, "cut"):
         raise RequestProblem(
-            INVALID_REQUEST, f"loops is {text[:32]!r}; give cut, or leave it out", "/loops"
+            INVALID_REQUEST,
+            say("loops is {text!r}; give cut, or leave it out", text=text[:32]),
+            "/loops",
         )
     return text == "cut"
 
@@ -132,7 +135,7 @@ def robot_from_inline(document: Mapping[str, Any]) -> Robot:
     if "urdf" in document:
         for key, value in document.items():
             if key not in ("urdf", "base", "tip", "name") or not isinstance(value, str):
-                raise DHError.single(("robot", key), "give urdf, base and tip as texts")
+                raise DHError.single(("robot", key), say("give urdf, base and tip as texts"))
     try:
         if "urdf" not in document:
             return robot_from_table(read_mapping(document))

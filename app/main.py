@@ -18,6 +18,7 @@ from app.admission import thread_pool as admission
 from app.dependencies import Services
 from app.guide import routes as guide
 from app.http import handlers
+from app.labs import routes as labs
 from app.middleware.request_line import RequestLine
 from app.openapi.document import build_openapi
 from app.operations import OPERATIONS, Operation
@@ -106,6 +107,7 @@ def create_app(
     page.install(app, app.state.page)
     docs.install(app)
     guide.install(app, guide.load_guide())
+    labs.install(app, labs.load_labs(), teacher_edition=chosen.teacher_edition)
     handlers.install(app)
     app.add_middleware(RequestLine)
     admission.install(app)

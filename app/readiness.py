@@ -10,6 +10,8 @@ from typing import Literal
 
 import msgspec
 
+from dh_to_urdf.messages import say
+
 PROBE_SECONDS = 1.0
 """A result of the disk serves as long, so that probes from anywhere do not become writes."""
 _BLOCK = b"\0" * 4096
@@ -61,7 +63,9 @@ def _run(check: Callable[[], Check]) -> Check:
     try:
         return check()
     except Exception as error:
-        return Check(status="failed", detail=f"the check failed: {type(error).__name__}")
+        return Check(
+            status="failed", detail=say("the check failed: {name}", name=type(error).__name__)
+        )
 
 
 class WritableDirectory:
@@ -81,9 +85,9 @@ class WritableDirectory:
         try:
             written_to(self._directory)
         except OSError as error:
-            detail = f"uploads cannot be written: {error.strerror}"
+            detail = say("uploads cannot be written: {strerror}", strerror=error.strerror)
             return Check(status="failed", detail=detail)
-        return Check(status="ok", detail="uploads can be written")
+        return Check(status="ok", detail=say("uploads can be written"))
 
 
 def written_to(directory: Path) -> None:

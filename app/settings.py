@@ -127,6 +127,11 @@ class Settings(BaseSettings):
     check_reveal: bool = Field(
         default=True, description="Answers of `check` may show what is right (`reveal`)."
     )
+    teacher_edition: bool = Field(
+        default=False,
+        description="Serve the solutions of the lab sheets, where keys are needed to those of scope"
+        " share.",
+    )
     log_format: Literal["auto", "json", "text"] = Field(
         default="auto", description="Form of log lines; auto is text on a terminal, else JSON."
     )

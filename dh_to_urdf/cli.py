@@ -10,6 +10,8 @@ import click
 from dh_to_urdf.cells.values import split_values
 from dh_to_urdf.documents.readers import read_csv, read_json, read_yaml
 from dh_to_urdf.errors import DHError
+from dh_to_urdf.languages import codes, language
+from dh_to_urdf.messages import say
 from dh_to_urdf.par.reader import read_par
 from dh_to_urdf.pasted.reader import read_pasted
 from dh_to_urdf.pasted.writer import TABLE_TEXTS
@@ -50,6 +52,7 @@ class _Options:
 @click.option("--columns", help="Columns of pasted text without a heading: theta,d,a,alpha.")
 @click.option("--cut-loops", is_flag=True, help="Read the spanning tree of a .par with loops.")
 @click.option("--visuals/--no-visuals", default=True, help="Draw cylinders along a and d.")
+@click.option("--lang", type=click.Choice(codes()), default="en", help="Language of messages.")
 @click.option("--check", is_flag=True, help="Load the result with yourdfpy (extra: check).")
 def main(
     table: str,
@@ -63,6 +66,7 @@ def main(
     columns: str | None,
     cut_loops: bool,
     visuals: bool,
+    lang: str,
     check: bool,
 ) -> None:
     """Convert a Denavit-Hartenberg TABLE to URDF.
@@ -72,16 +76,17 @@ def main(
     """
     with click.open_file(table, "rb") as stream:
         content = stream.read()
+    spoken = language(lang)
     options = _Options(convention, name, angle, length, values, columns, cut_loops)
     try:
         parsed = _read(table, content, options)
         text = None if form == "urdf" else TABLE_TEXTS[form].write(parsed)
     except DHError as error:
         for fault in error.faults:
-            click.echo(str(fault), err=True)
+            click.echo(spoken.text(str(fault)), err=True)
         raise SystemExit(1) from None
     for warning in parsed.warnings:
-        click.echo(f"warning: {warning}", err=True)
+        click.echo(spoken.text(say("warning: {warning}", warning=warning)), err=True)
     if text is None:
         text = table_to_urdf(parsed, visuals=visuals) + "\n"
         if check:

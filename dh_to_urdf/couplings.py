@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import DHTable, JointType, Limits, Mimic
 
@@ -123,12 +124,22 @@ def joint_map(joints: Sequence[MovingJoint], fixed: Sequence[str] = ()) -> Joint
     if not np.isfinite(matrix).all() or max(np.abs(matrix).max(initial=0.0), 0.0) > 1e6:
         k = int(np.argmax(np.abs(np.nan_to_num(matrix, nan=np.inf)).max(axis=1)))
         raise CouplingError(
-            k, "mimic", f"joint {joints[k].name!r} moves over 1e6 times as much as what it follows"
+            k,
+            "mimic",
+            say(
+                "joint {joint!r} moves over 1e6 times as much as what it follows",
+                joint=joints[k].name,
+            ),
         )
     if np.abs(moved).max(initial=0.0) > 1e6:
         k = int(np.argmax(np.abs(moved)))
         raise CouplingError(
-            k, "mimic", f"joint {joints[k].name!r} is beyond ±1e6 where q is 0; check its offset"
+            k,
+            "mimic",
+            say(
+                "joint {joint!r} is beyond ±1e6 where q is 0; check its offset",
+                joint=joints[k].name,
+            ),
         )
     _check_turns(joints, free, matrix)
     _check_independent(joints, free, matrix)
@@ -162,23 +173,45 @@ def _check_names(
     wanted = [("mimic", joint.mimic.joint)] if joint.mimic is not None else []
     wanted += [("coupling", name) for name, _ in joint.coupling]
     for field, name in wanted:
-        verb = "mimics" if field == "mimic" else "is coupled with"
+        verb = say("mimics") if field == "mimic" else say("is coupled with")
         if name == joint.name:
-            raise CouplingError(k, field, f"joint {name!r} {verb} itself; remove its {field}")
+            raise CouplingError(
+                k,
+                field,
+                say(
+                    "joint {name!r} {verb} itself; remove its {field}",
+                    name=name,
+                    verb=verb,
+                    field=field,
+                ),
+            )
         if name in fixed:
             raise CouplingError(
                 k,
                 field,
-                f"joint {joint.name!r} {verb} {quoted(name, 64)}, which does not move; remove the"
-                f" {field}, or name a joint that moves",
+                say(
+                    "joint {joint!r} {verb} {name}, which does not move; remove the"
+                    " {field}, or name a joint that moves",
+                    joint=joint.name,
+                    verb=verb,
+                    name=quoted(name, 64),
+                    field=field,
+                ),
             )
         if name not in numbers:
             known = ", ".join(list(numbers)[:12])
             raise CouplingError(
                 k,
                 field,
-                f"joint {joint.name!r} {verb} {quoted(name, 64)}, which does not exist; mend the"
-                f" name or remove the {field}; known are {known}",
+                say(
+                    "joint {joint!r} {verb} {name}, which does not exist; mend the name or"
+                    " remove the {field}; known are {known}",
+                    joint=joint.name,
+                    verb=verb,
+                    name=quoted(name, 64),
+                    field=field,
+                    known=known,
+                ),
             )
     if joint.mimic is not None and joint.coupling:
         bounded = joint.limits.lower is not None or joint.limits.upper is not None
@@ -186,8 +219,12 @@ def _check_names(
             raise CouplingError(
                 k,
                 "limits",
-                f"joint {joint.name!r} follows several joints, so that its limits would bound them"
-                " together; leave its limits out, and give those of the joints that it follows",
+                say(
+                    "joint {joint!r} follows several joints, so that its limits would bound"
+                    " them together; leave its limits out, and give those of the joints"
+                    " that it follows",
+                    joint=joint.name,
+                ),
             )
 
 
@@ -207,9 +244,9 @@ def _root(
             raise CouplingError(
                 leader,
                 "mimic",
-                f"joint {name!r} mimics itself"
-                + (f" by way of {by!r}" if by != name else "")
-                + "; remove one mimic",
+                say("joint {name!r} mimics itself", name=name)
+                + (say(" by way of {by!r}", by=by) if by != name else "")
+                + say("; remove one mimic"),
             )
         seen.append(leader)
     return seen[-1], multiplier, constant
@@ -233,9 +270,15 @@ def _check_turns(joints: Sequence[MovingJoint], free: Sequence[int], matrix: Mat
             raise CouplingError(
                 k,
                 field,
-                f"joint {joint.name!r} moves {factor:g} times as much as {joints[leader].name!r},"
-                f" and {which.name!r} is continuous: after a turn the robot would be another; make"
-                f" {which.name!r} revolute, with limits",
+                say(
+                    "joint {joint!r} moves {factor:g} times as much as {joint_2!r}, and"
+                    " {which!r} is continuous: after a turn the robot would be another;"
+                    " make {which!r} revolute, with limits",
+                    joint=joint.name,
+                    factor=factor,
+                    joint_2=joints[leader].name,
+                    which=which.name,
+                ),
             )
 
 
@@ -251,8 +294,11 @@ def _check_independent(joints: Sequence[MovingJoint], free: Sequence[int], matri
     raise CouplingError(
         k,
         "coupling",
-        f"joints {', '.join(map(repr, still[:6]))} are coupled in a cycle: they can turn together"
-        " without moving anything; remove one coupling",
+        say(
+            "joints {still} are coupled in a cycle: they can turn together without"
+            " moving anything; remove one coupling",
+            still=", ".join(map(repr, still[:6])),
+        ),
     )
 
 
@@ -277,7 +323,13 @@ def _narrowed(
         if multiplier == 0.0:
             if not low <= constant <= high:
                 raise CouplingError(
-                    k, "limits", f"joint {name!r} stays at {constant:g}, outside its limits"
+                    k,
+                    "limits",
+                    say(
+                        "joint {name!r} stays at {constant:g}, outside its limits",
+                        name=name,
+                        constant=constant,
+                    ),
                 )
             continue
         ends = [
@@ -291,8 +343,12 @@ def _narrowed(
             raise CouplingError(
                 k,
                 "limits",
-                f"the limits of joint {name!r} leave no value to {joints[leader].name!r}, which it"
-                " follows; mend one of the two",
+                say(
+                    "the limits of joint {name!r} leave no value to {joint!r}, which it"
+                    " follows; mend one of the two",
+                    name=name,
+                    joint=joints[leader].name,
+                ),
             )
     return Limits(
         None if lower == -math.inf else lower + 0.0,
@@ -310,8 +366,12 @@ def narrow_warnings(joints: Sequence[MovingJoint], found: JointMap) -> tuple[str
         if limits.lower is None or limits.lower != limits.upper or own.lower == own.upper:
             continue
         warnings.append(
-            f"the limits of the joints that follow {joints[k].name!r} leave it one value,"
-            f" {limits.lower:g}; mend their limits or multipliers if it is to move"
+            say(
+                "the limits of the joints that follow {joint!r} leave it one value,"
+                " {lower:g}; mend their limits or multipliers if it is to move",
+                joint=joints[k].name,
+                lower=limits.lower,
+            )
         )
     return tuple(warnings)
 

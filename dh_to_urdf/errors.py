@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self, TypeAlias
 
+from dh_to_urdf.messages import say
+
 MAX_FAULTS = 10
 MAX_KEY = 64
 """Characters of a key that a location shows."""
@@ -28,7 +30,9 @@ class Fault:
 
     def __str__(self) -> str:
         place = location_text(self.location)
-        return f"{place}: {self.message}" if place else self.message
+        return (
+            say("{place}: {message}", place=place, message=self.message) if place else self.message
+        )
 
 
 class DHError(ValueError):
@@ -41,8 +45,8 @@ class DHError(ValueError):
     def __init__(self, faults: Sequence[Fault]) -> None:
         self.faults = tuple(faults[:MAX_FAULTS])
         more = len(faults) - 1
-        suffix = f" (and {more} more)" if more > 0 else ""
-        super().__init__(f"{faults[0].message}{suffix}")
+        suffix = say(" (and {more} more)", more=more) if more > 0 else ""
+        super().__init__(say("{message}{suffix}", message=faults[0].message, suffix=suffix))
 
     @classmethod
     def single(cls, location: Location, message: str) -> Self:
@@ -75,11 +79,15 @@ def escaped(token: object) -> str:
     return printable(str(token)).replace("~", "~0").replace("/", "~1")
 
 
+_KINDS = {"list": say("a list"), "dict": say("a dict")}
+
+
 def quoted(value: object, limit: int = 40) -> str:
     """Return ``repr`` of an input value, cut to ``limit`` characters, safe in a message."""
     if isinstance(value, int) and abs(value) > 10**limit:
-        return "a number of over 40 digits"
+        return say("a number of over 40 digits")
     text = repr(value) if isinstance(value, (str, int, float, bool)) or value is None else ""
     if not text:
-        return f"a {type(value).__name__}"
+        kind = type(value).__name__
+        return _KINDS.get(kind) or say("a {kind}", kind=kind)
     return text if len(text) <= limit else text[: limit - 1] + "…"

@@ -9,6 +9,8 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Iterable
 
+from dh_to_urdf.messages import chained, say
+
 MOST = 2
 """Pairs that are named."""
 _CYRILLIC = str.maketrans("АВЕКМНОРСТХУІЈЅаеорсхуіјѕкԁһԛԝ", "ABEKMHOPCTXYIJSaeopcxyijskdhqw")
@@ -44,9 +46,19 @@ def look_alikes(kind: str, names: Iterable[str]) -> tuple[str, ...]:
                 pairs.append((other, name))
     if not pairs:
         return ()
-    shown = ", and ".join(f"{shown_name(a)} and {shown_name(b)}" for a, b in pairs[:MOST])
-    more = f" (and {len(pairs) - MOST} more pairs)" if len(pairs) > MOST else ""
-    return (f"{kind} {shown}{more} look alike; give them names that differ more",)
+    shown = chained(
+        say(", and "),
+        (say("{a} and {b}", a=shown_name(a), b=shown_name(b)) for a, b in pairs[:MOST]),
+    )
+    more = say(" (and {count} more pairs)", count=len(pairs) - MOST) if len(pairs) > MOST else ""
+    return (
+        say(
+            "{kind} {shown}{more} look alike; give them names that differ more",
+            kind=kind,
+            shown=shown,
+            more=more,
+        ),
+    )
 
 
 def shown_name(name: str) -> str:

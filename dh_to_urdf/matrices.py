@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dh_to_urdf.couplings import joint_map, moving_joints
+from dh_to_urdf.messages import say
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow, DHTable, JointType
 
@@ -86,7 +87,7 @@ def joint_variables(table: DHTable, q: ArrayLike) -> Matrix:
     """
     q = np.asarray(q, dtype=np.float64)
     if q.ndim == 0 or q.shape[-1] != table.dof:
-        raise ValueError(f"q must hold {table.dof} values, one a joint")
+        raise ValueError(say("q must hold {dof} values, one a joint", dof=table.dof))
     v = np.zeros((*q.shape[:-1], len(table.rows)))
     if table.is_coupled:
         found = joint_map(*moving_joints(table))

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from dh_to_urdf.messages import say
+
 Matrix: TypeAlias = NDArray[np.float64]
 
 GIMBAL = 3e-16
@@ -41,22 +43,27 @@ def rigid_transform(matrix: ArrayLike, *, printed: bool = False) -> Matrix:
     try:
         T = np.array(matrix, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ValueError("is not a 4x4 matrix of numbers; give four rows of four numbers") from None
+        raise ValueError(
+            say("is not a 4x4 matrix of numbers; give four rows of four numbers")
+        ) from None
     if T.shape != (4, 4):
-        raise ValueError("is not a 4x4 matrix; give four rows of four numbers")
+        raise ValueError(say("is not a 4x4 matrix; give four rows of four numbers"))
     if not np.isfinite(T).all():
-        raise ValueError("has an entry that is not finite")
+        raise ValueError(say("has an entry that is not finite"))
     if not np.array_equal(T[3], [0.0, 0.0, 0.0, 1.0]):
-        raise ValueError("has a last row other than 0 0 0 1")
+        raise ValueError(say("has a last row other than 0 0 0 1"))
     R = T[:3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
         deviation = float(np.abs(R.T @ R - np.eye(3)).max())
         proper = float(np.linalg.det(R)) > 0
-    rounding, most = (PRINTED, 4.0 * PRINTED) if printed else (ROUNDING, ROUNDING)
+    most = 4.0 * PRINTED if printed else ROUNDING
     if deviation <= most and not proper:
         raise ValueError(
-            "has a reflection in its upper left 3x3 block, which is no rotation: its columns are"
-            " left-handed, as where two of them are exchanged or one has the wrong sign"
+            say(
+                "has a reflection in its upper left 3x3 block, which is no rotation: its columns"
+                " are left-handed, as where two of them are exchanged or one has the wrong sign;"
+                " give right-handed columns"
+            )
         )
     # Products of huge numbers may be NaN, for which every comparison is False.
     near = R
@@ -65,8 +72,12 @@ def rigid_transform(matrix: ArrayLike, *, printed: bool = False) -> Matrix:
         near = U @ Vt
     if not deviation <= most or (printed and float(np.abs(near - R).max()) > PRINTED):
         raise ValueError(
-            "has no rotation in its upper left 3x3 block: its columns must be orthonormal to"
-            f" {rounding:g} and right-handed; give more digits, or rpy or quaternion_xyzw instead"
+            say(
+                "has no rotation in its upper left 3x3 block: its columns must be"
+                " orthonormal to {rounding} and right-handed; give more digits, or rpy or"
+                " quaternion_xyzw instead",
+                rounding="1e-3" if printed else "1e-5",
+            )
         )
     T[:3, :3] = near
     return T
@@ -93,7 +104,7 @@ def rigid_transforms(matrices: Matrix, *, printed: bool = False) -> Matrix:
     if not good.all():
         first = int(np.flatnonzero(~good)[0])
         rigid_transform(T[first], printed=printed)
-        raise ValueError("is no rigid placement")
+        raise ValueError(say("is no rigid placement"))
     mend = deviation > 1e-14
     if mend.any():
         U, _, Vt = np.linalg.svd(R[mend])
@@ -126,7 +137,7 @@ def from_xyz_quaternion(xyz: ArrayLike, quaternion_xyzw: ArrayLike) -> Matrix:
     """
     quaternion = np.asarray(quaternion_xyzw, dtype=np.float64)
     if abs(float(np.linalg.norm(quaternion)) - 1.0) > 1e-3:
-        raise ValueError("is no unit quaternion (x, y, z, w); divide it by its norm")
+        raise ValueError(say("is no unit quaternion (x, y, z, w); divide it by its norm"))
     T = np.eye(4)
     T[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
     T[:3, 3] = xyz

@@ -12,6 +12,8 @@ from dh_to_urdf.documents.mapping import CONVENTION_ALIASES
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.extraction.extract import MAX_SNAP, SNAP, extract
 from dh_to_urdf.extraction.urdf_chain import read_chain
+from dh_to_urdf.languages import codes, language
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.writer import TABLE_TEXTS
 
 FORMATS = ("text", "yaml", "json", "csv", *TABLE_TEXTS)
@@ -38,6 +40,8 @@ FORMATS = ("text", "yaml", "json", "csv", *TABLE_TEXTS)
 @click.option("--format", "form", type=click.Choice(FORMATS), default="text", show_default=True)
 @click.option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True)
 @click.option("--explain", is_flag=True, help="Say how each frame was found (text, yaml, json).")
+@click.option("--lang", type=click.Choice(codes()), default="en", help="Language of messages.")
+@click.option("--decimal", type=click.Choice(["point", "comma"]), default="point", help="In CSV.")
 @click.option("-o", "--output", type=click.Path(dir_okay=False), help="File; default: print.")
 def main(
     urdf: str,
@@ -49,9 +53,12 @@ def main(
     form: str,
     angle: str,
     explain: bool,
+    lang: str,
+    decimal: str,
     output: str | None,
 ) -> None:
     """Find the Denavit-Hartenberg table of a serial chain in a URDF (- for standard input)."""
+    spoken = language(lang)
     with click.open_file(urdf, "rb") as stream:
         content = stream.read()
     try:
@@ -60,21 +67,22 @@ def main(
         found = extract(chain, named, snap=snap, positive_a=positive_a)
     except DHError as error:
         for fault in error.faults:
-            click.echo(str(fault), err=True)
+            click.echo(spoken.text(str(fault)), err=True)
         raise SystemExit(1) from None
     degrees = angle == "deg"
     if form == "text":
-        text = to_text(found, degrees=degrees, explained=explain)
+        text = spoken.text(to_text(found, degrees=degrees, explained=explain))
     elif form == "csv":
-        text = to_csv(found.table, degrees=degrees)
+        commas = decimal == "comma"
+        text = to_csv(found.table, degrees=degrees, language=spoken, commas=commas)
     elif form in TABLE_TEXTS:
         text = TABLE_TEXTS[form].write(found.table)
     else:
-        mapping = document(found, degrees=degrees, explained=explain)
+        mapping = spoken.told(document(found, degrees=degrees, explained=explain))
         text = to_yaml(mapping) if form == "yaml" else _json(mapping)
     if form != "text":
         for warning in found.table.warnings:
-            click.echo(f"warning: {warning}", err=True)
+            click.echo(spoken.text(say("warning: {warning}", warning=warning)), err=True)
     if output is None:
         click.echo(text, nl=False)
         return

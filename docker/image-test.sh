@@ -406,6 +406,7 @@ run_tests() {
   check "docs have their assets" answers /docs-assets/swagger-ui-bundle.js
   check "the page is there for browsers" test_page
   check "the guide" answers /guide/tutorial
+  check "the lab sheets" answers /labs/fr/8-optimisation
   check "pictures of the guide" answers /guide/methods.svg
   check "meshes that it draws" answers \
     /v1/robots/panda_urdf/meshes/panda_description/meshes/visual/link0.dae

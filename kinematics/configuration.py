@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 from kinematics.bounds import MAX_VALUE
 from kinematics.errors import WrongConfiguration
 from robots.errors import hint
@@ -39,15 +40,22 @@ def configuration(
         array = np.asarray(q, dtype=np.float64)
     except (TypeError, ValueError):
         raise WrongConfiguration(
-            f"{argument} is no array of numbers; give one number a joint, or a list of such lists"
-            " of equal length",
+            say(
+                "{argument} is no array of numbers; give one number a joint, or a list"
+                " of such lists of equal length",
+                argument=argument,
+            ),
             argument=argument,
             index=index,
             expected=robot.dof,
         ) from None
     if array.ndim not in (1, 2):
         raise WrongConfiguration(
-            f"{argument} has {array.ndim} dimensions; give one q or a list of q",
+            say(
+                "{argument} has {ndim} dimensions; give one q or a list of q",
+                argument=argument,
+                ndim=array.ndim,
+            ),
             argument=argument,
             index=index,
             expected=robot.dof,
@@ -55,8 +63,15 @@ def configuration(
     if array.shape[-1] != robot.dof:
         names = ", ".join(joint.name for joint in robot.joints[:12])
         raise WrongConfiguration(
-            f"{argument} has {array.shape[-1]} values, but the robot has {robot.dof} joints"
-            f" ({names}{', …' if robot.dof > 12 else ''}); give one value a joint",
+            say(
+                "{argument} has {shape} values, but the robot has {dof} joints"
+                " ({names}{which}); give one value a joint",
+                argument=argument,
+                shape=array.shape[-1],
+                dof=robot.dof,
+                names=names,
+                which=", …" if robot.dof > 12 else "",
+            ),
             argument=argument,
             index=index,
             expected=robot.dof,
@@ -66,9 +81,18 @@ def configuration(
         first = tuple(int(i) for i in np.argwhere(~(np.abs(array) <= MAX_VALUE))[0])
         joint = robot.joints[first[-1]].name
         value = array[first]
-        what = "not a finite number" if not np.isfinite(value) else f"{value:g}, beyond ±1e6"
+        what = (
+            say("not a finite number")
+            if not np.isfinite(value)
+            else say("{value:g}, beyond ±1e6", value=value)
+        )
         raise WrongConfiguration(
-            f"{argument} of joint {joint} is {what}; give a finite value",
+            say(
+                "{argument} of joint {joint} is {what}; give a finite value",
+                argument=argument,
+                joint=joint,
+                what=what,
+            ),
             argument=argument,
             index=(*index, *first),
             joint=joint,
@@ -140,7 +164,7 @@ def configuration_by_name(
     for name in values:
         if name not in names and name not in followers:
             raise WrongConfiguration(
-                f"there is no joint {name[:64]!r}; {hint(name, names)}",
+                say("there is no joint {name!r}; {hint}", name=name[:64], hint=hint(name, names)),
                 argument=argument,
                 index=(name,),
                 value=name,
@@ -150,7 +174,11 @@ def configuration_by_name(
     if missing:
         shown = ", ".join(missing[:12])
         raise WrongConfiguration(
-            f"{argument} lacks the joint(s) {shown}; give all of them",
+            say(
+                "{argument} lacks the joint(s) {shown}; give all of them",
+                argument=argument,
+                shown=shown,
+            ),
             argument=argument,
             missing=tuple(missing),
             known=names,
@@ -185,8 +213,15 @@ def _check_follower(
     relation = coupled.relations[k]
     assert relation.mimic is not None
     raise WrongConfiguration(
-        f"{argument} of joint {name} is {value:g}, but it follows {relation.mimic.joint}, which"
-        f" makes it {expected / unit:.9g}; give that, or leave {name} out",
+        say(
+            "{argument} of joint {name} is {value:g}, but it follows {joint}, which"
+            " makes it {expected:.9g}; give that, or leave {name} out",
+            argument=argument,
+            name=name,
+            value=value,
+            joint=relation.mimic.joint,
+            expected=expected / unit,
+        ),
         argument=argument,
         index=(name,),
         joint=name,

@@ -17,6 +17,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.messages import say
 from kinematics.bounds import Bounds
 from kinematics.chain import Chain, chain_of
 from kinematics.deadline import svd
@@ -66,7 +67,7 @@ def dexterity(
     """
     if length not in CHARACTERISTIC_LENGTH:
         raise CHARACTERISTIC_LENGTH.refusal(
-            f"characteristic_length is {length:g}; give 1e-6 up to 1e6 m",
+            say("characteristic_length is {length:g}; give 1e-6 up to 1e6 m", length=length),
             length,
             "characteristic_length",
         )

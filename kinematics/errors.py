@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TypedDict, Unpack
 
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 
 
 class ErrorData(TypedDict, total=False):
@@ -176,7 +177,7 @@ class OutOfTime(KinematicsError):
     """A computation that takes longer than one may."""
 
     def __init__(self) -> None:
-        super().__init__("this takes longer than one request may; ask for less at once")
+        super().__init__(say("this takes longer than one request may; ask for less at once"))
 
 
 class OutOfMemory(KinematicsError):
@@ -188,7 +189,10 @@ class OutOfMemory(KinematicsError):
 
     def __init__(self, memory: int, message: str = "", **data: Unpack[ErrorData]) -> None:
         self.memory = memory
-        text = f"this needs more than the {memory / 1e6:.0f} MB that it may take; ask for less"
+        text = say(
+            "this needs more than the {memory:.0f} MB that it may take; ask for less",
+            memory=memory / 1000000.0,
+        )
         super().__init__(message or text, **data)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
 
@@ -33,28 +34,50 @@ def null_motion_in_words(
     """
     moving = np.flatnonzero(np.abs(motion) > NEGLIGIBLE * np.abs(motion).max())
     names = [robot.joints[k].name for k in moving]
-    nothing = "nothing to the task" if task is None else _nothing(motion, task)
+    nothing = say("nothing to the task") if task is None else _nothing(motion, task)
     turns = robot.is_revolute[moving]
     if len(moving) == 1:
-        verb = "turns" if turns[0] else "slides"
-        return f"joint {names[0]} {verb} alone and does {nothing}"
-    verb = "turn" if turns.all() else "slide" if not turns.any() else "move"
-    listed = f"joints {_listed(names)}"
+        verb = say("turns") if turns[0] else say("slides")
+        return say(
+            "joint {name} {verb} alone and does {nothing}",
+            name=names[0],
+            verb=verb,
+            nothing=nothing,
+        )
+    verb = say("turn") if turns.all() else say("move") if turns.any() else say("slide")
+    listed = say("joints {names}", names=_listed(names))
     if len(moving) > MAX_NAMED:
-        return f"{len(moving)} joints {verb} together and do {nothing}"
+        return say(
+            "{count} joints {verb} together and do {nothing}",
+            count=len(moving),
+            verb=verb,
+            nothing=nothing,
+        )
     ratios = " : ".join(f"{x + 0.0:.4g}" for x in motion[moving] / motion[moving[0]])
     if turns.any() and not turns.all():
-        ratios += " (rad and m)"
+        ratios += say(" (rad and m)")
     if len(moving) == 2 and turns.all():
         turning = J[3:, moving] * motion[moving]
         if np.linalg.norm(turning.sum(axis=1)) <= 1e-6 * np.linalg.norm(turning[:, 0]):
             if motion[moving[0]] * motion[moving[1]] < 0.0:
-                return f"{listed} turn against each other and do {nothing}"
-            return (
-                f"{listed} turn the same way by value, about axes that point opposite ways, and do"
-                f" {nothing}"
+                return say(
+                    "{listed} turn against each other and do {nothing}",
+                    listed=listed,
+                    nothing=nothing,
+                )
+            return say(
+                "{listed} turn the same way by value, about axes that point opposite"
+                " ways, and do {nothing}",
+                listed=listed,
+                nothing=nothing,
             )
-    return f"{listed} {verb} as {ratios} and do {nothing}"
+    return say(
+        "{listed} {verb} as {ratios} and do {nothing}",
+        listed=listed,
+        verb=verb,
+        ratios=ratios,
+        nothing=nothing,
+    )
 
 
 def lost_direction_in_words(task: Task, direction: FloatArray, J: FloatArray | None = None) -> str:
@@ -68,23 +91,42 @@ def lost_direction_in_words(task: Task, direction: FloatArray, J: FloatArray | N
     """
     left = 0.0 if J is None else float(np.linalg.norm(direction @ J))
     lost = J is None or left <= NONE * _scale(J)
-    cannot = "cannot" if lost else f"can hardly (by {left:.2g} a unit of q)"
+    cannot = say("cannot") if lost else say("can hardly (by {left:.2g} a unit of q)", left=left)
     if not task.rotations:
-        return f"the frame {cannot} move along {_vector(task.positions, direction)}"
+        return say(
+            "the frame {cannot} move along {vector}",
+            cannot=cannot,
+            vector=_vector(task.positions, direction),
+        )
     if not task.positions:
-        return f"the frame {cannot} turn about {_turning(task, direction)}"
+        return say(
+            "the frame {cannot} turn about {turning}",
+            cannot=cannot,
+            turning=_turning(task, direction),
+        )
     split = len(task.positions)
     v, w = direction[:split], direction[split:]
     if np.abs(w).max() < 1e-9:
-        return f"the frame {cannot} move along {_vector(task.positions, v)}"
+        return say(
+            "the frame {cannot} move along {vector}",
+            cannot=cannot,
+            vector=_vector(task.positions, v),
+        )
     if np.abs(v).max() < 1e-9:
-        return f"the frame {cannot} turn about {_turning(task, w)}"
-    wrench = f"v = {_vector(task.positions, v)}, w = {_turning(task, w)}"
+        return say(
+            "the frame {cannot} turn about {turning}", cannot=cannot, turning=_turning(task, w)
+        )
+    wrench = say("v = {v}, w = {w}", v=_vector(task.positions, v), w=_turning(task, w))
     if not lost:
-        return f"twists of the frame have a part along {wrench}, of at most {left:.2g} a unit of q"
-    return (
-        f"no twist of the frame has a part along {wrench};"
-        " that wrench is carried without joint torques"
+        return say(
+            "twists of the frame have a part along {wrench}, of at most {left:.2g} a unit of q",
+            wrench=wrench,
+            left=left,
+        )
+    return say(
+        "no twist of the frame has a part along {wrench}; that wrench is"
+        " carried without joint torques",
+        wrench=wrench,
     )
 
 
@@ -92,8 +134,8 @@ def _nothing(motion: FloatArray, J: FloatArray) -> str:
     """Say that a motion does nothing to the task, or how little."""
     left = float(np.linalg.norm(J @ motion))
     if left <= NONE * _scale(J):
-        return "nothing to the task"
-    return f"next to nothing to the task ({left:.2g} a unit)"
+        return say("nothing to the task")
+    return say("next to nothing to the task ({left:.2g} a unit)", left=left)
 
 
 def _scale(J: FloatArray) -> float:
@@ -101,7 +143,8 @@ def _scale(J: FloatArray) -> float:
 
 
 def _turning(task: Task, values: FloatArray) -> str:
-    return _vector(task.rotations, values) + (" in its own axes" if task.own_axes else "")
+    vector = _vector(task.rotations, values)
+    return say("{vector} in its own axes", vector=vector) if task.own_axes else vector
 
 
 def _vector(rows: Sequence[int], values: FloatArray) -> str:
@@ -111,4 +154,4 @@ def _vector(rows: Sequence[int], values: FloatArray) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
-    return f"{', '.join(names[:-1])} and {names[-1]}"
+    return say("{names} and {name}", names=", ".join(names[:-1]), name=names[-1])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.bounds import Bounds
 from kinematics.configuration import configuration
 from kinematics.deadline import svd
@@ -74,7 +75,14 @@ def manipulability_map(
     q = configuration(robot, q)
     if samples not in SAMPLES:
         raise SAMPLES.refusal(
-            f"samples is {samples}; give {SAMPLES.lower} to {SAMPLES.upper}", samples, "samples"
+            say(
+                "samples is {samples}; give {lower} to {upper}",
+                samples=samples,
+                lower=SAMPLES.lower,
+                upper=SAMPLES.upper,
+            ),
+            samples,
+            "samples",
         )
     columns = _columns(robot, joints)
     lower, upper, assumed = drawn_bounds(robot, columns)
@@ -103,7 +111,7 @@ def _columns(robot: Robot, joints: tuple[str, str]) -> tuple[int, int]:
     for index, name in enumerate(joints):
         if name not in names:
             raise InvalidOption(
-                f"there is no joint {name[:64]!r}; {hint(name, names)}",
+                say("there is no joint {name!r}; {hint}", name=name[:64], hint=hint(name, names)),
                 argument="joints",
                 index=(index,),
                 value=name,
@@ -111,7 +119,7 @@ def _columns(robot: Robot, joints: tuple[str, str]) -> tuple[int, int]:
             )
     if joints[0] == joints[1]:
         raise InvalidOption(
-            "joints names one joint twice; give two",
+            say("joints names one joint twice; give two"),
             argument="joints",
             index=(1,),
             value=joints[1],

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 from dh_to_urdf.poses import rows_to_rpy
 from kinematics.errors import RepresentationSingularity, UnknownSequence
 from robots.robot import FloatArray
@@ -69,8 +70,12 @@ def parse_sequence(
         or upper[1] == upper[2]
     ):
         raise UnknownSequence(
-            f"{sequence[:16]!r} is no Euler sequence; give three axes such as ZXZ or ZYX"
-            " (upper case: moving axes) or xyz (lower case: fixed axes), no axis twice in a row",
+            say(
+                "{sequence!r} is no Euler sequence; give three axes such as ZXZ or ZYX"
+                " (upper case: moving axes) or xyz (lower case: fixed axes), no axis"
+                " twice in a row",
+                sequence=sequence[:16],
+            ),
             argument=argument,
             index=index,
             value=sequence,
@@ -147,7 +152,7 @@ def rotation_from_quaternion(quaternion_xyzw: FloatArray) -> FloatArray:
     """
     norm = float(np.linalg.norm(quaternion_xyzw))
     if not abs(norm - 1.0) <= 1e-3:
-        raise ValueError("is no unit quaternion (x, y, z, w); divide it by its norm")
+        raise ValueError(say("is no unit quaternion (x, y, z, w); divide it by its norm"))
     return np.asarray(pin.Quaternion(quaternion_xyzw / norm).matrix())
 
 
@@ -200,9 +205,12 @@ def analytic_map(R: FloatArray, sequence: str) -> FloatArray:
     determinant = np.abs(np.linalg.det(E))
     if (determinant < 1e-9).any():
         raise RepresentationSingularity(
-            f"at this orientation the {sequence} angles have no rates (|det E| ="
-            f" {float(determinant.min()):.1e}); choose another Euler sequence or the geometric"
-            " Jacobian",
+            say(
+                "at this orientation the {sequence} angles have no rates (|det E| ="
+                " {min:.1e}); choose another Euler sequence or the geometric Jacobian",
+                sequence=sequence,
+                min=float(determinant.min()),
+            ),
             argument="euler",
             value=sequence,
             sequence=sequence,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.messages import say
 from kinematics.bounds import Bounds
 from kinematics.jacobian import task_jacobian
 from kinematics.task import POSE, Task
@@ -111,7 +112,9 @@ def check_tolerance(tolerance: float) -> None:
     """
     if tolerance not in TOLERANCE:
         raise TOLERANCE.refusal(
-            f"tolerance is {tolerance:g}; give 0 up to below 1", tolerance, "tolerance"
+            say("tolerance is {tolerance:g}; give 0 up to below 1", tolerance=tolerance),
+            tolerance,
+            "tolerance",
         )
 
 
@@ -137,13 +140,20 @@ def unit_warnings(robot: Robot, task: Task) -> tuple[str, ...]:
     mixed = bool(task.positions) and bool(task.rotations)
     if mixed or (robot.is_revolute.any() and not robot.is_revolute.all()):
         found.append(
-            "manipulability and condition number mix metres and radians; compare them only on the"
-            " same robot and task, or choose a task such as position"
+            say(
+                "manipulability and condition number mix metres and radians; compare"
+                " them only on the same robot and task, or choose a task such as"
+                " position"
+            )
         )
     if robot.dof < len(task.rows):
         found.append(
-            f"the robot has {robot.dof} joints for {len(task.rows)} task rows: some directions are"
-            " lost everywhere and its singularities stay hidden; choose a smaller task such as xy,"
-            " position or xy_phi"
+            say(
+                "the robot has {dof} joints for {count} task rows: some directions are"
+                " lost everywhere and its singularities stay hidden; choose a smaller"
+                " task such as xy, position or xy_phi",
+                dof=robot.dof,
+                count=len(task.rows),
+            )
         )
     return tuple(found)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 from kinematics.bounds import MAX_VALUE
 from kinematics.errors import WrongVector
 from robots.robot import FloatArray
@@ -37,7 +38,7 @@ def spatial_vector(
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise WrongVector(
-            f"{name} is no array of numbers; give {listed}",
+            say("{name} is no array of numbers; give {listed}", name=name, listed=listed),
             argument=argument,
             index=index,
             rows=tuple(rows),
@@ -45,7 +46,13 @@ def spatial_vector(
     if array.ndim not in (1, 2) or array.shape[-1] != len(rows):
         count = array.shape[-1] if array.ndim else 1
         raise WrongVector(
-            f"{name} has {count} values; give {len(rows)}: {listed}, or a list of such lists",
+            say(
+                "{name} has {count} values; give {count_2}: {listed}, or a list of such lists",
+                name=name,
+                count=count,
+                count_2=len(rows),
+                listed=listed,
+            ),
             argument=argument,
             index=index,
             rows=tuple(rows),
@@ -54,9 +61,18 @@ def spatial_vector(
     if array.size and not np.abs(array).max() <= MAX_VALUE:
         first = tuple(int(i) for i in np.argwhere(~(np.abs(array) <= MAX_VALUE))[0])
         value = array[first]
-        what = "not a finite number" if not np.isfinite(value) else f"{value:g}, beyond ±1e6"
+        what = (
+            say("not a finite number")
+            if not np.isfinite(value)
+            else say("{value:g}, beyond ±1e6", value=value)
+        )
         raise WrongVector(
-            f"{rows[first[-1]]} of {name} is {what}; give a finite value",
+            say(
+                "{row} of {name} is {what}; give a finite value",
+                row=rows[first[-1]],
+                name=name,
+                what=what,
+            ),
             argument=argument,
             index=(*index, *first),
             value=float(value),
@@ -75,7 +91,12 @@ def check_same_length(q: FloatArray, other: FloatArray, argument: str) -> None:
     """
     if q.ndim == other.ndim == 2 and len(q) != len(other):
         raise WrongVector(
-            f"{argument} holds {len(other)} rows for {len(q)} of q; give as many, or one",
+            say(
+                "{argument} holds {count} rows for {count_2} of q; give as many, or one",
+                argument=argument,
+                count=len(other),
+                count_2=len(q),
+            ),
             argument=argument,
             expected=len(q),
         )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 from kinematics.errors import UnknownTask
 from robots.errors import hint
 from robots.robot import FloatArray
@@ -109,8 +110,12 @@ def task_from(
     if isinstance(value, str):
         if value not in TASKS:
             raise UnknownTask(
-                f"task {value[:32]!r} is unknown; {hint(value, tuple(TASKS))}, or give a mask of"
-                " six 0 or 1 for vx, vy, vz, wx, wy, wz",
+                say(
+                    "task {value!r} is unknown; {hint}, or give a mask of six 0 or 1 for"
+                    " vx, vy, vz, wx, wy, wz",
+                    value=value[:32],
+                    hint=hint(value, tuple(TASKS)),
+                ),
                 argument=argument,
                 index=index,
                 value=value,
@@ -119,7 +124,7 @@ def task_from(
         return TASKS[value]
     if len(value) != 6 or any(item not in (0, 1) for item in value) or not any(value):
         raise UnknownTask(
-            "a task mask is six 0 or 1 for vx, vy, vz, wx, wy, wz with at least one 1",
+            say("a task mask is six 0 or 1 for vx, vy, vz, wx, wy, wz with at least one 1"),
             argument=argument,
             index=index,
         )

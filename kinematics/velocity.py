@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.messages import say
 from kinematics.bounds import Bounds
 from kinematics.configuration import configuration
 from kinematics.deadline import checked, svd
@@ -152,6 +153,10 @@ def check_options(damping: float, tolerance: float) -> None:
     """
     if damping != 0 and damping not in DAMPING:
         raise DAMPING.refusal(
-            f"damping is {damping:g}; give 0, or 1e-12 up to 1e6, such as 0.01", damping, "damping"
+            say(
+                "damping is {damping:g}; give 0, or 1e-12 up to 1e6, such as 0.01", damping=damping
+            ),
+            damping,
+            "damping",
         )
     check_tolerance(tolerance)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption
 from kinematics.forward import fk
@@ -57,7 +58,14 @@ def workspace(
     """
     if samples not in SAMPLES:
         raise SAMPLES.refusal(
-            f"samples is {samples}; give {SAMPLES.lower} to {SAMPLES.upper}", samples, "samples"
+            say(
+                "samples is {samples}; give {lower} to {upper}",
+                samples=samples,
+                lower=SAMPLES.lower,
+                upper=SAMPLES.upper,
+            ),
+            samples,
+            "samples",
         )
     name = robot.tip_frame if frame is None else frame
     robot.frame_id(name)
@@ -96,7 +104,9 @@ def drawn_bounds(
             continue
         if not joint.type.is_revolute:
             raise InvalidOption(
-                f"joint {joint.name} slides without limits; give it lower and upper",
+                say(
+                    "joint {joint} slides without limits; give it lower and upper", joint=joint.name
+                ),
                 argument="robot",
                 value=joint.name,
             )
@@ -106,5 +116,7 @@ def drawn_bounds(
             lower[k] = upper[k] - 2 * math.pi
         else:
             lower[k], upper[k] = -math.pi, math.pi
-        assumed.append(f"joint {joint.name} has no limits; it goes through a whole turn")
+        assumed.append(
+            say("joint {joint} has no limits; it goes through a whole turn", joint=joint.name)
+        )
     return lower, upper, tuple(assumed)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Final, Literal, TypeAlias
 
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import chained, say
 
 MAX_SHOWN = 12
 DAMAGED: Final = "damaged"
@@ -70,7 +71,9 @@ class UnknownFrame(RobotError):
         self.valid = tuple(valid)
         self.argument = argument
         self.index = index
-        super().__init__(f"frame {name[:64]!r} is unknown; {hint(name, self.valid)}")
+        super().__init__(
+            say("frame {name!r} is unknown; {hint}", name=name[:64], hint=hint(name, self.valid))
+        )
 
 
 class RobotNotFound(RobotError):
@@ -87,7 +90,9 @@ class RobotNotFound(RobotError):
         self.valid = tuple(valid)
         self.total = total
         shown = hint(robot_id, self.valid, total)
-        super().__init__(f"there is no robot {robot_id[:64]!r}; {shown}")
+        super().__init__(
+            say("there is no robot {robot_id!r}; {shown}", robot_id=robot_id[:64], shown=shown)
+        )
 
 
 class InvalidRobotId(RobotError):
@@ -102,8 +107,11 @@ class InvalidRobotId(RobotError):
     def __init__(self, robot_id: str) -> None:
         self.robot_id = robot_id
         super().__init__(
-            f"{robot_id[:64]!r} cannot be a robot's id; use letters, digits and . _ - (at most 64,"
-            " starting with a letter or digit)"
+            say(
+                "{robot_id!r} cannot be a robot's id; use letters, digits and . _ - (at"
+                " most 64, starting with a letter or digit)",
+                robot_id=robot_id[:64],
+            )
         )
 
 
@@ -116,7 +124,7 @@ class RobotExists(RobotError):
 
     def __init__(self, robot_id: str) -> None:
         self.robot_id = robot_id
-        super().__init__(f"robot {robot_id!r} exists already")
+        super().__init__(say("robot {robot_id!r} exists already", robot_id=robot_id))
 
 
 Change: TypeAlias = Literal["replace", "delete"]
@@ -133,7 +141,12 @@ class AnothersRobot(RobotError):
     def __init__(self, robot_id: str, change: Change = "replace") -> None:
         self.robot_id = robot_id
         self.change = change
-        super().__init__(f"the id {robot_id!r} holds another robot, perhaps of somebody else")
+        super().__init__(
+            say(
+                "the id {robot_id!r} holds another robot, perhaps of somebody else",
+                robot_id=robot_id,
+            )
+        )
 
 
 class SharedRobot(RobotError):
@@ -145,7 +158,11 @@ class SharedRobot(RobotError):
 
     def __init__(self, robot_id: str) -> None:
         self.robot_id = robot_id
-        super().__init__(f"robot {robot_id!r} is shared by all and not changed by this key")
+        super().__init__(
+            say(
+                "robot {robot_id!r} is shared by all and not changed by this key", robot_id=robot_id
+            )
+        )
 
 
 class ReadOnlyRobot(RobotError):
@@ -158,7 +175,10 @@ class ReadOnlyRobot(RobotError):
     def __init__(self, robot_id: str) -> None:
         self.robot_id = robot_id
         super().__init__(
-            f"robot {robot_id!r} is shipped with the service and read-only; choose another id"
+            say(
+                "robot {robot_id!r} is shipped with the service and read-only; choose another id",
+                robot_id=robot_id,
+            )
         )
 
 
@@ -175,10 +195,14 @@ class RevisionMismatch(RobotError):
         self.robot_id = robot_id
         self.current = current
         if current == DAMAGED:
-            state = "is damaged"
+            state = say("is damaged")
         else:
-            state = f"is at revision {current}" if current else "does not exist"
-        super().__init__(f"robot {robot_id!r} {state}")
+            state = (
+                say("is at revision {current}", current=current)
+                if current
+                else say("does not exist")
+            )
+        super().__init__(say("robot {robot_id!r} {state}", robot_id=robot_id, state=state))
 
 
 class MeshNotFound(RobotError):
@@ -194,8 +218,15 @@ class MeshNotFound(RobotError):
         self.robot_id = robot_id
         self.name = name
         self.valid = valid
-        known = hint(name, valid) if valid else "no mesh of it is kept here"
-        super().__init__(f"robot {robot_id[:64]!r} has no mesh {name[:64]!r}; {known}")
+        known = hint(name, valid) if valid else say("no mesh of it is kept here")
+        super().__init__(
+            say(
+                "robot {robot_id!r} has no mesh {name!r}; {known}",
+                robot_id=robot_id[:64],
+                name=name[:64],
+                known=known,
+            )
+        )
 
 
 class DamagedRobot(RobotError):
@@ -211,8 +242,18 @@ class DamagedRobot(RobotError):
         self.robot_id = robot_id
         self.fault = fault
         self.moved = moved
-        where = "; it was moved to quarantine" if moved else ""
-        super().__init__(f"the stored file of robot {robot_id!r} {fault}{where}")
+        where = say("; it was moved to quarantine") if moved else ""
+        super().__init__(
+            say(
+                "the stored file of robot {robot_id!r} {fault}{where}",
+                robot_id=robot_id,
+                fault=fault,
+                where=where,
+            )
+        )
+
+
+_HOLDERS = {"store": say("store"), "namespace": say("namespace")}
 
 
 class QuotaReached(RobotError):
@@ -228,9 +269,14 @@ class QuotaReached(RobotError):
         self.quota = quota
         self.limit = limit
         self.holder = holder
-        counted = "bytes of uploaded robots" if quota == "bytes" else "uploaded robots"
+        counted = say("bytes of uploaded robots") if quota == "bytes" else say("uploaded robots")
         super().__init__(
-            f"the {holder} takes {limit} {counted} at most, and this robot would exceed that"
+            say(
+                "the {holder} takes {limit} {counted} at most, and this robot would exceed that",
+                holder=_HOLDERS[holder],
+                limit=limit,
+                counted=counted,
+            )
         )
 
 
@@ -243,7 +289,7 @@ class StorageFull(StorageError):
 
     def __init__(self) -> None:
         super().__init__(
-            "the disk is full and the robot was not stored; what was stored before is intact"
+            say("the disk is full and the robot was not stored; what was stored before is intact")
         )
 
 
@@ -266,8 +312,8 @@ def hint(name: str, valid: tuple[str, ...], total: int | None = None) -> str:
     """Name the closest valid names, or the first few."""
     close = difflib.get_close_matches(name[:64], valid, n=3)
     if close:
-        return "did you mean " + " or ".join(close) + "?"
+        return say("did you mean ") + chained(say(" or "), close) + "?"
     shown = ", ".join(valid[:MAX_SHOWN])
     count = len(valid) if total is None else total
-    more = f" and {count - MAX_SHOWN} more" if count > MAX_SHOWN else ""
-    return f"known are {shown}{more}"
+    more = say(" and {count} more", count=count - MAX_SHOWN) if count > MAX_SHOWN else ""
+    return say("known are {shown}{more}", shown=shown, more=more)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from dh_to_urdf import DHTable, Limits, table_to_urdf
 from dh_to_urdf.couplings import MovingJoint, joint_map, moving_joints, narrow_warnings, uncoupled
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 from dh_to_urdf.writer import BASE_LINK, TOOL_LINK, UNBOUNDED
 from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
 from robots.joints import CoupledJoints, Joint
@@ -181,9 +182,15 @@ def robot_from_table(table: DHTable) -> Robot:
     """
     moving = len(table.moving_rows)
     if moving > MAX_DOF:
-        raise RobotTooLarge(f"the table has {moving} joints; at most {MAX_DOF} are computed")
+        raise RobotTooLarge(
+            say(
+                "the table has {moving} joints; at most {max_dof} are computed",
+                moving=moving,
+                max_dof=MAX_DOF,
+            )
+        )
     if moving == 0:
-        raise InvalidURDF("the table has no joint that moves", ("joints",))
+        raise InvalidURDF(say("the table has no joint that moves"), ("joints",))
     urdf = table_to_urdf(table)
     # The model is the mechanism, whose joints are all free; the map of q knows the couplings.
     description = read_urdf(table_to_urdf(uncoupled(table)) if table.is_coupled else urdf)

@@ -8,12 +8,15 @@ from app.access.keys import Key, KeySource
 from app.access.rates import RateLimits, Standing, network_of
 from app.access.refusal import changes_robots, is_from_outside, path_of, refuse
 from app.http.problems import FORBIDDEN, TOO_MANY, TWO_KEYS, UNAUTHORISED
+from dh_to_urdf.messages import say
 
-OPEN = ("/", "/docs", "/guide", "/openapi.json", "/favicon.ico")
-OPEN_BELOW = ("/health/", "/docs-assets/", "/guide/", "/assets/", "/problems/")
+OPEN = ("/", "/docs", "/guide", "/labs", "/openapi.json", "/favicon.ico")
+OPEN_BELOW = ("/health/", "/docs-assets/", "/guide/", "/labs/", "/assets/", "/problems/")
 """Open to everybody: whether the service lives, and documents that tell nothing about robots."""
-UNCOUNTED = ("/", "/docs", "/guide", "/health/live", "/health/ready")
-UNCOUNTED_BELOW = ("/assets/", "/docs-assets/", "/guide/")
+CLOSED_BELOW = "/labs/teacher"
+"""But these: solutions of the lab sheets."""
+UNCOUNTED = ("/", "/docs", "/guide", "/labs", "/health/live", "/health/ready")
+UNCOUNTED_BELOW = ("/assets/", "/docs-assets/", "/guide/", "/labs/")
 """Asked by load balancers, which must not be turned away; and pages with their parts, which a
 browser asks for many at a time, without a key, and a classroom by one address."""
 KEY = "denavit.key"
@@ -49,7 +52,11 @@ class AccessControl:
             standing = self.rates.count(_client_of(scope, key))
             send = _with_headers(send, standing)
             if not standing.allowed:
-                detail = f"more than {standing.limit} requests; ask again in {standing.reset} s"
+                detail = say(
+                    "more than {limit} requests; ask again in {reset} s",
+                    limit=standing.limit,
+                    reset=standing.reset,
+                )
                 await refuse(scope, receive, send, TOO_MANY, detail)
                 return
         if self.keys.required and not _is_open(path):
@@ -59,7 +66,7 @@ class AccessControl:
                     receive,
                     send,
                     TWO_KEYS,
-                    "two different keys are shown; send one",
+                    say("two different keys are shown; send one"),
                     BEARER + ', error="invalid_request"',
                 )
                 return
@@ -69,9 +76,9 @@ class AccessControl:
                     receive,
                     send,
                     UNAUTHORISED,
-                    "this key is not known"
+                    say("this key is not known")
                     if secrets
-                    else "send a key as Authorization: Bearer … or as X-API-Key",
+                    else say("send a key as Authorization: Bearer … or as X-API-Key"),
                     BEARER + (', error="invalid_token"' if secrets else ""),
                 )
                 return
@@ -81,7 +88,7 @@ class AccessControl:
                     receive,
                     send,
                     FORBIDDEN,
-                    "this key reads and computes; robots are changed with one of scope write",
+                    say("this key reads and computes; robots are changed with one of scope write"),
                     BEARER + ', error="insufficient_scope", scope="write"',
                 )
                 return
@@ -115,10 +122,14 @@ def _client_of(scope: Scope, key: Key | None) -> str:
 
 
 def _is_open(path: str) -> bool:
+    if path.startswith(CLOSED_BELOW):
+        return False
     return path in OPEN or path.startswith(OPEN_BELOW)
 
 
 def _is_uncounted(path: str) -> bool:
+    if path.startswith(CLOSED_BELOW):
+        return False
     return path in UNCOUNTED or path.startswith(UNCOUNTED_BELOW)
 
 

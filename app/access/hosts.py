@@ -16,6 +16,7 @@ from app.access.refusal import is_from_outside, path_of, refuse
 from app.http.problems import MALFORMED_HOST, MISDIRECTED
 from app.settings import Settings, listed
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 
 ANY = "*"
 LOOPBACK = ("localhost", "127.0.0.1", "[::1]")
@@ -42,8 +43,11 @@ def allowed_hosts(settings: Settings) -> tuple[str, ...]:
     wrong = next((one for one in given if not _PATTERN.fullmatch(one)), None)
     if wrong is not None:
         raise InvalidHosts(
-            f"DENAVIT_ALLOWED_HOSTS has {quoted(wrong)}; give names without scheme and port, such"
-            " as robots.example.org *.example.org [::1], or *"
+            say(
+                "DENAVIT_ALLOWED_HOSTS has {wrong}; give names without scheme and port,"
+                " such as robots.example.org *.example.org [::1], or *",
+                wrong=quoted(wrong),
+            )
         )
     return tuple(given) or (ANY,)
 
@@ -98,14 +102,15 @@ class AllowedHosts:
             if not hosts and scope["http_version"] == "1.0":
                 await self.app(scope, receive, send)
                 return
-            detail = "send exactly one Host header, with a name, such as Host: localhost:8000"
+            detail = say("send exactly one Host header, with a name, such as Host: localhost:8000")
             await refuse(scope, receive, send, MALFORMED_HOST, detail)
         elif self._allows(match[1]) or (path_of(scope) in PROBES and _is_address(match[1])):
             await self.app(scope, receive, send)
         else:
-            detail = (
-                f"this service is not called {quoted(match[1].decode())}; who runs it may add the"
-                " name to DENAVIT_ALLOWED_HOSTS"
+            detail = say(
+                "this service is not called {decode}; who runs it may add the name to"
+                " DENAVIT_ALLOWED_HOSTS",
+                decode=quoted(match[1].decode()),
             )
             await refuse(scope, receive, send, MISDIRECTED, detail)
 

@@ -13,6 +13,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app.access.refusal import changes_robots, is_from_outside, refuse
 from app.http.problems import CROSS_ORIGIN
+from dh_to_urdf.messages import say
 
 OWN_SITES = (b"same-origin", b"none")
 """Of a page of the service itself; of the user, who typed an address or chose a bookmark."""
@@ -33,9 +34,9 @@ class CrossOrigin:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handles one ASGI connection."""
         if is_from_outside(scope) and changes_robots(scope) and self._is_foreign(scope):
-            detail = (
-                "a page of another origin asks for this; who runs the service may add that origin"
-                " to DENAVIT_CORS_ORIGINS"
+            detail = say(
+                "a page of another origin asks for this; who runs the service may add"
+                " that origin to DENAVIT_CORS_ORIGINS"
             )
             await refuse(scope, receive, send, CROSS_ORIGIN, detail)
         else:

@@ -19,6 +19,7 @@ from app.admission.memory import BodyBudget
 from app.middleware.request_id import RequestId
 from app.openapi.problems import PROBLEMS
 from app.settings import Settings, listed
+from dh_to_urdf.messages import say
 
 READABLE = (
     "ETag",
@@ -52,8 +53,11 @@ def key_source(settings: Settings) -> KeySource:
     keys = KeySource(settings.api_keys.get_secret_value(), settings.api_keys_file)
     if settings.namespaces and not keys.required:
         raise InvalidKeys(
-            "DENAVIT_NAMESPACES gives each key robots of its own, and no keys are set: make some"
-            " with denavit key and set DENAVIT_API_KEYS_FILE, or leave DENAVIT_NAMESPACES out"
+            say(
+                "DENAVIT_NAMESPACES gives each key robots of its own, and no keys are"
+                " set: make some with denavit key and set DENAVIT_API_KEYS_FILE, or"
+                " leave DENAVIT_NAMESPACES out"
+            )
         )
     return keys
 

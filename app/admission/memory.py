@@ -19,6 +19,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from app.admission.need import SMALL, Need
 from app.admission.thread_pool import Admission
 from app.http.problems import BUSY, TOO_LARGE, RequestProblem
+from dh_to_urdf.messages import say
 from kinematics.deadline import Cancelled
 
 SMALL_BODY = 100_000
@@ -120,8 +121,11 @@ class Memory:
         seconds = math.ceil(self._patience / 2)
         return RequestProblem(
             BUSY,
-            "other large requests fill the memory that there is for them; ask again in"
-            f" {seconds} s",
+            say(
+                "other large requests fill the memory that there is for them; ask again"
+                " in {seconds} s",
+                seconds=seconds,
+            ),
             headers={"Retry-After": str(seconds)},
         )
 
@@ -246,11 +250,20 @@ def _is_small(scope: Scope) -> bool:
 def _too_much(need: Need, most: int) -> str:
     """Return why something can never fit, and what would."""
     fitting = need.fitting(most)
-    size = f"this needs about {need.bytes / 1e6:.0f} MB, and there are {most / 1e6:.0f} MB for it"
+    size = say(
+        "this needs about {bytes:.0f} MB, and there are {most:.0f} MB for it",
+        bytes=need.bytes / 1000000.0,
+        most=most / 1000000.0,
+    )
     if fitting < 1:
-        return f"{size}; it does not fit on this service"
-    of_what = f"{need.of} of this robot" if need.argument else need.of
-    return f"{size}; give at most {fitting} {of_what} at once"
+        return say("{size}; it does not fit on this service", size=size)
+    of_what = say("{of} of this robot", of=need.of) if need.argument else need.of
+    return say(
+        "{size}; give at most {fitting} {of_what} at once",
+        size=size,
+        fitting=fitting,
+        of_what=of_what,
+    )
 
 
 def return_free_memory() -> None:

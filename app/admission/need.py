@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import isqrt
 
+from dh_to_urdf.messages import say
+
 SMALL = 4_000_000
 """Bytes of a need, a body or an answer that fit beside everything else."""
 READING = 4.0
@@ -30,7 +32,7 @@ class Need:
     each: float
     count: int = 1
     fixed: int = 0
-    of: str = "rows of q"
+    of: str = say("rows of q")
     argument: str = "q"
     squared: bool = False
 
@@ -51,9 +53,9 @@ NOTHING = Need(0.0)
 
 def body_need(size: int) -> Need:
     """Return what reading a body needs besides its bytes: copies of its fields, and the values."""
-    return Need(READING, size, of="bytes in a body", argument="")
+    return Need(READING, size, of=say("bytes in a body"), argument="")
 
 
 def document_need(size: int) -> Need:
     """Return what reading a document of a robot needs besides its bytes."""
-    return Need(READING_DOCUMENT, size, of="bytes in a document", argument="")
+    return Need(READING_DOCUMENT, size, of=say("bytes in a document"), argument="")

@@ -20,10 +20,11 @@ from fastapi import FastAPI, Request, Response
 from starlette.requests import ClientDisconnect
 
 from app.http.problems import BUSY, ErrorEntry, ProblemType, RequestProblem, problem_response
+from dh_to_urdf.messages import say
 from kinematics.deadline import Cancelled, Deadline, checkpoint, under
 
 T = TypeVar("T")
-GONE = ProblemType("client-closed-request", 499, "The client went away")
+GONE = ProblemType("client-closed-request", 499, say("The client went away"))
 """For logs and metrics: nobody reads it."""
 LONGEST_RETRY = 60.0
 MEMORY = 0.2
@@ -204,8 +205,11 @@ class ThreadPool:
         seconds = math.ceil(min(max(ahead, 1.0), LONGEST_RETRY))
         return RequestProblem(
             BUSY,
-            f"{len(self._admissions)} requests are at work or wait already; ask again in"
-            f" {seconds} s",
+            say(
+                "{count} requests are at work or wait already; ask again in {seconds} s",
+                count=len(self._admissions),
+                seconds=seconds,
+            ),
             headers={"Retry-After": str(seconds)},
         )
 
@@ -251,7 +255,7 @@ def install(app: FastAPI) -> None:
     """Registers what a request of somebody who went away ends with."""
 
     async def gone(request: Request, error: Exception) -> Response:  # noqa: ARG001
-        return problem_response(request, GONE, [ErrorEntry("", "the client went away")])
+        return problem_response(request, GONE, [ErrorEntry("", say("the client went away"))])
 
     app.add_exception_handler(Cancelled, gone)
     app.add_exception_handler(ClientDisconnect, gone)

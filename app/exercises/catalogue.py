@@ -11,6 +11,7 @@ import msgspec
 from ruamel.yaml import YAML
 
 from app.http.problems import NOT_FOUND, RequestProblem
+from dh_to_urdf.messages import say
 from kinematics.checking.question import Quantity
 from robots.errors import hint
 
@@ -110,6 +111,11 @@ def exercise_named(name: str) -> Declaration:
     known = exercises()
     if name not in known:
         raise RequestProblem(
-            NOT_FOUND, f"there is no exercise {name[:64]!r}; {hint(name, tuple(known))}"
+            NOT_FOUND,
+            say(
+                "there is no exercise {name!r}; {hint}",
+                name=name[:64],
+                hint=hint(name, tuple(known)),
+            ),
         )
     return known[name]

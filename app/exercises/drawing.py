@@ -18,6 +18,7 @@ import numpy as np
 from app.exercises.catalogue import Declaration, Part, Steps, exercise_named
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from dh_to_urdf import Convention, read_mapping, to_convention
+from dh_to_urdf.messages import say
 from kinematics.checking.question import Quantity, Question
 from kinematics.forward import fk
 from kinematics.inverse.all_solutions import all_solutions
@@ -78,8 +79,11 @@ def check_seed(seed: str) -> None:
     if not seed.strip() or len(seed) > MAX_SEED or not seed.isprintable():
         raise RequestProblem(
             INVALID_REQUEST,
-            f"seed is empty, longer than {MAX_SEED} characters, or not printable; give a student's"
-            " number or name",
+            say(
+                "seed is empty, longer than {max_seed} characters, or not printable;"
+                " give a student's number or name",
+                max_seed=MAX_SEED,
+            ),
             "/seed",
         )
 

@@ -11,6 +11,7 @@ from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.check import verdict_view
 from dh_to_urdf import DHError
+from dh_to_urdf.messages import say
 from kinematics.checking.answers import read_entries
 from kinematics.checking.check import check_answer
 from kinematics.checking.question import Quantity, Question
@@ -18,7 +19,7 @@ from kinematics.checking.verdict import Verdict
 from kinematics.errors import InvalidAnswer, KinematicsError
 from robots.errors import hint
 
-NO_ANSWER = "no answer"
+NO_ANSWER = say("no answer")
 _SHAPES = {"xy": ((2,),), "xyz": ((3,),), "rotation": ((3, 3),), None: ((4, 4), (3, 4))}
 
 
@@ -33,7 +34,7 @@ def check_names(found: Drawn, answers: Mapping[str, Any]) -> None:
         if name not in known:
             raise RequestProblem(
                 INVALID_REQUEST,
-                f"there is no part {name[:64]!r}; {hint(name, known)}",
+                say("there is no part {name!r}; {hint}", name=name[:64], hint=hint(name, known)),
                 json_pointer(("answers", name)),
             )
 
@@ -97,11 +98,18 @@ def _checked(part: Part, question: Question, answer: Any) -> Verdict:
 
 
 def _of_other_form(part: Part) -> NoReturn:
-    forms = {"xy": "[x, y]", "xyz": "[x, y, z]", "rotation": "3 rows of 3", None: "4 rows of 4"}
-    wanted = "two triples in a list" if part.both else forms[part.shape]
+    forms = {
+        "xy": "[x, y]",
+        "xyz": say("[x, y, z]"),
+        "rotation": say("3 rows of 3"),
+        None: say("4 rows of 4"),
+    }
+    wanted = say("two triples in a list") if part.both else forms[part.shape]
     if part.formula:
-        wanted = "formulas of q1, q2, … that hold at every q"
-    raise InvalidAnswer(f"answer has another form; give {wanted}", argument="answer")
+        wanted = say("formulas of q1, q2, … that hold at every q")
+    raise InvalidAnswer(
+        say("answer has another form; give {wanted}", wanted=wanted), argument="answer"
+    )
 
 
 def _unreadable(error: KinematicsError | DHError, place: tuple[str, str]) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from app.exercises.catalogue import Part, exercises
 from app.exercises.drawing import Drawn
 from app.exercises.texts import texts
 from dh_to_urdf.documents.layouts import to_text
+from dh_to_urdf.messages import say
 from kinematics.checking.question import Quantity, Question
 from kinematics.orientation import euler_angles
 from robots.robot import FloatArray
@@ -190,5 +191,9 @@ def _target_lines(
     if "target" not in part:
         return []
     target = part["target"]
-    angles = f"; ZXZ {numbers(target['euler']['angles'])}" if "euler" in target else ""
+    angles = (
+        say("; ZXZ {target}", target=numbers(target["euler"]["angles"]))
+        if "euler" in target
+        else ""
+    )
     return [f"   {words['target']}{words['colon']} {numbers(target['position'])}{angles}"]

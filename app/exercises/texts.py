@@ -8,8 +8,7 @@ from typing import Any
 from fastapi import Request
 
 from app.exercises.catalogue import read_yaml_file
-from app.http.negotiation import accepted_ranges
-from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.http.language import language_of as spoken_in
 
 LANGUAGES = ("en", "fr")
 
@@ -21,21 +20,6 @@ def texts(language: str) -> Any:
 
 
 def language_of(request: Request) -> str:
-    """Return the language of an answer: ``?lang=``, else ``Accept-Language``, else English.
-
-    Raises:
-        RequestProblem: ``lang`` is none of the languages.
-    """
-    named = request.query_params.get("lang")
-    if named is not None:
-        if named not in LANGUAGES:
-            raise RequestProblem(
-                INVALID_REQUEST, f"lang is {named[:16]!r}; give {' or '.join(LANGUAGES)}", "/lang"
-            )
-        return named
-    ranges = accepted_ranges(request.headers.get("accept-language", ""))
-    for tag, (weight, _) in sorted(ranges.items(), key=lambda item: item[1]):
-        short = tag.split("-")[0]
-        if short in LANGUAGES and weight < 0.0:
-            return short
-    return LANGUAGES[0]
+    """Return the language of an answer, of those that there are texts in."""
+    code = spoken_in(request).code
+    return code if code in LANGUAGES else LANGUAGES[0]

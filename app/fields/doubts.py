@@ -18,13 +18,14 @@ from dh_to_urdf.cells.doubts import (
     is_like_degrees,
     is_like_radians,
 )
+from dh_to_urdf.messages import say
 from robots.robot import FloatArray, Robot
 
 IN_REQUEST = Remedies(
-    "then angle=deg",
-    "then leave angle=deg out",
-    "then divide by 1000, as lengths are in m",
-    "lengths are in m",
+    say("then angle=deg"),
+    say("then leave angle=deg out"),
+    say("then divide by 1000, as lengths are in m"),
+    say("lengths are in m"),
 )
 TOUCH = 1e-9
 """Excess of a limit, rad or m, that is rounding."""
@@ -89,9 +90,11 @@ class RequestDoubts:
         for value in values:
             if self.units.degrees:
                 if is_like_radians(value):
-                    self._add(Kind.RADIANS, f"{what} is {as_radians(value)}")
+                    self._add(
+                        Kind.RADIANS, say("{what} is {value}", what=what, value=as_radians(value))
+                    )
             elif is_like_degrees(value):
-                self._add(Kind.DEGREES, f"{what} has {in_turns(value)}")
+                self._add(Kind.DEGREES, say("{what} has {value}", what=what, value=in_turns(value)))
 
     def place(self, points: FloatArray, what: str, far: float = FAR) -> None:
         """Look at places in the axes of the robot's base, m, shape (3,) or (n, 3)."""
@@ -104,15 +107,27 @@ class RequestDoubts:
             near = np.minimum(np.abs(points), FARTHEST)
             distance = float(np.sqrt(np.square(near).sum(axis=-1)).max(initial=0.0))
         if distance > most:
-            reach = f"the robot spans {self.robot.span:.3g} m"
-            self._add(Kind.MILLIMETRES, f"{what} is {distance:.4g} m away, and {reach}")
+            reach = say("the robot spans {span:.3g} m", span=self.robot.span)
+            self._add(
+                Kind.MILLIMETRES,
+                say(
+                    "{what} is {distance:.4g} m away, and {reach}",
+                    what=what,
+                    distance=distance,
+                    reach=reach,
+                ),
+            )
 
     def mended(self, distance: float, what: str) -> None:
         """Tell that a matrix was no rotation, but this far from the one that was taken."""
         if distance > ROUNDED:
             self._outside.append(
-                f"{what} was taken as the nearest rotation, from which it differs by {distance:.2g}"
-                " at most, as it is when few decimals are printed"
+                say(
+                    "{what} was taken as the nearest rotation, from which it differs by"
+                    " {distance:.2g} at most, as it is when few decimals are printed",
+                    what=what,
+                    distance=distance,
+                )
             )
 
     def _add(self, kind: Kind, text: str) -> None:
@@ -124,14 +139,22 @@ class RequestDoubts:
         """Look for digits of rad among joint values that were read in degrees."""
         for joint, value in zip(self.robot.joints, given, strict=True):
             if is_like_radians(value) and joint.type.is_revolute:
-                self._add(Kind.RADIANS, f"{name} of joint {joint.name} is {as_radians(value)}")
+                self._add(
+                    Kind.RADIANS,
+                    say(
+                        "{name} of joint {joint} is {value}",
+                        name=name,
+                        joint=joint.name,
+                        value=as_radians(value),
+                    ),
+                )
 
     def _look(self, q: FloatArray, name: str) -> None:
         """Look at rows of which one at least holds an unexpected value, rad and m."""
         lower, upper = self.robot.lower, self.robot.upper
         first, count = "", 0
         for k, joint in enumerate(self.robot.joints):
-            column, place = q[:, k], f"{name} of joint {joint.name}"
+            column, place = q[:, k], say("{name} of joint {joint}", name=name, joint=joint.name)
             outside = (column < lower[k] - TOUCH) | (column > upper[k] + TOUCH)
             odd = outside if np.isfinite(upper[k] - lower[k]) else np.abs(column) > TURN
             values = column[odd]
@@ -140,17 +163,21 @@ class RequestDoubts:
             worst = float(values[int(np.argmax(np.abs(values)))])
             if joint.type.is_revolute:
                 if not self.units.degrees and _is_degrees(worst, bool(outside.any())):
-                    self._add(Kind.DEGREES, f"{place} is {in_turns(worst)}")
+                    self._add(
+                        Kind.DEGREES, say("{place} is {worst}", place=place, worst=in_turns(worst))
+                    )
                     continue
             elif _is_millimetres(worst, float(lower[k]), float(upper[k])):
-                self._add(Kind.MILLIMETRES, f"{place} is {worst:g} m")
+                self._add(Kind.MILLIMETRES, say("{place} is {worst:g} m", place=place, worst=worst))
                 continue
             if outside.any():
                 count += int(outside.sum())
                 first = first or self._beyond(k, column, outside, place, len(q))
         if count:
-            more = f" (and {count - 1} more values outside)" if count > 1 else ""
-            self._outside.append(f"{first}{more}; the robot cannot be there")
+            more = say(" (and {count} more values outside)", count=count - 1) if count > 1 else ""
+            self._outside.append(
+                say("{first}{more}; the robot cannot be there", first=first, more=more)
+            )
 
     def _beyond(
         self, k: int, column: FloatArray, outside: FloatArray, place: str, rows: int
@@ -161,8 +188,16 @@ class RequestDoubts:
         numbers = np.array([column[row], self.robot.lower[k], self.robot.upper[k]])
         value, low, high = self.units.angles_out(numbers) if turns else numbers
         unit = self.units.named["angle" if turns else "length"]
-        where = f" in row {row}" if rows > 1 else ""
-        return f"{place} is {value:.6g} {unit}{where}, outside its limits {low:.6g} to {high:.6g}"
+        where = say(" in row {row}", row=row) if rows > 1 else ""
+        return say(
+            "{place} is {value:.6g} {unit}{where}, outside its limits {low:.6g} to {high:.6g}",
+            place=place,
+            value=value,
+            unit=unit,
+            where=where,
+            low=low,
+            high=high,
+        )
 
 
 def _is_degrees(angle: float, outside: bool) -> bool:

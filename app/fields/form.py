@@ -13,6 +13,7 @@ from app.fields.field import KEY, Field, Parameter, Reading
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import COMPUTED
 from app.http.strict_json import decode_json, validation_problem
+from dh_to_urdf.messages import say
 
 R = TypeVar("R", bound=msgspec.Struct)
 PLAIN = Field()
@@ -102,7 +103,9 @@ class RequestForm(Generic[R]):
         values = self._values(query, reading)
         if name in values:
             raise RequestProblem(
-                INVALID_REQUEST, f"{name} is in the npy body and in the query", f"/{name}"
+                INVALID_REQUEST,
+                say("{name} is in the npy body and in the query", name=name),
+                f"/{name}",
             )
         return self._complete({**values, name: array})
 
@@ -142,7 +145,9 @@ class RequestForm(Generic[R]):
         missing = next((name for name in self.required if name not in values), None)
         if missing is not None:
             raise RequestProblem(
-                INVALID_REQUEST, f"the field {missing!r} is missing; give it", f"/{missing}"
+                INVALID_REQUEST,
+                say("the field {missing!r} is missing; give it", missing=missing),
+                f"/{missing}",
             )
         return self.wire(**values)
 

@@ -20,6 +20,7 @@ from app.http.strict_json import (
     decode_rows,
 )
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from kinematics.configuration import Given, configuration, configuration_by_name
 from robots.robot import FloatArray
 
@@ -76,7 +77,7 @@ class JointField(Field):
             return None
         q = self._array(value, location, reading)
         if q.ndim != 1 and not self.many:
-            message = f"{location[-1]} is a batch; give one list"
+            message = say("{location} is a batch; give one list", location=location[-1])
             raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
         found = reading.units.joints_in(reading.robot, q) if self.angular else q
         if self.posture:
@@ -91,7 +92,12 @@ class JointField(Field):
             value = _from_json(bytes(value), location, reading, self.given)
         q = configuration(reading.robot, value, name, index)
         if q.ndim == 2 and not 1 <= len(q) <= most:
-            message = f"{location[-1]} holds {len(q)} rows; give 1 to {most}"
+            message = say(
+                "{location} holds {count} rows; give 1 to {most}",
+                location=location[-1],
+                count=len(q),
+                most=most,
+            )
             raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
         return q
 
@@ -102,7 +108,9 @@ def _from_json(text: bytes, location: Location, reading: Reading, given: Given) 
         return _by_name(text, location, reading, given)
     if text[:1] != b"[":
         shown = text[:32].decode(errors="replace")
-        message = f"{name} is {shown}; give a list of numbers, one a joint"
+        message = say(
+            "{name} is {shown}; give a list of numbers, one a joint", name=name, shown=shown
+        )
         raise RequestProblem(INVALID_REQUEST, message, pointer)
     if text[1:64].lstrip()[:1] == b"[":
         try:
@@ -115,7 +123,7 @@ def _from_json(text: bytes, location: Location, reading: Reading, given: Given) 
 def _by_name(text: bytes, location: Location, reading: Reading, given: Given) -> FloatArray:
     pointer, name = json_pointer(location), location[-1]
     if len(text) > PIECE:
-        message = f"{name} has {len(text)} bytes; name each joint once"
+        message = say("{name} has {count} bytes; name each joint once", name=name, count=len(text))
         raise RequestProblem(INVALID_REQUEST, message, pointer)
     values = decode_json(text, dict[str, Any], pointer)
     for joint, value in values.items():
@@ -123,7 +131,12 @@ def _by_name(text: bytes, location: Location, reading: Reading, given: Given) ->
         if not plain or abs(value) > MAX_INTEGER:
             raise RequestProblem(
                 INVALID_REQUEST,
-                f"{name} of joint {joint[:64]} is {quoted(value)}; give a number",
+                say(
+                    "{name} of joint {joint} is {value}; give a number",
+                    name=name,
+                    joint=joint[:64],
+                    value=quoted(value),
+                ),
                 json_pointer((*location, joint)),
             )
     angle = float(np.pi / 180) if reading.units.degrees and given is not Given.EFFORT else 1.0

@@ -15,6 +15,7 @@ from app.fields.field import Field, Parameter, Reading, declared
 from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 from kinematics.jacobian import ReferenceFrame
 from kinematics.orientation import parse_sequence
 from kinematics.task import TASKS, Task, task_from
@@ -102,7 +103,11 @@ class ReferenceFrameName(Field):
         if value not in list(ReferenceFrame):
             raise RequestProblem(
                 INVALID_REQUEST,
-                f"reference_frame is {value[:32]!r}; give {', '.join(ReferenceFrame)}",
+                say(
+                    "reference_frame is {value!r}; give {referenceframe}",
+                    value=value[:32],
+                    referenceframe=", ".join(ReferenceFrame),
+                ),
                 json_pointer(location),
             )
         return ReferenceFrame(value)
@@ -148,7 +153,7 @@ class FrameNames(Field):
         if not value:
             raise RequestProblem(
                 INVALID_REQUEST,
-                'frames is empty; name frames, give "all" or leave it out',
+                say('frames is empty; name frames, give "all" or leave it out'),
                 json_pointer(location),
             )
         return [value] if isinstance(value, str) else list(dict.fromkeys(value))

@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from kinematics.configuration import joint_names
 from kinematics.errors import InvalidOption, dotted
 from kinematics.redundancy.arm import Arm
@@ -39,7 +40,12 @@ def read_per_joint(
         for name in value:
             if name not in names:
                 raise InvalidOption(
-                    f"{field} names joint {quoted(name)}, which is unknown; {hint(name, names)}",
+                    say(
+                        "{field} names joint {name}, which is unknown; {hint}",
+                        field=field,
+                        name=quoted(name),
+                        hint=hint(name, names),
+                    ),
                     argument=argument,
                     index=(*index, name),
                     value=name,
@@ -48,14 +54,19 @@ def read_per_joint(
         for name in arm.names:
             if name not in value:
                 raise InvalidOption(
-                    f"{field} lacks joint {name}; give every joint",
+                    say("{field} lacks joint {name}; give every joint", field=field, name=name),
                     argument=argument,
                     index=index,
                     known=names,
                 )
     elif isinstance(value, list) and len(value) != len(names):
         raise InvalidOption(
-            f"{field} has {len(value)} values; give {len(names)}, one a joint",
+            say(
+                "{field} has {count} values; give {count_2}, one a joint",
+                field=field,
+                count=len(value),
+                count_2=len(names),
+            ),
             argument=argument,
             index=index,
             known=names,
@@ -64,7 +75,14 @@ def read_per_joint(
     for k, one, place in _entries(value, names):
         if not lowest <= one <= highest:
             raise InvalidOption(
-                f"{field} is {one:g} for joint {names[k]}; give {lowest:g} to {highest:g}",
+                say(
+                    "{field} is {one:g} for joint {name}; give {lowest:g} to {highest:g}",
+                    field=field,
+                    one=one,
+                    name=names[k],
+                    lowest=lowest,
+                    highest=highest,
+                ),
                 argument=argument,
                 index=(*index, *place),
                 value=one,

@@ -13,6 +13,7 @@ from app.fields.field import Field, Parameter, Reading, declared
 from app.fields.names import one_of
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from kinematics.bounds import MAX_VALUE
 
 
@@ -48,7 +49,11 @@ class WindingsName(Field):
         """
         del reading
         if value not in tuple(Windings):
-            message = f"windings is {quoted(value)}; give {' or '.join(Windings)}"
+            message = say(
+                "windings is {value}; give {choice}",
+                value=quoted(value),
+                choice=", ".join(Windings),
+            )
             raise RequestProblem(INVALID_REQUEST, message, f"/{location[-1]}")
         return Windings(value)
 

@@ -20,6 +20,7 @@ from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.strict_json import validation_problem
 from app.http.units import Units
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 from kinematics.inverse.target import Targets, mended, target_poses
 from kinematics.task import Task
 from robots.robot import FloatArray
@@ -96,9 +97,10 @@ def target_pose(
     """
     pose: FloatArray = target_poses(_one(target, doubts, location), task)[0]
     if target.matrix is not None:
-        doubts.mended(mended([target.matrix], pose[None]), f"the matrix of {_named(location)}")
+        what = say("the matrix of {location}", location=_named(location))
+        doubts.mended(mended([target.matrix], pose[None]), what)
     if target.position is not None or target.matrix is not None:
-        doubts.place(pose[:3, 3], f"the {_named(location)}")
+        doubts.place(pose[:3, 3], say("the {location}", location=_named(location)))
     return pose
 
 
@@ -115,7 +117,7 @@ def _one(target: Target, doubts: RequestDoubts, location: Location) -> Targets:
         ("phi", None if target.phi is None else [target.phi]),
     ):
         if angles is not None:
-            doubts.angles(angles, f"{form} of {name}")
+            doubts.angles(angles, say("{form} of {name}", form=form, name=name))
     return Targets(
         matrix=None if target.matrix is None else [target.matrix],
         position=None if target.position is None else [target.position],
@@ -215,8 +217,8 @@ class ManyTargets(Field):
             _check_count(len(array), location, reading)
             targets = Targets(matrix=array, location=location, many=True, by_field=True)
             poses = target_poses(targets, task)
-            reading.doubts.mended(mended(array, poses), "a target's matrix")
-            reading.doubts.place(poses[:, :3, 3], "a target")
+            reading.doubts.mended(mended(array, poses), say("a target's matrix"))
+            reading.doubts.place(poses[:, :3, 3], say("a target"))
             return poses if value.ndim == 3 else poses[0]
         if isinstance(value, TargetBatch):
             poses = target_poses(_by_field(value, location, reading), task)
@@ -229,8 +231,8 @@ class ManyTargets(Field):
             rows = [k for k, one in enumerate(value) if one.matrix is not None]
             if rows:
                 given = [value[k].matrix for k in rows]
-                reading.doubts.mended(mended(given, poses[rows]), "a target's matrix")
-        reading.doubts.place(poses[:, :3, 3], "a target")
+                reading.doubts.mended(mended(given, poses[rows]), say("a target's matrix"))
+        reading.doubts.place(poses[:, :3, 3], say("a target"))
         return poses
 
 
@@ -264,8 +266,10 @@ def _by_field(batch: TargetBatch, location: Location, reading: Reading) -> Targe
         ]
     lengths = {name: len(value) for name, value in columns.items()}
     if len(set(lengths.values())) != 1:
-        found = ", ".join(f"{name} {length}" for name, length in lengths.items()) or "nothing"
-        message = f"{location[-1]} has fields of unequal lengths ({found})"
+        found = ", ".join(f"{name} {length}" for name, length in lengths.items()) or say("nothing")
+        message = say(
+            "{location} has fields of unequal lengths ({found})", location=location[-1], found=found
+        )
         raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
     count = next(iter(lengths.values()))
     _check_count(count, location, reading)
@@ -285,7 +289,9 @@ def _together(
     ):
         if angles is not None:
             looked_at = np.ravel(angles[:LOOKED_AT]).tolist()
-            reading.doubts.angles(looked_at, f"{name} of {location[-1]}")
+            reading.doubts.angles(
+                looked_at, say("{name} of {location}", name=name, location=location[-1])
+            )
     return Targets(
         matrix=columns.get("matrix"),
         position=columns.get("position"),
@@ -306,7 +312,12 @@ def _together(
 def _check_count(count: int, location: Location, reading: Reading) -> None:
     limit = reading.settings.max_ik_batch
     if not 1 <= count <= limit:
-        message = f"{location[-1]} holds {count}; give 1 to {limit}"
+        message = say(
+            "{location} holds {count}; give 1 to {limit}",
+            location=location[-1],
+            count=count,
+            limit=limit,
+        )
         raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
 
 

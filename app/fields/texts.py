@@ -8,6 +8,7 @@ from app.fields.field import Reading
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import MAX_QUERY_VALUES, number, split
 from dh_to_urdf.cells.expressions import Quantity
+from dh_to_urdf.messages import say
 
 
 def text(name: str, value: str, reading: Reading) -> str:
@@ -36,7 +37,9 @@ def integer(name: str, value: str, reading: Reading) -> int:
     found = scalar(name, value, reading)
     if not found.is_integer():
         raise RequestProblem(
-            INVALID_REQUEST, f"{name} is {value[:32]!r}; give an integer", f"/{name}"
+            INVALID_REQUEST,
+            say("{name} is {value!r}; give an integer", name=name, value=value[:32]),
+            f"/{name}",
         )
     return int(found)
 
@@ -46,7 +49,9 @@ def flag(name: str, value: str, reading: Reading) -> bool:
     del reading
     if value not in ("true", "false"):
         raise RequestProblem(
-            INVALID_REQUEST, f"{name} is {value[:32]!r}; give true or false", f"/{name}"
+            INVALID_REQUEST,
+            say("{name} is {value!r}; give true or false", name=name, value=value[:32]),
+            f"/{name}",
         )
     return value == "true"
 
@@ -89,7 +94,9 @@ def matrix(name: str, value: str, reading: Reading) -> list[list[float]]:
     values = scalars(name, value, reading)
     if len(values) != 16:
         raise RequestProblem(
-            INVALID_REQUEST, f"{name} has {len(values)} values; give 16, row by row", f"/{name}"
+            INVALID_REQUEST,
+            say("{name} has {count} values; give 16, row by row", name=name, count=len(values)),
+            f"/{name}",
         )
     return [values[k : k + 4] for k in range(0, 16, 4)]
 
@@ -103,7 +110,9 @@ def names(name: str, value: str, reading: Reading) -> list[str] | str:
     if not all(found) or len(found) > MAX_QUERY_VALUES:
         raise RequestProblem(
             INVALID_REQUEST,
-            f"{name} is {value[:32]!r}; give names, separated by commas",
+            say(
+                "{name} is {value!r}; give names, separated by commas", name=name, value=value[:32]
+            ),
             f"/{name}",
         )
     return found
@@ -115,7 +124,9 @@ def renamings(name: str, value: str, reading: Reading) -> dict[str, str]:
     pairs = [part.partition(":") for part in value.split(",")]
     if any(not colon for _, colon, _ in pairs) or len(pairs) > MAX_QUERY_VALUES:
         raise RequestProblem(
-            INVALID_REQUEST, f"{name} is {value[:32]!r}; write it as a2:L1,a3:L2", f"/{name}"
+            INVALID_REQUEST,
+            say("{name} is {value!r}; write it as a2:L1,a3:L2", name=name, value=value[:32]),
+            f"/{name}",
         )
     return {key.strip(): named.strip() for key, _, named in pairs}
 

@@ -46,7 +46,13 @@ class RenderedPage:
     body: str
 
 
-def render_page(text: str, path: str, addresses: Mapping[str, str]) -> RenderedPage:
+def render_page(
+    text: str,
+    path: str,
+    addresses: Mapping[str, str],
+    parser: MarkdownIt | None = None,
+    section: str = "Link to this section",
+) -> RenderedPage:
     """Render one Markdown file.
 
     Args:
@@ -54,13 +60,17 @@ def render_page(text: str, path: str, addresses: Mapping[str, str]) -> RenderedP
         path: The file's path in the repository; relative links start from its folder.
         addresses: Address below ``/guide``, relative to this page, of each file of the
             repository that the service has. A link to any other file becomes plain text.
+        parser: What reads and writes it; default one for plain pages.
+        section: Label of the link that a heading has to itself.
     """
-    tokens = _PARSER.parse(text)
+    chosen = parser or _PARSER
+    tokens = chosen.parse(text)
     headings = _anchor_headings(tokens)
     for token in tokens:
         if token.children:
             token.children = _with_addresses(token.children, path, addresses)
-    return RenderedPage(headings, str(_PARSER.renderer.render(tokens, _PARSER.options, {})))
+    environment = {"section": section}
+    return RenderedPage(headings, str(chosen.renderer.render(tokens, chosen.options, environment)))
 
 
 def headings_of(text: str) -> tuple[Heading, ...]:
@@ -131,11 +141,12 @@ def _address(link: str, path: str, addresses: Mapping[str, str]) -> str | None:
     return None if address is None else f"{address}{mark}{fragment}"
 
 
-def _heading_close(_: RendererHTML, tokens: Sequence[Token], index: int, *__: Any) -> str:
+def _heading_close(
+    _: RendererHTML, tokens: Sequence[Token], index: int, __: Any, environment: Mapping[str, Any]
+) -> str:
     token = tokens[index]
-    link = (
-        f'<a class="anchor" href="#{token.meta["anchor"]}" aria-label="Link to this section">#</a>'
-    )
+    label = escape(environment["section"])
+    link = f'<a class="anchor" href="#{token.meta["anchor"]}" aria-label="{label}">#</a>'
     return f" {link}</{token.tag}>\n"
 
 
@@ -148,14 +159,23 @@ def _table_close(*_: Any) -> str:
     return "</table></div>\n"
 
 
-def _fence(_: RendererHTML, tokens: Sequence[Token], index: int, *__: Any) -> str:
+def code_block(token: Token) -> str:
     """Write a block of code; commands and what they print are told apart by class."""
-    language = escape(tokens[index].info.strip().partition(" ")[0])
-    kind = "output" if language in ("text", "json") else "code"
-    return f'<pre class="{kind}"><code>{escape(tokens[index].content)}</code></pre>\n'
+    kind = "output" if language_of_code(token) in ("text", "json") else "code"
+    return f'<pre class="{kind}"><code>{escape(token.content)}</code></pre>\n'
 
 
-def _parser() -> MarkdownIt:
+def language_of_code(token: Token) -> str:
+    """Return the language that a block of code names."""
+    return token.info.strip().partition(" ")[0]
+
+
+def _fence(_: RendererHTML, tokens: Sequence[Token], index: int, *__: Any) -> str:
+    return code_block(tokens[index])
+
+
+def page_parser() -> MarkdownIt:
+    """Return a parser of Markdown pages: CommonMark and tables, no HTML."""
     parser = MarkdownIt("commonmark", {"html": False}).enable("table")
     parser.add_render_rule("heading_close", _heading_close)
     parser.add_render_rule("table_open", _table_open)
@@ -164,4 +184,4 @@ def _parser() -> MarkdownIt:
     return parser
 
 
-_PARSER = _parser()
+_PARSER = page_parser()

@@ -5,15 +5,16 @@ from __future__ import annotations
 import gzip
 import hashlib
 from dataclasses import dataclass
-from html import escape
 from importlib.resources import files
 
 from fastapi import FastAPI, Request, Response
 from starlette.exceptions import HTTPException
 
+from app.guide.document import Entry, Menu, document
 from app.guide.rendering import RenderedPage, headings_of, render_page, title_of
 from app.guide.sources import INDEX, PAGES, PICTURES, source_root
 from app.http.negotiation import HTML, TEXT, wanted_type
+from app.labs.sources import student_addresses
 from app.page import TYPES, PageFile
 
 STYLESHEET = "guide.css"
@@ -82,26 +83,28 @@ def load_guide() -> Guide:
         below, above = ("guide/", "") if path == INDEX else ("", "../")
         served = {source: below + name for name, source in (PAGES | PICTURES).items()}
         served[INDEX] = f"{above}guide"
+        served |= {file: above + address for file, address in student_addresses().items()}
         rendered = render_page(texts[path], path, served)
         html = _document(rendered, name, menu, below, above)
         return GuidePage(
-            _file(html.encode(), TYPES[".html"]),
-            _file(texts[path].encode(), f"{TEXT}; charset=utf-8"),
+            page_file(html.encode(), TYPES[".html"]),
+            page_file(texts[path].encode(), f"{TEXT}; charset=utf-8"),
         )
 
     pictures = {
-        name: _file(root.joinpath(path).read_bytes(), TYPES["." + name.rpartition(".")[2]])
+        name: page_file(root.joinpath(path).read_bytes(), TYPES["." + name.rpartition(".")[2]])
         for name, path in PICTURES.items()
     }
     style = (files("app.guide") / STYLESHEET).read_bytes()
     return Guide(
         page(INDEX, ""),
         {name: page(path, name) for name, path in PAGES.items()},
-        {**pictures, STYLESHEET: _file(style, TYPES[".css"])},
+        {**pictures, STYLESHEET: page_file(style, TYPES[".css"])},
     )
 
 
-def _file(content: bytes, kind: str) -> PageFile:
+def page_file(content: bytes, kind: str) -> PageFile:
+    """Return a file that is held in memory, with its entity tag."""
     forms = {"identity": content}
     if kind != TYPES[".png"]:
         forms["gzip"] = gzip.compress(content, mtime=0)
@@ -110,42 +113,15 @@ def _file(content: bytes, kind: str) -> PageFile:
 
 def _document(page: RenderedPage, name: str, menu: dict[str, str], below: str, above: str) -> str:
     """Return a whole HTML document: menu, contents of the page, body."""
-    entries = [("", f"{above}guide", "Guide")]
-    entries += [(one, below + one, title) for one, title in menu.items()]
-    links = "".join(
-        f'<a href="{address}"{" aria-current=page" * (one == name)}>{escape(title)}</a>'
-        for one, address, title in entries
+    pages = [Entry(f"{above}guide", "Guide", current=not name)]
+    pages += [Entry(below + one, title, current=one == name) for one, title in menu.items()]
+    service = (
+        Entry(f"{above}labs/en", "Labs"),
+        Entry(above or "./", "The page"),
+        Entry(f"{above}docs", "API docs"),
     )
-    contents = "".join(
-        f'<li><a href="#{one.anchor}">{escape(one.text)}</a></li>'
-        for one in page.headings
-        if one.level == 2
-    )
-    return f"""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<title>{escape(title_of(page.headings))} · Denavit</title>
-<link rel="icon" href="data:,">
-<link rel="stylesheet" href="{below}{STYLESHEET}">
-</head>
-<body>
-<header>
-<nav aria-label="Guide">{links}</nav>
-<nav aria-label="Service">
-<a href="{above or "./"}">The page</a><a href="{above}docs">API docs</a>
-</nav>
-</header>
-<main>
-<nav class="contents" aria-label="On this page"><ul>{contents}</ul></nav>
-<article>
-{page.body}</article>
-</main>
-</body>
-</html>
-"""
+    menus = (Menu("Guide", pages), Menu("Service", service))
+    return document(page, menus, (below + STYLESHEET,))
 
 
 def install(app: FastAPI, guide: Guide) -> None:

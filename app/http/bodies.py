@@ -12,6 +12,7 @@ from app.http.problems import (
     UNSUPPORTED_TYPE,
     RequestProblem,
 )
+from dh_to_urdf.messages import say
 
 _CODED = re.compile(rb"gzip|compress|deflate|br|zstd", re.IGNORECASE)
 
@@ -25,7 +26,9 @@ async def read_body(request: Request, limit: int) -> bytes:
         RequestProblem: 413, as soon as the limit is passed; 400 and 415 for headers that leave
             open what the body is.
     """
-    too_large = RequestProblem(TOO_LARGE, f"the body is larger than the {limit} bytes read here")
+    too_large = RequestProblem(
+        TOO_LARGE, say("the body is larger than the {limit} bytes read here", limit=limit)
+    )
     types = 0
     for name, value in request.scope["headers"]:
         if name == b"content-length":
@@ -34,19 +37,21 @@ async def read_body(request: Request, limit: int) -> bytes:
         elif name == b"content-type":
             types += 1
             if types > 1:
-                raise RequestProblem(MALFORMED_BODY, "the header Content-Type stands twice")
+                raise RequestProblem(MALFORMED_BODY, say("the header Content-Type stands twice"))
             if b"charset" in value.lower() and not _UTF8.search(value):
                 raise RequestProblem(
-                    UNSUPPORTED_TYPE, "the body has another charset; send UTF-8 and say so"
+                    UNSUPPORTED_TYPE, say("the body has another charset; send UTF-8 and say so")
                 )
         elif (name == b"content-encoding" and value.strip().lower() not in (b"", b"identity")) or (
             name == b"transfer-encoding" and _CODED.search(value)
         ):
             raise RequestProblem(
                 UNSUPPORTED_TYPE,
-                "compressed bodies are not read here; send the body as it is, without"
-                " Content-Encoding (large batches as application/x-npy) and with no other"
-                " Transfer-Encoding than chunked",
+                say(
+                    "compressed bodies are not read here; send the body as it is, without"
+                    " Content-Encoding (large batches as application/x-npy) and with no"
+                    " other Transfer-Encoding than chunked"
+                ),
                 headers={"Accept-Encoding": "identity"},
             )
     parts: list[bytes] = []

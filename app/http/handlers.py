@@ -21,6 +21,7 @@ from app.http.problems import (
     problem_response,
 )
 from app.http.rendering import RENDERINGS, rendered
+from dh_to_urdf.messages import say
 
 _METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
 
@@ -64,20 +65,25 @@ async def _http_exception(request: Request, error: Exception) -> Response:
     path = request.url.path
     shown = path if len(path) <= 100 else f"{path[:99]}…"
     if status is HTTPStatus.REQUEST_ENTITY_TOO_LARGE:
-        message = "the body is larger than this endpoint takes; send it in parts"
+        message = say("the body is larger than this endpoint takes; send it in parts")
         return problem_response(request, TOO_LARGE, [ErrorEntry("", message)])
     if status is HTTPStatus.NOT_FOUND:
-        remedy = "GET / lists the endpoints"
+        remedy = say("GET / lists the endpoints")
         if path.endswith("/"):
-            remedy = "addresses have no / at the end"
-        message = f"there is nothing at {shown}; {remedy}"
+            remedy = say("addresses have no / at the end")
+        message = say("there is nothing at {shown}; {remedy}", shown=shown, remedy=remedy)
         return problem_response(request, NOT_FOUND, [ErrorEntry("", message)])
     if status is HTTPStatus.METHOD_NOT_ALLOWED:
         allowed = ", ".join(allowed_methods(request))
         headers = {"Allow": allowed}
         if request.method == "OPTIONS":
             return Response(status_code=204, headers=headers)
-        message = f"{request.method[:16]} is not possible at {shown}; use {allowed}"
+        message = say(
+            "{method} is not possible at {shown}; use {allowed}",
+            method=request.method[:16],
+            shown=shown,
+            allowed=allowed,
+        )
         return problem_response(request, METHOD_NOT_ALLOWED, [ErrorEntry("", message)], headers)
     slug = status.phrase.lower().replace(" ", "-").replace("'", "")
     type_ = ProblemType(slug, status.value, status.phrase)

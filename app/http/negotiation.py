@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from fastapi import Request
 
 from app.http.problems import (
@@ -12,6 +10,8 @@ from app.http.problems import (
     UNSUPPORTED_TYPE,
     RequestProblem,
 )
+from app.http.ranges import accepted_ranges
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.writer import TABLE_TEXTS
 
 JSON = "application/json"
@@ -38,9 +38,6 @@ PYTHON_SOURCE = "text/x-python"
 
 C_SOURCE = "text/x-c"
 
-MAX_RANGES = 32
-"""Entries of an Accept header that are read."""
-
 FORMATS = {
     "json": JSON,
     "text": TEXT,
@@ -55,8 +52,6 @@ FORMATS = {
     "c": C_SOURCE,
 } | {name: form.media_type for name, form in TABLE_TEXTS.items()}
 """Names of media types in ``?format=``."""
-
-_WEIGHT = re.compile(r"0(\.\d{0,3})?|1(\.0{0,3})?", re.ASCII)
 
 
 def media_type(request: Request) -> str:
@@ -76,7 +71,11 @@ def wanted_type(request: Request, *offers: str) -> str:
         if wanted not in offers:
             choices = ", ".join(key for key, value in FORMATS.items() if value in offers)
             raise RequestProblem(
-                INVALID_REQUEST, f"format is {named[:32]!r}; give one of {choices}", "/format"
+                INVALID_REQUEST,
+                say(
+                    "format is {named!r}; give one of {choices}", named=named[:32], choices=choices
+                ),
+                "/format",
             )
         return wanted
     accept = request.headers.get("accept", "*/*")
@@ -92,26 +91,10 @@ def wanted_type(request: Request, *offers: str) -> str:
         if found is not None and found[0] < 0 and (best is None or found < best):
             best, chosen = found, offer
     if chosen is None:
-        raise RequestProblem(NOT_ACCEPTABLE, f"this answer is available as {', '.join(offers)}")
+        raise RequestProblem(
+            NOT_ACCEPTABLE, say("this answer is available as {offers}", offers=", ".join(offers))
+        )
     return chosen
-
-
-def accepted_ranges(accept: str) -> dict[str, tuple[float, int]]:
-    """Media ranges of an Accept header, each with its negative weight and its position.
-
-    A weight that is none counts as 0; an empty header accepts everything.
-    """
-    ranges: dict[str, tuple[float, int]] = {}
-    for position, item in enumerate(accept.lower().split(",")[:MAX_RANGES]):
-        name, *parameters = (part.strip() for part in item.split(";"))
-        if not name:
-            continue
-        weights = [one[2:] for one in parameters if one.startswith("q=")]
-        weight = 1.0
-        if weights:
-            weight = float(weights[0]) if _WEIGHT.fullmatch(weights[0]) else 0.0
-        ranges.setdefault(name, (-weight, position))
-    return ranges or {"*/*": (-1.0, 0)}
 
 
 def require_type(request: Request, *accepted: str) -> str:
@@ -130,10 +113,17 @@ def unsupported(given: str, accepted: tuple[str, ...]) -> RequestProblem:
     """415 that teaches ``curl --json`` to those who used ``curl -d``."""
     listed = ", ".join(accepted)
     if given in ("", "application/x-www-form-urlencoded"):
-        detail = (
-            "the body has no JSON content type; with curl write --json '{…}' instead of -d, or add"
-            f" -H 'Content-Type: {accepted[0]}' (read here: {listed})"
+        detail = say(
+            "the body has no JSON content type; with curl write --json '{{…}}'"
+            " instead of -d, or add -H 'Content-Type: {accepted}' (read here:"
+            " {listed})",
+            accepted=accepted[0],
+            listed=listed,
         )
     else:
-        detail = f"a body of type {given[:64]!r} is not read here; send {listed}"
+        detail = say(
+            "a body of type {given!r} is not read here; send {listed}",
+            given=given[:64],
+            listed=listed,
+        )
     return RequestProblem(UNSUPPORTED_TYPE, detail, headers={"Accept": listed})

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.http.problems import INVALID_REQUEST, MALFORMED_BODY, TOO_LARGE, RequestProblem
+from dh_to_urdf.messages import say
 from robots.robot import FloatArray
 
 MAX_HEADER = 4096
@@ -42,29 +43,38 @@ def decode_npy(body: bytes, pointer: str = "") -> FloatArray:
             raise ValueError  # a key stands twice, of which the reader takes the last
     except Exception:  # numpy's header reader lets errors of its tokenizer and parser through
         raise RequestProblem(
-            MALFORMED_BODY, "the body is no npy file of numbers; write it with np.save", pointer
+            MALFORMED_BODY,
+            say("the body is no npy file of numbers; write it with np.save"),
+            pointer,
         ) from None
     if dtype.hasobject or dtype.kind not in "fiu" or dtype.itemsize > 8:
         raise RequestProblem(
-            INVALID_REQUEST, "the npy array holds no real numbers; save it as float64", pointer
+            INVALID_REQUEST, say("the npy array holds no real numbers; save it as float64"), pointer
         )
     if len(shape) > 3 or not all(type(extent) is int and 0 < extent < 10**9 for extent in shape):
         raise RequestProblem(
             INVALID_REQUEST,
-            f"the npy array has shape {str(shape)[:80]}; give one to three dimensions, none empty",
+            say(
+                "the npy array has shape {shape}; give one to three dimensions, none empty",
+                shape=str(shape)[:80],
+            ),
             pointer,
         )
     count = math.prod(shape)
     if count > MAX_VALUES:
         raise RequestProblem(
             TOO_LARGE,
-            f"the npy array holds {count} numbers; at most {MAX_VALUES} are read",
+            say(
+                "the npy array holds {count} numbers; at most {max_values} are read",
+                count=count,
+                max_values=MAX_VALUES,
+            ),
             pointer,
         )
     start = stream.tell()
     if count * dtype.itemsize != len(body) - start:
         raise RequestProblem(
-            MALFORMED_BODY, "the npy file is shorter or longer than its header says", pointer
+            MALFORMED_BODY, say("the npy file is shorter or longer than its header says"), pointer
         )
     array = np.frombuffer(body, dtype=dtype, count=count, offset=start)
     array = array.reshape(shape, order="F" if fortran else "C")

@@ -10,9 +10,15 @@ from typing import Any
 import orjson
 from fastapi import Request, Response
 
+from app.http.language import language_headers, language_of
+from dh_to_urdf.languages import Language
+from dh_to_urdf.messages import say
+
 MEDIA_TYPE = "application/problem+json"
 MAX_ERRORS = 10
 MAX_MESSAGE = 400
+MAX_TRANSLATED = 600
+"""Other languages take more room than English."""
 MAX_BYTES = 4096
 # Control characters, and those that turn the direction of what follows.
 _UNSAFE = re.compile(
@@ -64,26 +70,30 @@ class RequestProblem(Exception):
         self.headers = dict(headers or {})
 
 
-MALFORMED_BODY = ProblemType("malformed-body", 400, "The body cannot be parsed")
-INVALID_REQUEST = ProblemType("invalid-request", 422, "The request cannot be used")
-UNSUPPORTED_TYPE = ProblemType("unsupported-media-type", 415, "This body type is not read here")
-TOO_LONG = ProblemType("uri-too-long", 414, "The address is too long")
-NOT_ACCEPTABLE = ProblemType("not-acceptable", 406, "The answer has no such form")
-TOO_LARGE = ProblemType("too-large", 413, "The request is too large")
-INTERNAL = ProblemType("internal-error", 500, "The service failed")
-STOPPING = ProblemType("stopping", 503, "The service is stopping")
+MALFORMED_BODY = ProblemType("malformed-body", 400, say("The body cannot be parsed"))
+INVALID_REQUEST = ProblemType("invalid-request", 422, say("The request cannot be used"))
+UNSUPPORTED_TYPE = ProblemType(
+    "unsupported-media-type", 415, say("This body type is not read here")
+)
+TOO_LONG = ProblemType("uri-too-long", 414, say("The address is too long"))
+NOT_ACCEPTABLE = ProblemType("not-acceptable", 406, say("The answer has no such form"))
+TOO_LARGE = ProblemType("too-large", 413, say("The request is too large"))
+INTERNAL = ProblemType("internal-error", 500, say("The service failed"))
+STOPPING = ProblemType("stopping", 503, say("The service is stopping"))
 
-BUSY = ProblemType("busy", 503, "The service has no room for this now")
-UNAUTHORISED = ProblemType("unauthorised", 401, "This needs a key")
-TWO_KEYS = ProblemType("two-keys", 400, "The request shows two different keys")
-FORBIDDEN = ProblemType("forbidden", 403, "The key does not allow this")
-NOT_REVEALED = ProblemType("not-revealed", 403, "Right answers are not shown here")
-CROSS_ORIGIN = ProblemType("cross-origin", 403, "A page of another origin may not change robots")
-MALFORMED_HOST = ProblemType("malformed-host", 400, "The request does not say whom it calls")
-MISDIRECTED = ProblemType("misdirected", 421, "The service does not go by this name")
-TOO_MANY = ProblemType("too-many-requests", 429, "Too many requests")
-NOT_FOUND = ProblemType("not-found", 404, "There is nothing here")
-METHOD_NOT_ALLOWED = ProblemType("method-not-allowed", 405, "The method is not possible here")
+BUSY = ProblemType("busy", 503, say("The service has no room for this now"))
+UNAUTHORISED = ProblemType("unauthorised", 401, say("This needs a key"))
+TWO_KEYS = ProblemType("two-keys", 400, say("The request shows two different keys"))
+FORBIDDEN = ProblemType("forbidden", 403, say("The key does not allow this"))
+NOT_REVEALED = ProblemType("not-revealed", 403, say("Right answers are not shown here"))
+CROSS_ORIGIN = ProblemType(
+    "cross-origin", 403, say("A page of another origin may not change robots")
+)
+MALFORMED_HOST = ProblemType("malformed-host", 400, say("The request does not say whom it calls"))
+MISDIRECTED = ProblemType("misdirected", 421, say("The service does not go by this name"))
+TOO_MANY = ProblemType("too-many-requests", 429, say("Too many requests"))
+NOT_FOUND = ProblemType("not-found", 404, say("There is nothing here"))
+METHOD_NOT_ALLOWED = ProblemType("method-not-allowed", 405, say("The method is not possible here"))
 
 GENERIC_TYPES = (
     INVALID_REQUEST,
@@ -119,28 +129,40 @@ def problem_response(
 
     As text where the request asks for text, so that a terminal shows a sentence.
     """
+    spoken = language_of(request)
+    title = spoken.text(type_.title)
     errors = [
-        {"pointer": _pointer(entry.pointer), "message": _shown(entry.message)}
+        {"pointer": _pointer(entry.pointer), "message": _told(entry.message, spoken)}
         for entry in entries[:MAX_ERRORS]
     ]
-    detail = errors[0]["message"] if errors else type_.title
+    detail = errors[0]["message"] if errors else title
     if len(entries) > 1:
-        detail = f"{detail} (and {len(entries) - 1} more)"
+        detail = spoken.text(
+            say(
+                "{message}{suffix}",
+                message=detail,
+                suffix=say(" (and {more} more)", more=len(entries) - 1),
+            )
+        )
     body: dict[str, Any] = {
         "type": f"{request.scope.get('root_path', '')}/problems/{type_.slug}",
-        "title": type_.title,
+        "title": title,
         "status": type_.status,
         "detail": detail,
         "errors": errors,
         "request_id": request.scope.get("state", {}).get("request_id", ""),
     }
-    written = _write_text if _wants_text(request) else orjson.dumps
+    as_text = _wants_text(request)
+
+    def written(body: Mapping[str, Any]) -> bytes:
+        return _write_text(body) if as_text else orjson.dumps(body)
+
     content = written(body)
     while len(content) > MAX_BYTES and len(errors) > 1:
         errors.pop()
         content = written(body)
-    media_type = MEDIA_TYPE if written is orjson.dumps else "text/plain; charset=utf-8"
-    return Response(content, type_.status, dict(headers or {}), media_type)
+    media_type = "text/plain; charset=utf-8" if as_text else MEDIA_TYPE
+    return Response(content, type_.status, language_headers(spoken, headers), media_type)
 
 
 def _wants_text(request: Request) -> bool:
@@ -161,9 +183,14 @@ def _write_text(body: Mapping[str, Any]) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def _shown(message: str) -> str:
+def _told(message: str, spoken: Language) -> str:
+    most = MAX_MESSAGE if spoken.is_source else MAX_TRANSLATED
+    return _shown(spoken.text(message), most)
+
+
+def _shown(message: str, most: int = MAX_MESSAGE) -> str:
     text = _UNSAFE.sub(" ", message.encode("utf-8", "replace").decode())
-    return text if len(text) <= MAX_MESSAGE else text[: MAX_MESSAGE - 1] + "…"
+    return text if len(text) <= most else text[: most - 1] + "…"
 
 
 def _pointer(pointer: str) -> str:

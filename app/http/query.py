@@ -6,16 +6,22 @@ import math
 
 from fastapi import Request
 
+from app.http.csv_table import CsvForm
+from app.http.language import language_of
 from app.http.negotiation import CSV, LATEX, NPY, TEXT
 from app.http.pointers import escaped
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.units import Units
 from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
+from dh_to_urdf.languages import ENGLISH, codes
+from dh_to_urdf.messages import say
 from robots.errors import hint
 
-COMMON = ("angle", "format")
-COMPUTED = (*COMMON, "digits", "with")
+COMMON = ("angle", "format", "lang")
+COMPUTED = (*COMMON, "digits", "decimal", "with")
 """Parameters of computations that are no fields of a request."""
+LANG_TEXT = f"Language of messages, {', '.join(codes())}; default by Accept-Language."
+DECIMAL_TEXT = "CSV: point (default) or comma; with comma, semicolons between the cells."
 MAX_DIGITS = 15
 MAX_QUERY_VALUES = 1024
 MAX_VALUE = 1e15
@@ -33,12 +39,30 @@ def check_query(request: Request, *allowed: str, common: tuple[str, ...] = COMMO
         if name not in known:
             raise RequestProblem(
                 INVALID_REQUEST,
-                f"query parameter {name[:64]!r} is unknown; {hint(name, known)}",
+                say(
+                    "query parameter {name!r} is unknown; {hint}",
+                    name=name[:64],
+                    hint=hint(name, _suggested(name, known)),
+                ),
                 f"/{escaped(name)}",
             )
         if name in seen:
-            raise RequestProblem(INVALID_REQUEST, f"{name} is given twice; keep one", f"/{name}")
+            raise RequestProblem(
+                INVALID_REQUEST, say("{name} is given twice; keep one", name=name), f"/{name}"
+            )
         seen.add(name)
+    named = request.query_params.get("lang")
+    if named is not None and named not in codes():
+        raise RequestProblem(
+            INVALID_REQUEST,
+            say("lang is {named!r}; give {codes}", named=named[:32], codes=", ".join(codes())),
+            "/lang",
+        )
+
+
+def _suggested(name: str, known: tuple[str, ...]) -> tuple[str, ...]:
+    """The names to choose from: of ``length`` and ``angle``, ``lang`` is no misspelling."""
+    return known if name.lower().startswith("la") else tuple(n for n in known if n != "lang")
 
 
 def units_of(request: Request) -> Units:
@@ -49,7 +73,9 @@ def units_of(request: Request) -> Units:
     """
     angle = request.query_params.get("angle", "rad")
     if angle not in ("rad", "deg"):
-        raise RequestProblem(INVALID_REQUEST, f"angle is {angle[:32]!r}; give rad or deg", "/angle")
+        raise RequestProblem(
+            INVALID_REQUEST, say("angle is {angle!r}; give rad or deg", angle=angle[:32]), "/angle"
+        )
     return Units(angle == "deg")
 
 
@@ -62,7 +88,9 @@ def flag_of(request: Request, name: str) -> bool:
     text = request.query_params.get(name, "false").lower()
     if text not in ("true", "false", "1", "0"):
         raise RequestProblem(
-            INVALID_REQUEST, f"{name} is {text[:32]!r}; give true or false", f"/{name}"
+            INVALID_REQUEST,
+            say("{name} is {text!r}; give true or false", name=name, text=text[:32]),
+            f"/{name}",
         )
     return text in ("true", "1")
 
@@ -79,14 +107,42 @@ def digits_of(request: Request, wanted: str) -> int | None:
     if wanted not in (TEXT, CSV, LATEX):
         raise RequestProblem(
             INVALID_REQUEST,
-            "digits is for format=text, csv and latex; the others hold all digits",
+            say("digits is for format=text, csv and latex; the others hold all digits"),
             "/digits",
         )
     if not (text.isascii() and text.isdecimal() and len(text) <= 2 and int(text) <= MAX_DIGITS):
         raise RequestProblem(
-            INVALID_REQUEST, f"digits is {text[:32]!r}; give 0 to {MAX_DIGITS}", "/digits"
+            INVALID_REQUEST,
+            say(
+                "digits is {text!r}; give 0 to {max_digits}", text=text[:32], max_digits=MAX_DIGITS
+            ),
+            "/digits",
         )
     return int(text)
+
+
+def csv_form_of(request: Request, wanted: str, digits: int | None) -> CsvForm | None:
+    """How ``?lang=`` and ``?decimal=`` want CSV; None for other forms.
+
+    A heading is in another language where ``lang`` asks for it, not where the browser prefers it,
+    since programs read these tables too.
+
+    Raises:
+        RequestProblem: Neither point nor comma, or a form that has no such choice.
+    """
+    decimal = request.query_params.get("decimal")
+    if decimal is not None and (decimal not in ("point", "comma") or wanted != CSV):
+        raise RequestProblem(
+            INVALID_REQUEST,
+            say("decimal is for format=csv; the other forms have decimal points")
+            if decimal in ("point", "comma")
+            else say("decimal is {decimal!r}; give point or comma", decimal=decimal[:32]),
+            "/decimal",
+        )
+    if wanted != CSV:
+        return None
+    spoken = language_of(request) if "lang" in request.query_params else ENGLISH
+    return CsvForm(spoken, digits, commas=decimal == "comma")
 
 
 def with_status(request: Request, wanted: str) -> bool:
@@ -101,9 +157,9 @@ def with_status(request: Request, wanted: str) -> bool:
     if text != "status" or wanted != NPY:
         raise RequestProblem(
             INVALID_REQUEST,
-            "with=status is for format=npy; the other forms hold each status"
+            say("with=status is for format=npy; the other forms hold each status")
             if text == "status"
-            else f"with is {text[:32]!r}; give status",
+            else say("with is {text!r}; give status", text=text[:32]),
             "/with",
         )
     return True
@@ -120,7 +176,7 @@ def number(name: str, text: str, units: Units, quantity: Quantity = Quantity.ANG
     if not math.isfinite(value) or abs(value) > MAX_VALUE:
         raise RequestProblem(
             INVALID_REQUEST,
-            f"{name} holds {text[:32]!r}; give finite numbers up to 1e15",
+            say("{name} holds {text!r}; give finite numbers up to 1e15", name=name, text=text[:32]),
             f"/{name}",
         )
     return value
@@ -130,18 +186,24 @@ def _expression(name: str, text: str, units: Units, quantity: Quantity) -> float
     degrees = units.degrees and quantity is Quantity.ANGLE
     if any(letter.isnumeric() and not letter.isascii() for letter in text):
         raise RequestProblem(
-            INVALID_REQUEST, f"{name} holds {text[:32]!r}; write numbers as 0 to 9", f"/{name}"
+            INVALID_REQUEST,
+            say("{name} holds {text!r}; write numbers as 0 to 9", name=name, text=text[:32]),
+            f"/{name}",
         )
     try:
         cell = parse_cell(text, quantity, math.pi / 180 if degrees else 1.0)
     except CellError as error:
-        plus = "; in a URL write + as %2B" if " " in text.strip() else ""
+        plus = say("; in a URL write + as %2B") if " " in text.strip() else ""
         raise RequestProblem(
-            INVALID_REQUEST, f"{name}: a value {error}{plus}", f"/{name}"
+            INVALID_REQUEST,
+            say("{name}: a value {error}{plus}", name=name, error=error, plus=plus),
+            f"/{name}",
         ) from None
     if cell.variable is not None:
         raise RequestProblem(
-            INVALID_REQUEST, f"{name} holds {text[:32]!r}; give numbers", f"/{name}"
+            INVALID_REQUEST,
+            say("{name} holds {text!r}; give numbers", name=name, text=text[:32]),
+            f"/{name}",
         )
     return math.degrees(cell.value) if degrees else cell.value
 
@@ -154,6 +216,12 @@ def split(name: str, text: str) -> list[str]:
     parts = inside.split(",")
     if len(parts) > MAX_QUERY_VALUES:
         raise RequestProblem(
-            INVALID_REQUEST, f"{name} has over {MAX_QUERY_VALUES} values; send a body", f"/{name}"
+            INVALID_REQUEST,
+            say(
+                "{name} has over {max_query_values} values; send a body",
+                name=name,
+                max_query_values=MAX_QUERY_VALUES,
+            ),
+            f"/{name}",
         )
     return parts

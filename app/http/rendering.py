@@ -21,6 +21,7 @@ from app.http.problems import (
 )
 from dh_to_urdf import DHError
 from dh_to_urdf.errors import DHSyntaxError
+from dh_to_urdf.messages import say
 from kinematics import errors as kinematics
 from kinematics.symbolic import SymbolicUnavailable
 from robots import errors as robots
@@ -41,141 +42,169 @@ class Rendering:
 
 
 def _robot_exists(error: robots.RobotExists) -> str:
-    return f"{error}; choose another name, or repeat the request with ?overwrite=true to replace it"
-
-
-def _robot_of_another(error: robots.AnothersRobot) -> str:
-    return (
-        f"{error}; to {error.change} it, send If-Match with its ETag (GET"
-        f" /v1/robots/{error.robot_id}), or add ?overwrite=true"
-        + ("; else choose another id" if error.change == "replace" else "")
+    return say(
+        "{error}; choose another name, or repeat the request with ?overwrite=true to replace it",
+        error=error,
     )
 
 
+_CHANGES = {"replace": say("replace"), "delete": say("delete")}
+
+
+def _robot_of_another(error: robots.AnothersRobot) -> str:
+    return say(
+        "{error}; to {change} it, send If-Match with its ETag (GET"
+        " /v1/robots/{robot_id}), or add ?overwrite=true",
+        error=error,
+        change=_CHANGES[error.change],
+        robot_id=error.robot_id,
+    ) + (say("; else choose another id") if error.change == "replace" else "")
+
+
 def _shared_robot(error: robots.SharedRobot) -> str:
-    return f"{error}; one of scope share changes it; PUT stores a robot of your own under this id"
+    return say(
+        "{error}; one of scope share changes it; PUT stores a robot of your own under this id",
+        error=error,
+    )
 
 
 def _revision_mismatch(error: robots.RevisionMismatch) -> str:
     if error.current == robots.DAMAGED:
-        return f"{error}; upload it without If-Match"
-    return f"{error}; read it again and repeat the request"
+        return say("{error}; upload it without If-Match", error=error)
+    return say("{error}; read it again and repeat the request", error=error)
 
 
 def _damaged_robot(error: robots.DamagedRobot) -> str:
-    return f"{error}; upload the robot again (PUT /v1/robots/{error.robot_id}), or delete it"
+    return say(
+        "{error}; upload the robot again (PUT /v1/robots/{robot_id}), or delete it",
+        error=error,
+        robot_id=error.robot_id,
+    )
 
 
 def _quota_reached(error: robots.QuotaReached) -> str:
     counted, setting = {
-        ("robots", "store"): ("uploaded robots", "DENAVIT_MAX_ROBOTS"),
-        ("bytes", "store"): ("bytes of uploaded robots", "DENAVIT_MAX_STORED_BYTES"),
-        ("robots", "namespace"): ("uploaded robots", "DENAVIT_MAX_NAMESPACE_ROBOTS"),
-        ("bytes", "namespace"): ("bytes of uploaded robots", "DENAVIT_MAX_NAMESPACE_BYTES"),
+        ("robots", "store"): (say("uploaded robots"), "DENAVIT_MAX_ROBOTS"),
+        ("bytes", "store"): (say("bytes of uploaded robots"), "DENAVIT_MAX_STORED_BYTES"),
+        ("robots", "namespace"): (say("uploaded robots"), "DENAVIT_MAX_NAMESPACE_ROBOTS"),
+        ("bytes", "namespace"): (say("bytes of uploaded robots"), "DENAVIT_MAX_NAMESPACE_BYTES"),
     }[error.quota, error.holder]
-    whose = "store" if error.holder == "store" else "namespace of a key"
-    return (
-        f"the {whose} takes {error.limit} {counted} at most ({setting}), and this robot would"
-        " exceed that; delete robots (DELETE /v1/robots/{id}), or send the robot in the body of a"
-        " computation: that stores nothing"
+    whose = say("store") if error.holder == "store" else say("namespace of a key")
+    return say(
+        "the {whose} takes {limit} {counted} at most ({setting}), and this"
+        " robot would exceed that; delete robots (DELETE /v1/robots/{{id}}), or"
+        " send the robot in the body of a computation: that stores nothing",
+        whose=whose,
+        limit=error.limit,
+        counted=counted,
+        setting=setting,
     )
 
 
 def _storage_full(_: robots.StorageFull) -> str:
-    return (
-        "the disk of the service is full and the robot was not stored; what was stored before is"
-        " intact; delete robots, or have the operator make room, then repeat the request"
+    return say(
+        "the disk of the service is full and the robot was not stored; what was"
+        " stored before is intact; delete robots, or have the operator make"
+        " room, then repeat the request"
     )
 
 
 def _storage_unavailable(error: robots.StorageUnavailable) -> str:
-    return (
-        f"{error.fault}; shipped robots and robots in the body of a request work; repeat the"
-        " request later"
+    return say(
+        "{fault}; shipped robots and robots in the body of a request work;"
+        " repeat the request later",
+        fault=error.fault,
     )
 
 
 RENDERINGS: dict[type[Exception], Rendering] = {
     DHSyntaxError: Rendering(MALFORMED_BODY),
-    DHError: Rendering(ProblemType("invalid-table", 422, "The D-H table cannot be used")),
-    robots.InvalidURDF: Rendering(ProblemType("invalid-urdf", 422, "The URDF cannot be used")),
-    robots.RobotTooLarge: Rendering(ProblemType("robot-too-large", 422, "The robot is too large")),
-    robots.UnknownFrame: Rendering(
-        ProblemType("unknown-frame", 422, "The robot has no such frame")
+    DHError: Rendering(ProblemType("invalid-table", 422, say("The D-H table cannot be used"))),
+    robots.InvalidURDF: Rendering(ProblemType("invalid-urdf", 422, say("The URDF cannot be used"))),
+    robots.RobotTooLarge: Rendering(
+        ProblemType("robot-too-large", 422, say("The robot is too large"))
     ),
-    robots.RobotNotFound: Rendering(ProblemType("robot-not-found", 404, "There is no such robot")),
+    robots.UnknownFrame: Rendering(
+        ProblemType("unknown-frame", 422, say("The robot has no such frame"))
+    ),
+    robots.RobotNotFound: Rendering(
+        ProblemType("robot-not-found", 404, say("There is no such robot"))
+    ),
     robots.InvalidRobotId: Rendering(
-        ProblemType("invalid-robot-id", 422, "This id cannot name a robot")
+        ProblemType("invalid-robot-id", 422, say("This id cannot name a robot"))
     ),
     robots.MeshNotFound: Rendering(
-        ProblemType("mesh-not-found", 404, "The robot has no such mesh")
+        ProblemType("mesh-not-found", 404, say("The robot has no such mesh"))
     ),
     robots.RobotExists: Rendering(
-        ProblemType("robot-exists", 409, "The id is taken"), _robot_exists
+        ProblemType("robot-exists", 409, say("The id is taken")), _robot_exists
     ),
     robots.AnothersRobot: Rendering(
-        ProblemType("unconfirmed-overwrite", 428, "The id holds another robot"), _robot_of_another
+        ProblemType("unconfirmed-overwrite", 428, say("The id holds another robot")),
+        _robot_of_another,
     ),
     robots.SharedRobot: Rendering(
-        ProblemType("shared-robot", 403, "Shared robots are changed by keys that share"),
+        ProblemType("shared-robot", 403, say("Shared robots are changed by keys that share")),
         _shared_robot,
     ),
     robots.ReadOnlyRobot: Rendering(
-        ProblemType("read-only-robot", 409, "Shipped robots are read-only")
+        ProblemType("read-only-robot", 409, say("Shipped robots are read-only"))
     ),
     robots.RevisionMismatch: Rendering(
-        ProblemType("revision-mismatch", 412, "The robot has changed"), _revision_mismatch
+        ProblemType("revision-mismatch", 412, say("The robot has changed")), _revision_mismatch
     ),
     robots.DamagedRobot: Rendering(
-        ProblemType("damaged-robot", 409, "The stored robot is damaged"), _damaged_robot
+        ProblemType("damaged-robot", 409, say("The stored robot is damaged")), _damaged_robot
     ),
     robots.QuotaReached: Rendering(
-        ProblemType("quota-reached", 409, "No more robots are taken"), _quota_reached
+        ProblemType("quota-reached", 409, say("No more robots are taken")), _quota_reached
     ),
     robots.StorageFull: Rendering(
-        ProblemType("storage-full", 507, "The disk is full"), _storage_full
+        ProblemType("storage-full", 507, say("The disk is full")), _storage_full
     ),
     robots.StorageUnavailable: Rendering(
-        ProblemType("storage-unavailable", 503, "Uploaded robots cannot be reached now"),
+        ProblemType("storage-unavailable", 503, say("Uploaded robots cannot be reached now")),
         _storage_unavailable,
     ),
     kinematics.WrongConfiguration: Rendering(
-        ProblemType("invalid-q", 422, "q does not fit the robot")
+        ProblemType("invalid-q", 422, say("q does not fit the robot"))
     ),
     kinematics.WrongVector: Rendering(
-        ProblemType("invalid-vector", 422, "A twist or wrench does not fit")
+        ProblemType("invalid-vector", 422, say("A twist or wrench does not fit"))
     ),
     kinematics.UnknownTask: Rendering(
-        ProblemType("unknown-task", 422, "There is no such task space")
+        ProblemType("unknown-task", 422, say("There is no such task space"))
     ),
     kinematics.UnknownSequence: Rendering(
-        ProblemType("unknown-euler-sequence", 422, "There is no such Euler sequence")
+        ProblemType("unknown-euler-sequence", 422, say("There is no such Euler sequence"))
     ),
     kinematics.RepresentationSingularity: Rendering(
-        ProblemType("representation-singularity", 422, "These Euler angles have no rates here")
+        ProblemType("representation-singularity", 422, say("These Euler angles have no rates here"))
     ),
     kinematics.InvalidTarget: Rendering(
-        ProblemType("invalid-target", 422, "The target is no pose")
+        ProblemType("invalid-target", 422, say("The target is no pose"))
     ),
     kinematics.InvalidAnswer: Rendering(
-        ProblemType("invalid-answer", 422, "The answer cannot be checked")
+        ProblemType("invalid-answer", 422, say("The answer cannot be checked"))
     ),
     kinematics.InvalidOption: Rendering(
-        ProblemType("invalid-option", 422, "An option is out of range")
+        ProblemType("invalid-option", 422, say("An option is out of range"))
     ),
     SymbolicUnavailable: Rendering(
-        ProblemType("symbolic-unavailable", 501, "SymPy is not installed")
+        ProblemType("symbolic-unavailable", 501, say("SymPy is not installed"))
     ),
     kinematics.WorkersBusy: Rendering(BUSY),
     kinematics.OutOfMemory: Rendering(TOO_LARGE),
     kinematics.OutOfTime: Rendering(
-        ProblemType("out-of-time", 422, "The computation takes too long")
+        ProblemType("out-of-time", 422, say("The computation takes too long"))
     ),
     kinematics.RankDeficient: Rendering(
-        ProblemType("rank-deficient", 422, "The Jacobian has lost rank")
+        ProblemType("rank-deficient", 422, say("The Jacobian has lost rank"))
     ),
     kinematics.MethodUnavailable: Rendering(
-        ProblemType("method-unavailable", 501, "The method needs a package that is not installed")
+        ProblemType(
+            "method-unavailable", 501, say("The method needs a package that is not installed")
+        )
     ),
 }
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -14,6 +12,8 @@ from fastapi import Response
 from numpy.typing import NDArray
 from starlette.types import Receive, Scope, Send
 
+from app.http.csv_table import CsvForm, csv_parts
+from app.http.language import language_headers
 from app.http.negotiation import CSV, JSON, NPY, TEXT
 from app.http.npy import npy_bytes
 from app.http.problems import (
@@ -21,8 +21,9 @@ from app.http.problems import (
     RequestProblem,
 )
 from app.http.text import render_text
-from app.sheets.headings import Heading
-from app.sheets.sheet import Sheet, cell
+from app.sheets.sheet import Sheet
+from dh_to_urdf.languages import Language
+from dh_to_urdf.messages import say
 from kinematics.deadline import checked
 
 LARGE = 20_000
@@ -127,50 +128,23 @@ def _plain(value: object) -> object:
     raise TypeError(f"cannot write a {type(value).__name__}")
 
 
-def json_lines(rows: Iterable[Mapping[str, Any]]) -> bytes:
+def json_lines(rows: Iterable[Mapping[str, Any]], language: Language) -> bytes:
     """One JSON object a line."""
-    return b"".join(_dumps(row) + b"\n" for row in rows)
+    return b"".join(_dumps(language.told(row)) + b"\n" for row in rows)
 
 
-def csv_parts(sheet: Sheet, digits: int | None = None, warnings: Sequence[str] = ()) -> list[bytes]:
-    """A table as CSV (RFC 4180), in parts: a header, nothing where a value is null.
-
-    Args:
-        sheet: The table.
-        digits: Decimals of numbers; None: all that they have.
-        warnings: Told in a last column, from the first row on.
-    """
-    told = list(warnings[: len(sheet)])
-    if len(warnings) > len(sheet) > 0:
-        told[-1] = " | ".join(warnings[len(sheet) - 1 :])
-    parts = [_csv_lines([[*sheet.headings, *([Heading.WARNINGS.value] if told else [])]])]
-    number = 0
-    for block in checked(sheet.blocks(), 1):
-        rows = [[cell(value, digits) for value in row] for row in block]
-        for row in rows if told else ():
-            row.append(told[number] if number < len(told) else "")
-            number += 1
-        parts.append(_csv_lines(rows))
-    return parts
-
-
-def _csv_lines(rows: Iterable[Iterable[object]]) -> bytes:
-    stream = io.StringIO()
-    csv.writer(stream).writerows(rows)
-    return stream.getvalue().encode()
-
-
-def told_in_header(warnings: Sequence[str]) -> dict[str, str]:
+def told_in_header(warnings: Sequence[str], language: Language) -> dict[str, str]:
     """The header that tells warnings with a form that has no place for them."""
     if not warnings:
         return {}
-    text = " | ".join(warnings).encode("ascii", "backslashreplace").decode()
-    return {"x-warnings": _CONTROLS.sub(" ", text)[:MAX_HEADER]}
+    text = " | ".join(language.told(warnings)).encode("ascii", "backslashreplace").decode()
+    return language_headers(language, {"x-warnings": _CONTROLS.sub(" ", text)[:MAX_HEADER]})
 
 
 def respond(
     payload: Mapping[str, Any],
-    wanted: str = JSON,
+    wanted: str,
+    language: Language,
     *,
     array: NDArray[Any] | None = None,
     sheet: Sheet | None = None,
@@ -178,39 +152,46 @@ def respond(
     headers: Mapping[str, str] | None = None,
     short: bool = False,
     digits: int | None = None,
+    table: CsvForm | None = None,
 ) -> Response:
     """The answer in the wanted form.
 
     Args:
         payload: What JSON and text show.
         wanted: Media type from :func:`wanted_type`.
+        language: What messages, and headings of texts, are written in.
         array: What npy holds.
         sheet: What CSV holds.
         status: HTTP status.
         headers: Further headers.
         short: Whether the payload is known to hold a few numbers only.
-        digits: Decimals of numbers in text and CSV; None: their own choice.
+        digits: Decimals of numbers in text; None: its own choice.
+        table: How CSV is written; None: in English, with decimal points.
     """
+    payload = language.told(payload)
+    if wanted == NPY:
+        if array is None:
+            raise RequestProblem(NOT_ACCEPTABLE, say("this answer has no npy form; ask for JSON"))
+        return Response(
+            npy_bytes(array),
+            status,
+            {**(headers or {}), **told_in_header(payload.get("warnings", ()), language)},
+            NPY,
+        )
+    headers = language_headers(language, headers)
     if short and wanted == JSON:
         return Response(_dumps(payload), status, headers, JSON)
     if wanted == TEXT:
-        content = render_text(payload, digits).encode()
-        return Response(content, status, dict(headers or {}), "text/plain; charset=utf-8")
+        content = render_text(payload, digits, language).encode()
+        return Response(content, status, headers, "text/plain; charset=utf-8")
     if wanted == CSV:
         if sheet is None:
-            raise RequestProblem(NOT_ACCEPTABLE, "this answer has no table; ask for JSON")
+            raise RequestProblem(NOT_ACCEPTABLE, say("this answer has no table; ask for JSON"))
         warnings = payload.get("warnings", ())
-        told = {} if len(sheet) else told_in_header(warnings)
-        kind = "text/csv; charset=utf-8"
-        return PartsResponse(
-            csv_parts(sheet, digits, warnings), status, {**(headers or {}), **told}, kind
-        )
-    if wanted == NPY:
-        if array is None:
-            raise RequestProblem(NOT_ACCEPTABLE, "this answer has no npy form; ask for JSON")
-        told = told_in_header(payload.get("warnings", ()))
-        return Response(npy_bytes(array), status, {**(headers or {}), **told}, NPY)
+        told = {} if len(sheet) else told_in_header(warnings, language)
+        parts = csv_parts(sheet, table or CsvForm(digits=digits), language.told(warnings))
+        return PartsResponse(parts, status, {**headers, **told}, "text/csv; charset=utf-8")
     parts = json_parts(payload)
     if len(parts) > 1:
-        return PartsResponse(parts, status, headers or {})
-    return Response(parts[0], status, dict(headers or {}), JSON)
+        return PartsResponse(parts, status, headers)
+    return Response(parts[0], status, headers, JSON)

@@ -11,9 +11,11 @@ from typing import Any, TypeVar, cast
 import msgspec
 import numpy as np
 
+from app.http.decoder_words import words_of_text, words_of_value
 from app.http.pointers import escaped
 from app.http.problems import INVALID_REQUEST, MALFORMED_BODY, TOO_LARGE, RequestProblem
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from kinematics.deadline import checkpoint
 from robots.robot import FloatArray
 
@@ -31,16 +33,7 @@ _PATH = re.compile(r" - at `([^`]*)`$")
 _ROW_END = re.compile(rb"\][ \t\r\n]*,")
 _STRING = re.compile(rb'"((?:[^"\\]|\\.)*+)"', re.DOTALL)
 _SURROGATE = re.compile(rb"\\u[dD][89a-fA-F]")
-_BYTE = re.compile(r"\(byte (\d+)\)$")
 _INDEX = re.compile(r"\[(\d+)\]")
-_TYPE_NAMES = (
-    ("float", "a number"),
-    ("int", "an integer"),
-    ("str", "a text"),
-    ("array", "a list"),
-    ("object", "an object"),
-    ("bool", "true or false"),
-)
 
 
 class RowLengthError(Exception):
@@ -77,10 +70,14 @@ def decode_json(body: bytes | msgspec.Raw, type_: type[T], pointer: str = "") ->
         raise validation_problem(error, pointer, getattr(type_, "__struct_fields__", ())) from None
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
         raise RequestProblem(
-            MALFORMED_BODY, f"the body is not JSON: {_reason(bytes(body), error)}", pointer
+            MALFORMED_BODY,
+            say("the body is not JSON: {reason}", reason=_reason(bytes(body), error)),
+            pointer,
         ) from None
     except RecursionError:
-        raise RequestProblem(MALFORMED_BODY, "the body is nested too deeply", pointer) from None
+        raise RequestProblem(
+            MALFORMED_BODY, say("the body is nested too deeply"), pointer
+        ) from None
     return value
 
 
@@ -92,19 +89,18 @@ def _decoder(type_: Hashable) -> msgspec.json.Decoder[Any]:
 def _reason(body: bytes, error: Exception) -> str:
     """Why a text is no JSON, and what to send."""
     if not body.strip():
-        return 'it is empty; send an object such as {"q": [0, 0.5]}'
+        return say('it is empty; send an object such as {{"q": [0, 0.5]}}')
     if body[:3] == b"\xef\xbb\xbf" or body[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in body[:4]:
-        return "JSON is UTF-8 without a byte order mark; save it so"
+        return say("JSON is UTF-8 without a byte order mark; save it so")
     if isinstance(error, UnicodeDecodeError):
-        return "a text in it is not UTF-8; JSON is UTF-8"
+        return say("a text in it is not UTF-8; JSON is UTF-8")
     if "truncated" in str(error):
         if _SURROGATE.search(body):
-            return "it holds one half of a surrogate pair (\\ud800 to \\udfff), or ends too early"
-        return "it ends too early; close every bracket and text"
-    reason = _BYTE.sub(r"at byte \1", str(error).removeprefix("JSON is malformed: "))[:120]
-    if "invalid character" in reason:
-        reason += "; NaN and Infinity are not JSON, and texts take double quotes"
-    return reason
+            return say(
+                "it holds one half of a surrogate pair (\\ud800 to \\udfff), or ends too early"
+            )
+        return say("it ends too early; close every bracket and text")
+    return words_of_text(str(error)[:160])
 
 
 def refuse_doubled_keys(text: bytes, pointer: str = "") -> None:
@@ -137,7 +133,7 @@ def refuse_doubled_keys(text: bytes, pointer: str = "") -> None:
                 name = quoted(key.decode())
                 raise RequestProblem(
                     INVALID_REQUEST,
-                    f"the key {name} stands twice in one object; keep one",
+                    say("the key {name} stands twice in one object; keep one", name=name),
                     pointer + _place_of_double(text),
                 )
             objects[-1].add(key)
@@ -189,8 +185,11 @@ def check_texts(body: bytes) -> None:
         if quotes > 2 * MAX_TEXTS:
             raise RequestProblem(
                 TOO_LARGE,
-                f"the body holds over {MAX_TEXTS} texts and keys; send it in parts, numbers as"
-                " lists of lists",
+                say(
+                    "the body holds over {max_texts} texts and keys; send it in parts,"
+                    " numbers as lists of lists",
+                    max_texts=MAX_TEXTS,
+                ),
             )
 
 
@@ -210,8 +209,13 @@ def check_fields(body: bytes, most: dict[str, int]) -> None:
         if size > limit:
             raise RequestProblem(
                 TOO_LARGE,
-                f"the field {quoted(name)} has {size} bytes; at most {limit} are read here, send"
-                " it in parts",
+                say(
+                    "the field {name} has {size} bytes; at most {limit} are read here, send"
+                    " it in parts",
+                    name=quoted(name),
+                    size=size,
+                    limit=limit,
+                ),
                 f"/{escaped(name)}",
             )
 
@@ -241,7 +245,11 @@ def decode_rows(text: bytes, pointer: str, columns: int, most: int) -> FloatArra
         if stop - start > PIECE + MAX_FIELD:
             raise RequestProblem(
                 INVALID_REQUEST,
-                f"a row has over {MAX_FIELD} bytes; give {columns} numbers",
+                say(
+                    "a row has over {max_field} bytes; give {columns} numbers",
+                    max_field=MAX_FIELD,
+                    columns=columns,
+                ),
                 f"{pointer}/{done}",
             )
         try:
@@ -251,7 +259,9 @@ def decode_rows(text: bytes, pointer: str, columns: int, most: int) -> FloatArra
             raise validation_problem(error, pointer, skipped=done) from None
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             raise RequestProblem(
-                INVALID_REQUEST, "not rows of numbers; give lists of numbers", f"{pointer}/{done}"
+                INVALID_REQUEST,
+                say("not rows of numbers; give lists of numbers"),
+                f"{pointer}/{done}",
             ) from None
         odd = next((k for k, row in enumerate(rows) if len(row) != columns), None)
         if odd is not None:
@@ -260,7 +270,9 @@ def decode_rows(text: bytes, pointer: str, columns: int, most: int) -> FloatArra
         if done > most:
             name = pointer.rsplit("/", 1)[-1]
             raise RequestProblem(
-                INVALID_REQUEST, f"{name} holds over {most} rows; give 1 to {most}", pointer
+                INVALID_REQUEST,
+                say("{name} holds over {most} rows; give 1 to {most}", name=name, most=most),
+                pointer,
             )
         pieces.append(np.array(rows, dtype=np.float64).reshape(-1, columns))
         start = cut.end() if cut else end
@@ -277,8 +289,12 @@ def decode_numbers(text: bytes, pointer: str) -> list[float]:
         name = pointer.rsplit("/", 1)[-1]
         raise RequestProblem(
             INVALID_REQUEST,
-            f"{name} is one list of {len(text)} bytes; give one number a joint or row, batches as a"
-            " list of lists",
+            say(
+                "{name} is one list of {count} bytes; give one number a joint or row,"
+                " batches as a list of lists",
+                name=name,
+                count=len(text),
+            ),
             pointer,
         )
     return decode_json(text, list[float], pointer)
@@ -305,23 +321,21 @@ def validation_problem(
     unknown = re.search(r"Object contains unknown field (.+)$", message, re.DOTALL)
     if unknown:
         field = unknown[1]
-        remedy = f"; known are {', '.join(known)}" if known and path == "$" else ""
+        remedy = say("; known are {known}", known=", ".join(known)) if known and path == "$" else ""
         return RequestProblem(
             INVALID_REQUEST,
-            f"unknown field {field[:64]!r}{remedy}",
+            say("unknown field {field!r}{remedy}", field=field[:64], remedy=remedy),
             f"{found}/{escaped(field)}",
         )
     missing = re.search(r"Object missing required field (.+)$", message)
     if missing:
         return RequestProblem(
             INVALID_REQUEST,
-            f"the field {missing[1]!r} is missing; give it",
+            say("the field {missing!r} is missing; give it", missing=missing[1]),
             f"{found}/{missing[1]}",
         )
-    where = f"{found.removeprefix('/')}: " if found else "the body: "
-    for name, plain in _TYPE_NAMES:
-        message = re.sub(rf"\b{name}\b", plain, message)
-    return RequestProblem(INVALID_REQUEST, f"{where}{message[:1].lower()}{message[1:]}", found)
+    where = say("{place}: ", place=found.removeprefix("/")) if found else say("the body: ")
+    return RequestProblem(INVALID_REQUEST, where + words_of_value(message), found)
 
 
 def pointer_of_path(path: str) -> str:

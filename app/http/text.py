@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.languages import ENGLISH, Language
+from dh_to_urdf.messages import say
+
 MAX_ROWS = 200
 """Rows of a batch that a terminal is shown."""
 LINE = 100
@@ -25,18 +28,21 @@ NOISE = 1e-12
 """What is smaller is rounding, and is written as 0."""
 
 
-def render_text(payload: Mapping[str, Any], digits: int | None = None) -> str:
+def render_text(
+    payload: Mapping[str, Any], digits: int | None = None, language: Language = ENGLISH
+) -> str:
     """Renders an answer; arrays of numbers become aligned columns.
 
     Args:
         payload: The answer.
         digits: Decimals of all numbers; None: nine in arrays, nine digits elsewhere.
+        language: Of headings and words; messages of the answer are in it already.
     """
     lines: list[str] = []
     # Nothing to warn of is no line: those who read a terminal would look for the warning.
     quiet = not payload.get("warnings", True)
     shown = {k: v for k, v in payload.items() if k != "warnings"} if quiet else payload
-    _Text(digits, lines).mapping(shown, "")
+    _Text(digits, lines, language).mapping(shown, "")
     return "\n".join(lines) + "\n"
 
 
@@ -47,14 +53,21 @@ class _Text:
     Attributes:
         digits: Decimals of all numbers; None: see :func:`render_text`.
         lines: The lines so far.
+        language: Of headings and words.
     """
 
     digits: int | None
     lines: list[str]
+    language: Language
+
+    def heading(self, key: str) -> str:
+        """The name of an entry, and what follows it."""
+        return self.language.heading(key) + self.language.colon
 
     def mapping(self, payload: Mapping[str, Any], indent: str) -> None:
         """Entries one below the other."""
         for key, value in payload.items():
+            head = f"{indent}{self.heading(key)}"
             array = _array(value)
             if isinstance(value, Mapping):
                 if all(
@@ -63,55 +76,62 @@ class _Text:
                 ):
                     self.scalars(key, value, indent)
                 else:
-                    self.lines.append(f"{indent}{key}:")
+                    self.lines.append(head)
                     self.mapping(value, indent + "  ")
             elif array is not None and array.ndim == 1:
                 tiny = self.digits is None and _is_tiny(array)
                 cell = _tiny if tiny else self.cell
                 cells = "  ".join(cell(item) for item in array)
-                self.lines.append(
-                    f"{indent}{key}: [{cells.strip()}]" if array.size else f"{indent}{key}: []"
-                )
+                self.lines.append(f"{head} [{cells.strip()}]" if array.size else f"{head} []")
             elif array is not None:
-                self.lines.append(f"{indent}{key}:")
+                self.lines.append(head)
                 self.blocks(array, indent + "  ")
             elif isinstance(value, (list, tuple)):
                 self.sequence(key, value, indent)
             else:
-                self.lines.append(f"{indent}{key}: {self.scalar(value)}")
+                self.lines.append(f"{head} {self.scalar(value, key)}")
 
     def scalars(self, key: str, value: Mapping[str, Any], indent: str) -> None:
         """A mapping without lists: in one line, or where that is long one line each."""
-        texts = {str(name): self.scalar(item) for name, item in value.items()}
-        inline = f"{indent}{key}: " + "  ".join(f"{name} {text}" for name, text in texts.items())
+        texts = {
+            self.language.heading(str(name)): self.scalar(item, str(name))
+            for name, item in value.items()
+        }
+        inline = f"{indent}{self.heading(key)} " + "  ".join(
+            f"{name} {text}" for name, text in texts.items()
+        )
         if len(inline) <= LINE:
             self.lines.append(inline)
             return
         width = max(len(name) for name in texts)
-        self.lines.append(f"{indent}{key}:")
+        self.lines.append(f"{indent}{self.heading(key)}")
         self.lines.extend(f"{indent}  {name.ljust(width)}  {text}" for name, text in texts.items())
 
     def sequence(self, key: str, value: Sequence[Any], indent: str) -> None:
         """A list that is no array of numbers."""
-        if value and all(isinstance(item, Mapping) for item in value):
-            self.lines.append(f"{indent}{key}:")
+        mappings = bool(value) and all(isinstance(item, Mapping) for item in value)
+        if mappings and not any(map(_has_matrix, value)):
+            self.lines.append(f"{indent}{self.heading(key)}")
             self.table(value, indent + "  ")
-        elif any(isinstance(item, (list, tuple, np.ndarray)) for item in value):
-            self.lines.append(f"{indent}{key}:")
+        elif mappings or any(isinstance(item, (list, tuple, np.ndarray)) for item in value):
+            self.lines.append(f"{indent}{self.heading(key)}")
             for index, item in enumerate(value[:MAX_ROWS]):
                 self.mapping({str(index): item}, indent + "  ")
         elif any(len(str(item)) > 40 for item in value):
-            self.lines.append(f"{indent}{key}:")
-            self.lines.extend(f"{indent}  - {self.scalar(item)}" for item in value)
+            self.lines.append(f"{indent}{self.heading(key)}")
+            self.lines.extend(f"{indent}  - {self.scalar(item, key)}" for item in value)
         else:
-            items = ", ".join(self.scalar(item) for item in value)
-            self.lines.append(f"{indent}{key}: {items or '(none)'}")
+            items = ", ".join(self.scalar(item, key) for item in value)
+            shown = items or self.language.word("", "(none)")
+            self.lines.append(f"{indent}{self.heading(key)} {shown}")
 
     def table(self, rows: Sequence[Mapping[str, Any]], indent: str) -> None:
         """Mappings as rows, or where there are few wide ones as columns."""
         columns = list(dict.fromkeys(column for row in rows for column in row))
-        body = [[self.scalar(row.get(column)) for column in columns] for row in rows[:MAX_ROWS]]
-        table = [columns, *body]
+        body = [
+            [self.scalar(row.get(column), column) for column in columns] for row in rows[:MAX_ROWS]
+        ]
+        table = [[self.language.heading(column) for column in columns], *body]
         widths = _widths(table)
         if sum(widths) + 2 * len(widths) > WIDEST and len(rows) < len(columns):
             table = [list(line) for line in zip(*table, strict=True)]
@@ -131,7 +151,8 @@ class _Text:
                 self.lines.append(f"{indent}[{index}]")
                 self.blocks(block, indent + "  ")
         if len(array) > MAX_ROWS:
-            self.lines.append(f"{indent}… {len(array) - MAX_ROWS} more; ask for JSON or npy")
+            more = say("… {count} more; ask for JSON or npy", count=len(array) - MAX_ROWS)
+            self.lines.append(indent + self.language.text(more))
 
     def cell(self, value: Any) -> str:
         """A number of an array."""
@@ -139,24 +160,27 @@ class _Text:
             return str(value)
         return _fixed(float(value), 9 if self.digits is None else self.digits)
 
-    def scalar(self, value: object) -> str:
-        """A value that stands alone, or in a table."""
+    def scalar(self, value: object, name: str = "") -> str:
+        """A value that stands alone, or in a table, of the field of a name."""
         if value is None:
             return "-"
         if isinstance(value, Mapping):
-            return " ".join(f"{key} {self.scalar(item)}" for key, item in value.items())
+            return " ".join(
+                f"{self.language.heading(key)} {self.scalar(item, key)}"
+                for key, item in value.items()
+            )
         if isinstance(value, np.ndarray):
             decimals = 6 if self.digits is None else self.digits
             return " ".join(_fixed(float(item), decimals).rjust(decimals + 5) for item in value)
         if isinstance(value, (list, tuple)):
-            return ", ".join(self.scalar(item) for item in value) or "-"
+            return ", ".join(self.scalar(item, name) for item in value) or "-"
         if isinstance(value, bool):
-            return "yes" if value else "no"
+            return self.language.word("", "yes" if value else "no")
         if isinstance(value, (float, np.floating)):
             number = float(value)
             number = 0.0 if abs(number) < NOISE else number
             return f"{number:.9g}" if self.digits is None else _fixed(number, self.digits)
-        return str(value)
+        return self.language.word(name, value) if isinstance(value, str) else str(value)
 
 
 def _fixed(number: float, decimals: int) -> str:
@@ -168,6 +192,11 @@ def _fixed(number: float, decimals: int) -> str:
 
 def _tiny(value: Any) -> str:
     return f"{float(value):.2e}" if abs(value) >= NOISE else "0"
+
+
+def _has_matrix(row: Mapping[str, Any]) -> bool:
+    """Whether an entry has more axes than a cell of a table can show."""
+    return any(isinstance(value, np.ndarray) and value.ndim > 1 for value in row.values())
 
 
 def _widths(table: Sequence[Sequence[str]]) -> list[int]:

@@ -13,6 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.http.problems import INTERNAL, STOPPING, ErrorEntry, problem_response
 from app.telemetry.lines import REQUEST_ID
+from dh_to_urdf.messages import say
 
 _LOG = logging.getLogger("denavit")
 _ID = re.compile(rb"[A-Za-z0-9._-]{1,64}")
@@ -56,7 +57,7 @@ class RequestId:
         except CancelledError:
             if started:
                 raise
-            message = "the service stopped before this was done; ask again"
+            message = say("the service stopped before this was done; ask again")
             problems, headers = [ErrorEntry("", message)], {"Retry-After": "1"}
             response = problem_response(Request(scope), STOPPING, problems, headers)
             await response(scope, receive, send_with_id)
@@ -64,6 +65,6 @@ class RequestId:
             if started:
                 raise
             _LOG.exception("request failed")
-            message = "this should not happen; please report it with the request_id"
+            message = say("this should not happen; please report it with the request_id")
             response = problem_response(Request(scope), INTERNAL, [ErrorEntry("", message)])
             await response(scope, receive, send_with_id)

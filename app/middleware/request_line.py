@@ -6,6 +6,7 @@ from fastapi import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.http.problems import TOO_LONG, ErrorEntry, problem_response
+from dh_to_urdf.messages import say
 
 MAX_QUERY = 32_768
 """Bytes of a query; longer ones belong in a body."""
@@ -24,9 +25,11 @@ class RequestLine:
             await self.app(scope, receive, send)
             return
         if len(scope["query_string"]) > MAX_QUERY or len(scope["path"]) > MAX_PATH:
-            message = (
-                f"the address is longer than {MAX_PATH} bytes of path and {MAX_QUERY} of query;"
-                " send a body with POST"
+            message = say(
+                "the address is longer than {max_path} bytes of path and {max_query} of"
+                " query; send a body with POST",
+                max_path=MAX_PATH,
+                max_query=MAX_QUERY,
             )
             short = {**scope, "query_string": b"", "path": "/"}
             response = problem_response(Request(short), TOO_LONG, [ErrorEntry("", message)])

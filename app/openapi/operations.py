@@ -6,9 +6,11 @@ import re
 from typing import Any
 
 from app.http.negotiation import FORMATS, JSON, NPY, PNG
+from app.http.query import DECIMAL_TEXT, LANG_TEXT
 from app.openapi.answers import REF, answer_schema
 from app.openapi.problems import PROBLEMS
 from app.operations.operation import Operation, Runs
+from dh_to_urdf.languages import codes
 
 ROBOT_ID = "^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 
@@ -84,6 +86,8 @@ def _choices(operation: Operation) -> list[dict[str, Any]]:
     told = {
         "angle": ("rad (default) or deg: joint values, Euler angles.", ["rad", "deg"]),
         "format": (f"{shown}.", [first, *forms]),
+        "lang": (LANG_TEXT, list(codes())),
+        "decimal": (DECIMAL_TEXT, ["point", "comma"]),
         "digits": ("Decimals of numbers in text, CSV and LaTeX, 0 to 15.", None),
         "with": ("status: npy holds rows with the status of each.", ["status"]),
     }

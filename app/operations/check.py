@@ -37,6 +37,7 @@ from app.operations.shapes import AnswerUnits
 from app.operations.sizes import fixed_bytes
 from app.settings import Settings
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 from kinematics.checking.check import LEAST_TOLERANCE, MOST_TOLERANCE, check_answer
 from kinematics.checking.jacobians import task_of
 from kinematics.checking.question import TOLERANCE, Quantity, Question
@@ -242,7 +243,7 @@ def check_reveal(reveal: bool, settings: Settings) -> None:
     if reveal and not settings.check_reveal:
         raise RequestProblem(
             NOT_REVEALED,
-            "this service checks answers and does not show the right ones; leave reveal out",
+            say("this service checks answers and does not show the right ones; leave reveal out"),
             "/reveal",
         )
 
@@ -256,13 +257,17 @@ def question_of(robot: Robot, request: CheckRequest, doubts: RequestDoubts) -> Q
     if request.quantity not in list(Quantity):
         raise RequestProblem(
             INVALID_REQUEST,
-            f"quantity is {request.quantity[:32]!r}; give {', '.join(Quantity)}",
+            say(
+                "quantity is {quantity!r}; give {quantity_2}",
+                quantity=request.quantity[:32],
+                quantity_2=", ".join(Quantity),
+            ),
             "/quantity",
         )
     if request.solutions not in (None, "all", "any"):
         raise RequestProblem(
             INVALID_REQUEST,
-            f"solutions is {request.solutions[:32]!r}; give all or any",
+            say("solutions is {solutions!r}; give all or any", solutions=request.solutions[:32]),
             "/solutions",
         )
     angle = math.pi / 180 if doubts.units.degrees else 1.0

@@ -27,6 +27,7 @@ from app.operations.shapes import AnswerUnits
 from app.operations.sizes import fixed_bytes
 from app.pictures.path_figure import path_figure
 from app.sheets.sheet import Sheet
+from dh_to_urdf.messages import chained, say
 from kinematics.errors import InvalidOption, KinematicsError
 from kinematics.redundancy.compare import compared
 from kinematics.redundancy.follow import PathResult
@@ -123,7 +124,11 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
     problem = read_problem(robot, request, context)
     if not 1 <= len(request.methods) <= MAX_METHODS:
         raise InvalidOption(
-            f"methods holds {len(request.methods)}; give 1 to {MAX_METHODS}",
+            say(
+                "methods holds {count}; give 1 to {max_methods}",
+                count=len(request.methods),
+                max_methods=MAX_METHODS,
+            ),
             argument="methods",
             value=len(request.methods),
             lower=1,
@@ -174,7 +179,9 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
         "samples": problem.path.samples,
         "rows": rows,
         "messages": {
-            label: result.verdict.message + ("" if motion is None else f"; {motion.message}")
+            label: result.verdict.message
+            if motion is None
+            else chained("; ", (result.verdict.message, motion.message))
             for label, result, motion in zip(labels, results, motions, strict=True)
         },
         **_left_out_view(left_out),
@@ -182,11 +189,14 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
         "warnings": [
             *context.warnings,
             *warnings,
-            *(f"{label} is left out: {why}" for label, why in left_out.items()),
+            *(
+                say("{label} is left out: {why}", label=label, why=why)
+                for label, why in left_out.items()
+            ),
         ],
     }
     shown = list(zip(labels, results, strict=True))
-    title = f"{robot.name}: methods compared"
+    title = say("{robot}: methods compared", robot=robot.name)
     return Answer(
         answer,
         sheet=lambda: Sheet.of_rows(rows),

@@ -16,6 +16,7 @@ from app.operations.shapes import AnswerUnits, EachPose, Pose, each, listed, row
 from app.operations.sizes import FLOAT, encoded, rows_need, rows_of
 from app.sheets import latex
 from dh_to_urdf import DHMatrices, dh_matrices
+from dh_to_urdf.messages import say
 from robots.robot import FloatArray, Robot
 
 
@@ -48,7 +49,8 @@ def _memory(robot: Robot, request: DHMatricesRequest, context: Context) -> Need:
 def _run(robot: Robot, request: DHMatricesRequest, context: Context) -> Answer:
     if robot.table is None:
         raise RequestProblem(
-            INVALID_REQUEST, "this robot was made from a URDF and has no D-H table; use fk instead"
+            INVALID_REQUEST,
+            say("this robot was made from a URDF and has no D-H table; use fk instead"),
         )
     q = request.q
     check_size(q, 32 * len(robot.table.rows))

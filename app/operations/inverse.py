@@ -39,6 +39,7 @@ from app.sheets import columns
 from app.sheets.headings import Heading
 from app.sheets.sheet import Column, Sheet
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from kinematics.configuration import joint_names
 from kinematics.deadline import current
 from kinematics.errors import InvalidOption
@@ -200,7 +201,7 @@ def _poses(request: IKRequest) -> tuple[FloatArray, bool]:
     """
     if (request.target is None) == (request.targets is None):
         raise RequestProblem(
-            INVALID_REQUEST, "give either target (one) or targets (many)", "/target"
+            INVALID_REQUEST, say("give either target (one) or targets (many)"), "/target"
         )
     if request.target is not None:
         return request.target[None], False
@@ -228,7 +229,11 @@ def _options(
             raise
         milliseconds, most = budget * 1e3, 1000 * IKOptions.BOUNDS["time_budget"].upper
         raise InvalidOption(
-            f"time_budget_ms is {quoted(milliseconds)}; give 0 to {most}",
+            say(
+                "time_budget_ms is {milliseconds}; give 0 to {most}",
+                milliseconds=quoted(milliseconds),
+                most=most,
+            ),
             argument="time_budget_ms",
             value=milliseconds,
             lower=0,
@@ -255,7 +260,9 @@ def _memory(robot: Robot, request: IKRequest, context: Context) -> Need:
     many = 1 if targets is None or targets.ndim == 2 else len(targets)
     numbers = robot.dof + joints_shown(robot) + 8
     each = batch_bytes(robot.dof) + FLOAT * numbers + encoded(context.form, numbers, numbers)
-    need = rows_need(many, each, context.form, numbers=numbers, of="targets", argument="targets")
+    need = rows_need(
+        many, each, context.form, numbers=numbers, of=say("targets"), argument="targets"
+    )
     if context.form == NDJSON:
         return replace(need, fixed=need.fixed + STREAMED * numbers * (JSON_NUMBER + LISTED))
     return need
@@ -285,15 +292,19 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
     options, _ = _options_of(request, context)
     if request.follow:
         if not many or request.choose is not None:
-            message = "follow takes targets (many), and chooses the branch; " + (
-                "give targets" if not many else "leave choose out"
+            message = (
+                say("follow takes targets (many), and chooses the branch; leave choose out")
+                if many
+                else say("follow takes targets (many), and chooses the branch; give targets")
             )
             raise RequestProblem(INVALID_REQUEST, message, "/follow")
         return _followed(robot, request, context, poses, options)
     if request.choose is not None:
         choice = _choice(request.choose)
         if many:
-            raise RequestProblem(INVALID_REQUEST, "choose takes one target at a time", "/choose")
+            raise RequestProblem(
+                INVALID_REQUEST, say("choose takes one target at a time"), "/choose"
+            )
         result = _chosen(robot, request, poses[0], options, choice)
         return _told(robot, request, context, poses[0], options, result)
     if not many:
@@ -464,12 +475,12 @@ def _stream(robot: Robot, request: IKRequest, context: Context) -> Iterator[list
     poses, many = _poses(request)
     if not many:
         raise RequestProblem(
-            INVALID_REQUEST, "ndjson is for targets, not for one target", "/target"
+            INVALID_REQUEST, say("ndjson is for targets, not for one target"), "/target"
         )
     if request.follow:
         raise RequestProblem(
             INVALID_REQUEST,
-            "follow looks at all targets before it answers; ask for JSON",
+            say("follow looks at all targets before it answers; ask for JSON"),
             "/follow",
         )
     options, _ = _options_of(request, context)
@@ -498,7 +509,9 @@ def _stream(robot: Robot, request: IKRequest, context: Context) -> Iterator[list
 
 def _choice(name: str) -> Choice:
     if name not in tuple(Choice):
-        message = f"choose is {quoted(name)}; give {', '.join(Choice)}"
+        message = say(
+            "choose is {name}; give {choice}", name=quoted(name), choice=", ".join(Choice)
+        )
         raise RequestProblem(INVALID_REQUEST, message, "/choose")
     return Choice(name)
 

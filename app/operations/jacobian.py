@@ -26,6 +26,7 @@ from app.operations.sizes import encoded, rows_need, rows_of
 from app.sheets import columns, latex
 from app.sheets.headings import Heading
 from app.sheets.sheet import Column, Sheet
+from dh_to_urdf.messages import say
 from kinematics.chain import chain_of
 from kinematics.configuration import joint_names
 from kinematics.jacobian import (
@@ -139,14 +140,17 @@ def _refuse_beside_euler(request: JacobianRequest) -> None:
     if request.reference_frame is not ReferenceFrame.LOCAL_WORLD_ALIGNED:
         raise RequestProblem(
             INVALID_REQUEST,
-            "an analytic Jacobian (euler) is in base axes; leave reference_frame out",
+            say("an analytic Jacobian (euler) is in base axes; leave reference_frame out"),
             "/reference_frame",
         )
     if request.task is not None and len(request.task.rotations) not in (0, 3):
         raise RequestProblem(
             INVALID_REQUEST,
-            f"an analytic Jacobian (euler) has rates of Euler angles and no single row of rotation;"
-            f" leave euler out for the task {request.task.name}",
+            say(
+                "an analytic Jacobian (euler) has rates of Euler angles and no single"
+                " row of rotation; leave euler out for the task {task}",
+                task=request.task.name,
+            ),
             "/task",
         )
 

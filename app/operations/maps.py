@@ -24,6 +24,7 @@ from app.operations.operation import (
 from app.operations.shapes import AnswerUnits, Matrix, Position, Vector, rows, shaped
 from app.operations.sizes import encoded, fixed_bytes
 from app.pictures.map_figure import heat_figure, workspace_figure
+from dh_to_urdf.messages import say
 from kinematics.manipulability_map import SAMPLES as MAP_SAMPLES
 from kinematics.manipulability_map import manipulability_map
 from kinematics.manipulability_map import peak_bytes as map_bytes
@@ -141,7 +142,7 @@ def _workspace(robot: Robot, request: WorkspaceRequest, context: Context) -> Ans
         "points": cloud.points,
         "warnings": [*context.warnings, *cloud.assumed],
     }
-    title = f"{robot.name[:48]}: where {frame[:40]} gets"
+    title = say("{robot}: where {frame} gets", robot=robot.name[:48], frame=frame[:40])
     return Answer(answer, cloud.points, picture=lambda: workspace_figure(cloud.points, title))
 
 
@@ -149,7 +150,9 @@ def _map(robot: Robot, request: MapRequest, context: Context) -> Answer:
     q = request.q
     if len(request.joints) != 2:
         raise RequestProblem(
-            INVALID_REQUEST, f"joints holds {len(request.joints)} names; give two", "/joints"
+            INVALID_REQUEST,
+            say("joints holds {count} names; give two", count=len(request.joints)),
+            "/joints",
         )
     task = request.task
     first, second = request.joints
@@ -176,7 +179,7 @@ def _map(robot: Robot, request: MapRequest, context: Context) -> Answer:
         f"{name[:40]} [{units.named['angle'] if is_revolute[name] else 'm'}]"
         for name in found.joints
     ]
-    title = f"{robot.name[:40]}: manipulability, {task.name}"
+    title = say("{robot}: manipulability, {task}", robot=robot.name[:40], task=task.name)
 
     def picture() -> str:
         return heat_figure(x, y, found.manipulability, [*names, "w"], title)

@@ -21,6 +21,8 @@ from app.http.query import COMMON
 from app.http.units import Units
 from app.settings import Settings
 from app.sheets.sheet import SheetSource
+from dh_to_urdf.languages import ENGLISH, Language
+from dh_to_urdf.messages import say
 from kinematics.processes.pool import ProcessPool
 from kinematics.symbolic import SymbolicWorkers
 from robots.robot import FloatArray, Robot
@@ -57,6 +59,7 @@ class Context:
         form: Media type of the answer.
         symbolic: The processes for symbolic work.
         programs: The processes for whole paths.
+        language: What the answer is written in.
         doubts: Collects what was accepted but is probably not meant.
     """
 
@@ -66,6 +69,7 @@ class Context:
     form: str = JSON
     symbolic: SymbolicWorkers | None = None
     programs: ProcessPool | None = None
+    language: Language = ENGLISH
 
     @property
     def warnings(self) -> list[str]:
@@ -150,7 +154,12 @@ class Operation:
         """Parameters of every form that are no fields of its request."""
         # A listing of closed forms is no table of numbers.
         words = self.runs is not Runs.PROCESS and any(form in (TEXT, CSV) for form in self.forms)
-        more = [*(["digits"] if words else ()), *(["with"] if self.statuses else ())]
+        table = words and CSV in self.forms
+        more = [
+            *(["digits"] if words else ()),
+            *(["decimal"] if table else ()),
+            *(["with"] if self.statuses else ()),
+        ]
         return (*COMMON, *more)
 
     @cached_property
@@ -187,6 +196,11 @@ def check_size(q: FloatArray, numbers: int, argument: str = "q") -> None:
     if total > MAX_NUMBERS:
         raise RequestProblem(
             INVALID_REQUEST,
-            f"the answer would hold {total} numbers; at most {MAX_NUMBERS} are given, send parts",
+            say(
+                "the answer would hold {total} numbers; at most {max_numbers} are"
+                " given, send parts",
+                total=total,
+                max_numbers=MAX_NUMBERS,
+            ),
             f"/{argument}",
         )

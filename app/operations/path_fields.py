@@ -24,6 +24,7 @@ from app.operations.operation import Context
 from app.operations.path_links import GEOMETRIES, read_geometry, read_radius
 from app.operations.retime import RetimeField
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import chained, say
 from kinematics.errors import InvalidOption
 from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
@@ -281,7 +282,11 @@ def read_problem(robot: Robot, request: PathScenario, context: Context) -> PathP
     q = request.q
     if request.time_law not in list(TimeLaw):
         raise InvalidOption(
-            f"time_law is {quoted(request.time_law)}; give {', '.join(TimeLaw)}",
+            say(
+                "time_law is {time_law}; give {timelaw}",
+                time_law=quoted(request.time_law),
+                timelaw=", ".join(TimeLaw),
+            ),
             argument="time_law",
             value=request.time_law,
             known=tuple(TimeLaw),
@@ -314,13 +319,16 @@ def _path(
     if len(given) != 1:
         raise RequestProblem(
             INVALID_REQUEST,
-            f"give one of target, waypoints and circle, not {' and '.join(given) or 'none'}",
+            say(
+                "give one of target, waypoints and circle, not {given}",
+                given=chained(say(" and "), given) or say("none"),
+            ),
             f"/{given[1] if given else 'target'}",
         )
     start = fk(robot, q, [arm.frame])[arm.frame]
     if request.circle is not None:
         about = _circle(request.circle)
-        context.doubts.place(about.center, "the center of circle")
+        context.doubts.place(about.center, say("the center of circle"))
         where = "normal" if request.circle.plane is None else "plane"
         return circle(start, about, arm.task, sampling, "circle", (where,))
     if request.target is not None:
@@ -331,7 +339,11 @@ def _path(
         places = [("waypoints", k) for k in range(len(goals))]
         if not 1 <= len(goals) <= MAX_WAYPOINTS:
             raise InvalidOption(
-                f"waypoints holds {len(goals)}; give 1 to {MAX_WAYPOINTS}",
+                say(
+                    "waypoints holds {count}; give 1 to {max_waypoints}",
+                    count=len(goals),
+                    max_waypoints=MAX_WAYPOINTS,
+                ),
                 argument="waypoints",
                 value=len(goals),
                 lower=1,
@@ -347,12 +359,16 @@ def _path(
 def _circle(field: CircleField) -> Circle:
     if field.normal is not None and field.plane is not None:
         raise InvalidOption(
-            "circle has a normal and a plane; give one", argument="circle", index=("plane",)
+            say("circle has a normal and a plane; give one"), argument="circle", index=("plane",)
         )
     plane = field.plane or "xy"
     if plane not in PLANES:
         raise InvalidOption(
-            f"circle.plane is {quoted(plane)}; give {', '.join(PLANES)}",
+            say(
+                "circle.plane is {plane}; give {planes}",
+                plane=quoted(plane),
+                planes=", ".join(PLANES),
+            ),
             argument="circle",
             index=("plane",),
             value=plane,
@@ -365,9 +381,13 @@ def _circle(field: CircleField) -> Circle:
 
 def _three(values: list[float], name: str) -> FloatArray:
     if len(values) != 3 or not all(abs(value) <= 1e6 for value in values):
-        sizes = "two (in the plane z = 0) or three" if name == "center" else "three"
+        sizes = say("two (in the plane z = 0) or three") if name == "center" else "three"
         raise InvalidOption(
-            f"circle.{name} is no point or direction; give {sizes} numbers up to 1e6",
+            say(
+                "circle.{name} is no point or direction; give {sizes} numbers up to 1e6",
+                name=name,
+                sizes=sizes,
+            ),
             argument="circle",
             index=(name,),
         )
@@ -378,7 +398,7 @@ def _solid(field: ObstacleField, index: int, context: Context) -> solids.Obstacl
     centers = getattr(field, "center", None), getattr(field, "start", None)
     for center in centers:
         if center is not None and len(center) in (2, 3):
-            context.doubts.place(np.array(center), f"obstacle {index}", FAR_THING)
+            context.doubts.place(np.array(center), say("obstacle {index}", index=index), FAR_THING)
     if isinstance(field, SphereField):
         return solids.Sphere(field.center, field.radius)
     if isinstance(field, CircleObstacleField):
@@ -405,7 +425,10 @@ def read_options(
     """
     posture = None if request.posture is None else problem.arm.reduced(request.posture)
     if len(request.secondary) > MAX_SECONDARY:
-        raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", argument="secondary")
+        raise InvalidOption(
+            say("give at most {max_secondary} secondary tasks", max_secondary=MAX_SECONDARY),
+            argument="secondary",
+        )
     gains = request.gains
     options = PathOptions(
         closed_loop=request.closed_loop,

@@ -8,6 +8,7 @@ import numpy as np
 
 from app.fields.per_joint import PerJoint, read_per_joint
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import chained, say
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.link_geometry import LinkGeometry, link_geometry, too_near
@@ -49,7 +50,11 @@ def read_geometry(
     """
     if name not in GEOMETRIES:
         raise InvalidOption(
-            f"link_geometry is {quoted(name)}; give {' or '.join(GEOMETRIES)}",
+            say(
+                "link_geometry is {name}; give {geometries}",
+                name=quoted(name),
+                geometries=chained(say(" or "), GEOMETRIES),
+            ),
             argument="link_geometry",
             value=name,
             known=GEOMETRIES,

@@ -19,6 +19,7 @@ from app.operations.operation import Answer, Context, Operation, Runs
 from app.operations.sizes import ROOM, rows_of
 from app.pictures.arm_figure import arm_figure, caption_of, letters_of
 from app.pictures.camera import VIEWS
+from dh_to_urdf.messages import say
 from kinematics.forward import fk
 from kinematics.skeleton import skeleton_of
 from robots.robot import FloatArray, Robot
@@ -83,17 +84,33 @@ def _draw(robot: Robot, request: PictureRequest, context: Context) -> Answer:
     q = np.atleast_2d(request.q)
     if len(q) > MOST_ARMS:
         raise RequestProblem(
-            INVALID_REQUEST, f"q holds {len(q)} rows; give at most {MOST_ARMS} to draw", "/q"
+            INVALID_REQUEST,
+            say(
+                "q holds {count} rows; give at most {most_arms} to draw",
+                count=len(q),
+                most_arms=MOST_ARMS,
+            ),
+            "/q",
         )
     if request.view not in VIEWS:
         raise RequestProblem(
-            INVALID_REQUEST, f"view is {request.view[:32]!r}; give {', '.join(VIEWS)}", "/view"
+            INVALID_REQUEST,
+            say("view is {view!r}; give {views}", view=request.view[:32], views=", ".join(VIEWS)),
+            "/view",
         )
     for name in ("width", "height"):
         value = getattr(request, name)
         if not SIZES[0] <= value <= SIZES[1]:
             raise RequestProblem(
-                INVALID_REQUEST, f"{name} is {value}; give {SIZES[0]} to {SIZES[1]}", f"/{name}"
+                INVALID_REQUEST,
+                say(
+                    "{name} is {value}; give {size} to {size_2}",
+                    name=name,
+                    value=value,
+                    size=SIZES[0],
+                    size_2=SIZES[1],
+                ),
+                f"/{name}",
             )
     frames = _frames(robot, request.frames)
     svg = arm_figure(
@@ -134,8 +151,12 @@ def _caption(robot: Robot, q: FloatArray, context: Context, width: float) -> lis
     place = ", ".join(f"{value + 0.0:.4f}" for value in tip.tolist())
     names = [joint.name[:24] for joint in robot.joints]
     few = robot.dof <= MOST_VALUES
-    joints = caption_of(names, values, width, MOST_LINES) if few else [f"{robot.dof} joints"]
-    where = f" at ({place}) m"
+    joints = (
+        caption_of(names, values, width, MOST_LINES)
+        if few
+        else [say("{dof} joints", dof=robot.dof)]
+    )
+    where = say(" at ({place}) m", place=place)
     return [*joints, robot.tip_frame[: min(40, letters_of(width) - len(where))] + where]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from app.fields.per_joint import PerJoint, read_per_joint
 from app.operations.operation import Context
 from app.operations.shapes import Matrix, Vector
+from dh_to_urdf.messages import say
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.judging.summary import finite
@@ -99,8 +100,10 @@ def read_retime(
         return None
     if field.acceleration is None:
         raise InvalidOption(
-            "retime lacks acceleration: a robot's document has no acceleration limits; give a"
-            " number for all joints, or one a joint",
+            say(
+                "retime lacks acceleration: a robot's document has no acceleration"
+                " limits; give a number for all joints, or one a joint"
+            ),
             argument="retime",
             index=("acceleration",),
         )

@@ -7,6 +7,7 @@ import numpy as np
 from app.admission.need import Need
 from app.http.negotiation import CSV, JSON, NDJSON, NPY, TEXT
 from app.operations.operation import MAX_NUMBERS
+from dh_to_urdf.messages import say
 from robots.robot import FloatArray
 
 FLOAT = 8
@@ -62,7 +63,7 @@ def rows_need(
     form: str,
     *,
     numbers: int,
-    of: str = "rows of q",
+    of: str = say("rows of q"),
     argument: str = "q",
 ) -> Need:
     """Return the need of a batch with so many bytes for each row.

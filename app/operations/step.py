@@ -17,6 +17,7 @@ from app.fields.numbers import within_query
 from app.operations.operation import Answer, Context, Operation
 from app.operations.shapes import AnswerUnits, Matrix, Vector, listed, shaped, vector
 from app.operations.sizes import encoded, fixed_bytes
+from dh_to_urdf.messages import say
 from kinematics.configuration import joint_names
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.step import StepTask, differential_step
@@ -111,7 +112,10 @@ def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
     frame = request.frame
     q = request.q
     if len(request.secondary) > MAX_SECONDARY:
-        raise InvalidOption(f"give at most {MAX_SECONDARY} secondary tasks", argument="secondary")
+        raise InvalidOption(
+            say("give at most {max_secondary} secondary tasks", max_secondary=MAX_SECONDARY),
+            argument="secondary",
+        )
     found = differential_step(
         robot,
         q,

@@ -18,6 +18,7 @@ from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.operation import Answer, Context, Operation, Runs
 from app.operations.shapes import AnswerUnits
 from dh_to_urdf import Convention, DHTable, extract
+from dh_to_urdf.messages import say
 from kinematics import symbolic
 from kinematics.errors import InvalidOption
 from kinematics.symbolic.chain import fraction_in
@@ -240,7 +241,7 @@ def _in_milliseconds(request: SymbolicRequest) -> Iterator[None]:
         if error.argument != "time_budget":
             raise
         raise InvalidOption(
-            "time_budget_ms is not above 0; give milliseconds",
+            say("time_budget_ms is not above 0; give milliseconds"),
             argument="time_budget_ms",
             value=request.time_budget_ms,
             lower=error.lower,
@@ -257,8 +258,11 @@ def _refuse_fractions(table: DHTable) -> None:
     if name is not None:
         raise RequestProblem(
             INVALID_REQUEST,
-            f"joint {name} turns by a fraction of what it depends on; closed forms are written for"
-            " whole multiples: use fk and jacobian",
+            say(
+                "joint {name} turns by a fraction of what it depends on; closed forms"
+                " are written for whole multiples: use fk and jacobian",
+                name=name,
+            ),
             "/robot",
         )
 

@@ -25,6 +25,7 @@ from app.operations.shapes import (
     vector,
 )
 from app.operations.sizes import FLOAT, ROW_OBJECTS, encoded, rows_need, rows_of
+from dh_to_urdf.messages import chained, say
 from kinematics.configuration import joint_names
 from kinematics.jacobian import peak_bytes
 from kinematics.singularity import RANK_TOLERANCE
@@ -177,19 +178,25 @@ def _joint_velocities(robot: Robot, request: JointVelocitiesRequest, context: Co
 
 
 def _warnings(robot: Robot, task: Task, found: JointVelocities, damping: float) -> list[str]:
-    warnings = []
+    warnings: list[str] = []
     if not found.determined.all() and not damping:
         ranks = np.unique(found.rank[~found.determined])
         warnings.append(
-            f"the rank is {' or '.join(map(str, ranks))} of {len(task.rows)}: not every twist can"
-            " be had, qd is the least-squares solution of least norm; give damping, such as 0.01,"
-            " for small joint velocities near here too"
+            say(
+                "the rank is {ranks} of {count}: not every twist can be had, qd is the"
+                " least-squares solution of least norm; give damping, such as 0.01, for"
+                " small joint velocities near here too",
+                ranks=chained(say(" or "), map(str, ranks)),
+                count=len(task.rows),
+            )
         )
     if not np.all(found.within_velocity_limits):
-        warnings.append("a joint would be faster than its limit; ask for a slower twist or damp")
+        warnings.append(
+            say("a joint would be faster than its limit; ask for a slower twist or damp")
+        )
     if robot.is_revolute.any() and not robot.is_revolute.all():
         warnings.append(
-            "the least norm weighs rad/s and m/s alike, as some joints turn and others slide"
+            say("the least norm weighs rad/s and m/s alike, as some joints turn and others slide")
         )
     return warnings
 

@@ -19,7 +19,9 @@ from app.dependencies import Services, services_of
 from app.fields.doubts import RequestDoubts
 from app.fields.field import Reading
 from app.http.bodies import read_body
+from app.http.csv_table import CsvForm
 from app.http.handlers import domain_problem
+from app.http.language import language_headers, language_of
 from app.http.negotiation import (
     CSV,
     JSON,
@@ -32,7 +34,7 @@ from app.http.negotiation import (
     wanted_type,
 )
 from app.http.npy import decode_npy
-from app.http.query import check_query, digits_of, units_of, with_status
+from app.http.query import check_query, csv_form_of, digits_of, units_of, with_status
 from app.http.responses import json_lines, respond, told_in_header
 from app.http.strict_json import MAX_FIELD, check_fields, decode_json, refuse_doubled_keys
 from app.http.text import render_text
@@ -199,6 +201,7 @@ class _Handlers:
             wanted,
             services.symbolic,
             services.programs,
+            language_of(request),
         )
 
         def read() -> msgspec.Struct:
@@ -227,44 +230,53 @@ class _Form:
 
     Attributes:
         type: Its media type.
-        digits: Decimals of numbers in text, CSV and LaTeX; None: their own choice.
+        digits: Decimals of numbers in text and LaTeX; None: their own choice.
+        table: How CSV is written; None for other forms.
         statuses: Whether npy comes with the status of each row.
     """
 
     type: str
     digits: int | None = None
+    table: CsvForm | None = None
     statuses: bool = False
 
 
 def _form_of(request: Request, wanted: str) -> _Form:
     if not request.scope["query_string"]:
         return _Form(wanted)
-    return _Form(wanted, digits_of(request, wanted), with_status(request, wanted))
+    digits = digits_of(request, wanted)
+    table = csv_form_of(request, wanted, digits)
+    return _Form(wanted, digits, table, with_status(request, wanted))
 
 
 def _written(answer: Answer, form: _Form, context: Context, *, short: bool = False) -> Response:
     """Return an answer in the wanted form."""
-    wanted = form.type
+    wanted, spoken = form.type, context.language
     if wanted in PICTURES and answer.picture is not None:
-        told = {**(answer.headers or {}), **told_in_header(context.warnings)}
+        told = {**(answer.headers or {}), **told_in_header(context.warnings, spoken)}
         drawn = answer.picture()
         return Response(drawn if wanted == SVG else png_of(drawn), headers=told, media_type=wanted)
     if answer.listing is not None and wanted != JSON:
-        told, listing = told_in_header(context.warnings), answer.listing
+        told = told_in_header(context.warnings, spoken)
+        listing = spoken.text(answer.listing)
         if wanted == TEXT and told:
-            listing += render_text({"warnings": context.warnings})
+            warnings = {"warnings": spoken.told(context.warnings)}
+            listing += render_text(warnings, None, spoken)
+        told = language_headers(spoken, told)
         return Response(listing, headers=told, media_type=f"{wanted}; charset=utf-8")
     if wanted == LATEX:
-        told = {**(answer.headers or {}), **told_in_header(context.warnings)}
+        told = {**(answer.headers or {}), **told_in_header(context.warnings, spoken)}
         return Response(_latex(answer, form), headers=told, media_type=f"{wanted}; charset=utf-8")
     return respond(
         answer.text if wanted == TEXT and answer.text is not None else answer.payload,
         wanted,
+        spoken,
         array=answer.records if form.statuses else answer.array,
         sheet=answer.sheet() if wanted == CSV and answer.sheet is not None else None,
         headers=answer.headers,
         short=short,
         digits=form.digits,
+        table=form.table,
     )
 
 
@@ -331,10 +343,13 @@ class _Work:
     ) -> Response:
         """Lines as they are computed; the work stops where the client goes away."""
         assert self.operation.stream is not None
-        parts = self.operation.stream(self.robot, asked, self.context)
+        parts, spoken = (
+            self.operation.stream(self.robot, asked, self.context),
+            self.context.language,
+        )
 
         def following() -> bytes:
-            return json_lines(next(parts, ()))
+            return json_lines(next(parts, ()), spoken)
 
         # The first part before the status line: what is wrong with the request shows there.
         part = await admission.run(following)
@@ -353,6 +368,7 @@ class _Work:
 
         # Its place and its memory are taken to the end. A reverse proxy that gathers answers must
         # not gather this one.
-        headers = {"X-Accel-Buffering": "no", **told_in_header(self.context.warnings)}
+        told = told_in_header(self.context.warnings, spoken)
+        headers = language_headers(spoken, {"X-Accel-Buffering": "no", **told})
         lines = StreamingResponse(body(), media_type=NDJSON, headers=headers)
         return AdmittedResponse(lines, admission, reservation, reservation.size)

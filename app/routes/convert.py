@@ -7,6 +7,7 @@ from fastapi import APIRouter, Request, Response
 from app.dependencies import ServicesDep
 from app.documents import TABLES, XML_TYPES, robot_from_body
 from app.http.bodies import read_body
+from app.http.language import language_of
 from app.http.negotiation import media_type, unsupported
 from app.http.responses import told_in_header
 from app.openapi.answers import REF
@@ -45,7 +46,7 @@ def build_router(max_body: int) -> APIRouter:
             raise unsupported(media_type(request), TABLES)
         body = await read_body(request, max_body)
         robot = await services.loaded(lambda: robot_from_body(request, body, "robot"), len(body))
-        told = told_in_header(robot.warnings)
+        told = told_in_header(robot.warnings, language_of(request))
         return Response(robot.urdf, headers=told, media_type="application/xml")
 
     return router

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Annotated, Any, TypeAlias, TypeVar
 
 import msgspec
@@ -10,6 +9,7 @@ from fastapi import APIRouter, Request, Response
 
 from app.dependencies import RobotDep, ServicesDep
 from app.http.bodies import read_body
+from app.http.language import language_of
 from app.http.negotiation import JSON, TEXT, require_type, wanted_type
 from app.http.problems import RequestProblem
 from app.http.query import check_query, units_of
@@ -28,6 +28,7 @@ from dh_to_urdf.extraction.as_written import (
 )
 from dh_to_urdf.extraction.comparison import compare
 from dh_to_urdf.extraction.comparison_result import Comparison, Difference
+from dh_to_urdf.messages import Message, say
 from robots.chains import chain_of_robot
 from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
 from robots.robot import Robot
@@ -213,7 +214,9 @@ async def _other(services: ServicesDep, asked: DiffRequest, request: Request) ->
         raise type(error)(str(error), _of_other(error.location)) from None
     except RequestProblem as error:
         (entry,) = error.entries
-        detail = re.sub("^robot ", "other ", entry.message)
+        detail = entry.message
+        if isinstance(detail, Message) and detail.values.get("field") == "robot":
+            detail = detail.having(field="other")
         pointer = "/other" + entry.pointer.removeprefix("/robot")
         raise RequestProblem(error.type, detail, pointer) from None
 
@@ -226,8 +229,9 @@ async def _answer(
     request: Request, services: ServicesDep, asked: DiffRequest, first: Told, second: Told
 ) -> Response:
     units, wanted = units_of(request), wanted_type(request, JSON, TEXT)
+    spoken = language_of(request)
     (robot, doubts), (other, more) = first, second
-    warnings = [*dict.fromkeys((*doubts, *(f"other: {one}" for one in more)))]
+    warnings = [*dict.fromkeys((*doubts, *(say("other: {one}", one=one) for one in more)))]
 
     def answer() -> Response:
         found = compare(
@@ -237,7 +241,7 @@ async def _answer(
             angle=asked.tolerance.angle,
         )
         payload = _payload(found, _cells(robot, other, asked), units)
-        return respond({**payload, "warnings": warnings}, wanted)
+        return respond({**payload, "warnings": warnings}, wanted, spoken)
 
     return await services.computed(answer, request)
 
@@ -280,7 +284,11 @@ def _payload(
 
     summary = found.words
     if cells:
-        summary = f"{words_as_written(cells)} Up to base, tool and zero offsets: {summary}"
+        summary = say(
+            "{cells} Up to base, tool and zero offsets: {summary}",
+            cells=words_as_written(cells),
+            summary=summary,
+        )
     differences = [view(difference) for difference in found.differences]
     residual = found.residual
     return {

@@ -14,6 +14,8 @@ from app.exercises.marking import check_names, marked
 from app.exercises.sheets import catalogue_view, exercise_view, sheet
 from app.exercises.texts import LANGUAGES, language_of
 from app.http.bodies import read_body
+from app.http.language import language_headers
+from app.http.language import language_of as spoken_in
 from app.http.negotiation import JSON, TEXT, require_type, wanted_type
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import check_query
@@ -22,6 +24,7 @@ from app.http.strict_json import decode_body
 from app.openapi.answers import REF
 from app.openapi.problems import PROBLEMS
 from app.operations.check import CheckDiagnosis, CheckError, check_reveal
+from dh_to_urdf.messages import say
 
 MAX_BODY = 200_000
 _LANG = {
@@ -158,9 +161,10 @@ router = APIRouter(prefix="/v1/exercises", tags=["exercises"], responses=PROBLEM
 )
 async def list_exercises(request: Request) -> Response:
     """Each with its parts and what they are worth."""
-    check_query(request, "lang", common=("format",))
+    check_query(request, common=("format", "lang"))
     wanted = wanted_type(request, JSON, TEXT)
-    return respond({"exercises": catalogue_view(language_of(request))}, wanted)
+    found = {"exercises": catalogue_view(language_of(request))}
+    return respond(found, wanted, spoken_in(request))
 
 
 @router.get(
@@ -171,13 +175,14 @@ async def list_exercises(request: Request) -> Response:
 )
 async def read_exercise(name: str, request: Request, services: ServicesDep) -> Response:
     """Each seed draws other lengths and poses; the same seed always the same. Text is a sheet."""
-    check_query(request, "seed", "lang", common=("format",))
+    check_query(request, "seed", common=("format", "lang"))
     wanted, language = wanted_type(request, JSON, TEXT), language_of(request)
+    spoken = spoken_in(request)
     exercise_named(name)
     seed = request.query_params.get("seed")
     if seed is None:
         raise RequestProblem(
-            INVALID_REQUEST, "seed is missing; give a student's number or name", "/seed"
+            INVALID_REQUEST, say("seed is missing; give a student's number or name"), "/seed"
         )
     address = str(request.base_url)
 
@@ -185,8 +190,9 @@ async def read_exercise(name: str, request: Request, services: ServicesDep) -> R
         found = drawn(name, seed)
         if wanted == TEXT:
             content = sheet(found, language, address)
-            return Response(content, media_type="text/plain; charset=utf-8")
-        return respond(exercise_view(found, language, address), wanted)
+            headers = language_headers(spoken)
+            return Response(content, headers=headers, media_type="text/plain; charset=utf-8")
+        return respond(exercise_view(found, language, address), wanted, spoken)
 
     return await services.computed(answer, request)
 
@@ -210,7 +216,7 @@ async def read_exercise(name: str, request: Request, services: ServicesDep) -> R
 )
 async def check_exercise(name: str, request: Request, services: ServicesDep) -> Response:
     """Part by part, as `check` does it. An answer that cannot be read is wrong, with the reason."""
-    check_query(request, common=("format",))
+    check_query(request, common=("format", "lang"))
     require_type(request, JSON)
     wanted = wanted_type(request, JSON, TEXT)
     declaration = exercise_named(name)
@@ -221,13 +227,15 @@ async def check_exercise(name: str, request: Request, services: ServicesDep) -> 
         if answers or len(declaration.parts) > 1:
             names = ", ".join(part.name for part in declaration.parts)
             raise RequestProblem(
-                INVALID_REQUEST, f"give answers by name of their part: {names}", "/answers"
+                INVALID_REQUEST,
+                say("give answers by name of their part: {names}", names=names),
+                "/answers",
             )
         answers[declaration.parts[0].name] = asked.answer
 
     def answer() -> Response:
         found = drawn(name, asked.seed)
         check_names(found, answers)
-        return respond(marked(found, answers, reveal=asked.reveal), wanted)
+        return respond(marked(found, answers, reveal=asked.reveal), wanted, spoken_in(request))
 
     return await services.computed(answer, request)

@@ -9,12 +9,14 @@ from anyio.to_thread import run_sync
 from fastapi import APIRouter, Request, Response
 
 from app.dependencies import Services
+from app.http.language import language_of
 from app.http.negotiation import HTML, JSON, TEXT, wanted_type
 from app.http.problems import ProblemType, RequestProblem
 from app.http.rendering import ALL_TYPES
 from app.http.responses import respond
 from app.page import Page, waiting
 from app.readiness import Check, Readiness, WritableDirectory
+from dh_to_urdf.messages import say
 from robots.shipped import shipped_ids
 
 router = APIRouter()
@@ -44,7 +46,7 @@ def add_checks(readiness: Readiness, services: Services, kernels: Callable[[], C
 
     def library() -> Check:
         services.store.get("planar_2r")
-        return Check(status="ok", detail=f"{len(shipped_ids())} robots")
+        return Check(status="ok", detail=say("{count} robots", count=len(shipped_ids())))
 
     readiness.add("kernels", kernels)
     readiness.add("library", library)
@@ -57,10 +59,15 @@ def add_checks(readiness: Readiness, services: Services, kernels: Callable[[], C
             names, unnamed = services.namespaces.damaged()
         count = len(names) + unnamed
         if not count:
-            return Check(status="ok", detail="no upload is known to be damaged")
-        detail = f"{count} uploads are damaged and not served; upload them again or delete them"
+            return Check(status="ok", detail=say("no upload is known to be damaged"))
+        detail = say(
+            "{count} uploads are damaged and not served; upload them again or delete them",
+            count=count,
+        )
         if unnamed:
-            detail += f"; {unnamed} of them are in namespaces, the log names their files"
+            detail += say(
+                "; {unnamed} of them are in namespaces, the log names their files", unnamed=unnamed
+            )
         return Check(status="warning", detail=detail, names=names[:MAX_NAMED])
 
     readiness.add("robots", damaged)
@@ -71,7 +78,10 @@ def add_checks(readiness: Readiness, services: Services, kernels: Callable[[], C
 async def ready(request: Request) -> Response:
     """Runs each check; 503 where one has failed and while the service is stopping."""
     report = await run_sync(request.app.state.readiness.report)
-    return respond(msgspec.to_builtins(report), status=200 if report.status == "ready" else 503)
+    checks = {name: _plain(check) for name, check in report.checks.items()}
+    status = 200 if report.status == "ready" else 503
+    payload = {"status": report.status, "checks": checks}
+    return respond(payload, JSON, language_of(request), status=status)
 
 
 @router.api_route("/", methods=["GET", "HEAD"], include_in_schema=False)
@@ -88,18 +98,26 @@ async def index(request: Request) -> Response:
         "service": "denavit",
         "docs": f"{base}/docs",
         "guide": f"{base}/guide",
+        "labs": f"{base}/labs",
         "openapi": f"{base}/openapi.json",
         "robots": f"{base}/v1/robots",
         "try": f"curl '{base}/v1/robots/puma560/fk?q=0,45,-90,0,45,0&angle=deg&format=text'",
     }
-    return respond(payload, wanted, headers={"Vary": "Accept"})
+    return respond(payload, wanted, language_of(request), headers={"Vary": "Accept"})
 
 
 @router.get("/problems/{slug}", include_in_schema=False)
-async def problem(slug: str) -> Response:
+async def problem(slug: str, request: Request) -> Response:
     """What a problem's type means."""
     found = ALL_TYPES.get(slug)
     if found is None:
-        unknown = ProblemType("not-found", 404, "Not Found")
-        raise RequestProblem(unknown, f"there is no problem type {slug[:64]!r}")
-    return respond({"slug": found.slug, "status": found.status, "title": found.title})
+        unknown = ProblemType("not-found", 404, say("Not Found"))
+        raise RequestProblem(unknown, say("there is no problem type {slug!r}", slug=slug[:64]))
+    payload = {"slug": found.slug, "status": found.status, "title": found.title}
+    return respond(payload, JSON, language_of(request))
+
+
+def _plain(check: Check) -> dict[str, object]:
+    """A check as the report shows it; msgspec has no way with messages."""
+    found: dict[str, object] = {"status": check.status, "detail": check.detail}
+    return {**found, "names": check.names} if check.names else found

@@ -6,6 +6,7 @@ from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
+from app.http.language import language_of
 from app.http.negotiation import JSON, LATEX, TEXT, wanted_type
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import check_query
@@ -13,6 +14,7 @@ from app.http.responses import respond
 from app.openapi.problems import PROBLEMS
 from dh_to_urdf import Convention
 from dh_to_urdf.documents.mapping import CONVENTION_ALIASES
+from dh_to_urdf.messages import say
 from kinematics.symbolic.link_matrix import LINK_MATRICES, LinkMatrix
 
 OFFERS = (JSON, TEXT, LATEX)
@@ -71,11 +73,11 @@ def build_router() -> APIRouter:
     )
     async def link_matrix(request: Request) -> Response:
         """With alpha, a, d and theta as symbols; needs no robot."""
-        check_query(request, "convention", common=("format",))
+        check_query(request, "convention", common=("format", "lang"))
         wanted = wanted_type(request, *OFFERS)
         found = LINK_MATRICES[_convention(request)]
         if wanted == JSON:
-            return respond(_view(found))
+            return respond(_view(found), JSON, language_of(request))
         text = found.latex() if wanted == LATEX else found.text()
         return Response(text, media_type=f"{wanted}; charset=utf-8", headers={"Vary": "Accept"})
 
@@ -98,10 +100,14 @@ def _convention(request: Request) -> Convention:
     raw = request.query_params.get("convention")
     found = None if raw is None else CONVENTION_ALIASES.get(raw.strip().lower())
     if found is None:
-        given = "is missing" if raw is None else f"{raw[:40]!r} is unknown"
+        given = say("is missing") if raw is None else say("{raw!r} is unknown", raw=raw[:40])
         raise RequestProblem(
             INVALID_REQUEST,
-            f"convention {given}; give {', '.join(Convention)}",
+            say(
+                "convention {given}; give {convention}",
+                given=given,
+                convention=", ".join(Convention),
+            ),
             "/convention",
         )
     return found

@@ -10,6 +10,7 @@ import msgspec
 from fastapi import APIRouter, Path, Request, Response
 
 from app.dependencies import RobotDep, ServicesDep
+from app.http.language import language_of
 from app.http.negotiation import JSON, TEXT, wanted_type
 from app.http.query import check_query
 from app.http.responses import respond
@@ -51,7 +52,7 @@ class MeshList(msgspec.Struct, kw_only=True):
 )
 async def list_meshes(request: Request, stored: RobotDep, services: ServicesDep) -> Response:
     """Empty where the files are not installed or the robot was uploaded."""
-    check_query(request, common=("format",))
+    check_query(request, common=("format", "lang"))
     wanted = wanted_type(request, JSON, TEXT)
     found = await services.loaded(lambda: meshes_of(stored.id))
     lines = [
@@ -63,7 +64,7 @@ async def list_meshes(request: Request, stored: RobotDep, services: ServicesDep)
         }
         for mesh in found.values()
     ]
-    return respond({"meshes": lines}, wanted)
+    return respond({"meshes": lines}, wanted, language_of(request))
 
 
 @router.get(

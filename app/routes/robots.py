@@ -14,6 +14,7 @@ from app.access.control import key_of
 from app.dependencies import RobotDep, ServicesDep
 from app.documents import PAR_TYPES, PASTED_TYPES, id_from_name, robot_from_body
 from app.http.bodies import read_body
+from app.http.language import language_of
 from app.http.negotiation import JSON, TEXT, media_type, wanted_type
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import check_query, flag_of, units_of
@@ -23,6 +24,8 @@ from app.openapi.answers import REF
 from app.openapi.problems import PROBLEMS
 from dh_to_urdf.couplings import coefficient_in
 from dh_to_urdf.documents.layouts import document
+from dh_to_urdf.languages import Language
+from dh_to_urdf.messages import say
 from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.revisions import ANY
 from robots.robot import Robot
@@ -238,7 +241,7 @@ def not_modified(request: Request, tag: str) -> Response | None:
         return None
     tags = {item.strip().removeprefix("W/") for item in given.split(",")}
     return (
-        Response(status_code=304, headers={"ETag": tag, "Vary": "Accept"})
+        Response(status_code=304, headers={"ETag": tag, "Vary": "Accept, Accept-Language"})
         if {tag, "*"} & tags
         else None
     )
@@ -344,17 +347,21 @@ def build_router(max_body: int) -> APIRouter:
         request: Request,
         services: ServicesDep,
     ) -> Response:
-        check_query(request, "page_size", "page_token", common=("format",))
+        check_query(request, "page_size", "page_token", common=("format", "lang"))
         wanted = wanted_type(request, JSON, TEXT)
         text = request.query_params.get("page_size", str(DEFAULT_PAGE))
         page_size = int(text) if re.fullmatch(r"[0-9]{1,6}", text) else 0
         page_token = request.query_params.get("page_token", "")
         if not 1 <= page_size <= MAX_PAGE:
             raise RequestProblem(
-                INVALID_REQUEST, f"page_size is {text[:32]!r}; give 1 to {MAX_PAGE}", "/page_size"
+                INVALID_REQUEST,
+                say(
+                    "page_size is {text!r}; give 1 to {max_page}", text=text[:32], max_page=MAX_PAGE
+                ),
+                "/page_size",
             )
-        store = services.store_of(request)
-        return await services.loaded(lambda: _page(store, page_size, page_token, wanted))
+        store, spoken = services.store_of(request), language_of(request)
+        return await services.loaded(lambda: _page(store, page_size, page_token, wanted, spoken))
 
     @router.post(
         "",
@@ -374,8 +381,11 @@ def build_router(max_body: int) -> APIRouter:
         if not robot_id:
             raise RequestProblem(
                 INVALID_REQUEST,
-                f"no id can be made of the name {name[:64]!r};"
-                " give one in the query, such as ?name=my-arm",
+                say(
+                    "no id can be made of the name {name!r}; give one in the query, such as"
+                    " ?name=my-arm",
+                    name=name[:64],
+                ),
                 "/name",
             )
         store, writer = services.store_of(request), services.writer_of(request, overwrite=overwrite)
@@ -391,7 +401,7 @@ def build_router(max_body: int) -> APIRouter:
         tag = etag(stored.robot)
         payload = robot_view(stored, units)
         return not_modified(request, tag) or respond(
-            payload, wanted, headers={"ETag": tag, "Vary": "Accept"}
+            payload, wanted, language_of(request), headers={"ETag": tag, "Vary": "Accept"}
         )
 
     @router.put(
@@ -469,7 +479,9 @@ def build_router(max_body: int) -> APIRouter:
     return router
 
 
-def _page(store: RobotStore, page_size: int, page_token: str, wanted: str) -> Response:
+def _page(
+    store: RobotStore, page_size: int, page_token: str, wanted: str, spoken: Language
+) -> Response:
     later = store.ids_after(page_token, page_size + 1)
     lines = []
     for robot_id in later[:page_size]:
@@ -478,7 +490,7 @@ def _page(store: RobotStore, page_size: int, page_token: str, wanted: str) -> Re
             line = store.summary(robot_id)
             lines.append({name: getattr(line, name) for name in RobotLine.__struct_fields__})
     token = later[page_size - 1] if len(later) > page_size else None
-    return respond({"robots": lines, "next_page_token": token}, wanted)
+    return respond({"robots": lines, "next_page_token": token}, wanted, spoken)
 
 
 async def _uploaded(
@@ -490,13 +502,20 @@ async def _uploaded(
     near = await services.loaded(lambda: store.look_alikes(stored.id))
     if store.hides_shared(stored.id):
         view["warnings"] += [
-            f"'{stored.id}' is the id of a shared robot too; requests with this key mean yours,"
-            " until you delete it"
+            say(
+                "'{stored}' is the id of a shared robot too; requests with this key"
+                " mean yours, until you delete it",
+                stored=stored.id,
+            )
         ]
     if near:
         shown = ", ".join(f"'{other}'" for other in near[:NEAR])
         view["warnings"] += [
-            f"the id '{stored.id}' looks like that of another robot: {shown}; mind which is meant"
+            say(
+                "the id '{stored}' looks like that of another robot: {shown}; mind which is meant",
+                stored=stored.id,
+                shown=shown,
+            )
         ]
     if table is not None:
         echo = document(table, degrees=request.query_params.get("angle") == "deg")
@@ -504,7 +523,8 @@ async def _uploaded(
     headers = {"ETag": etag(stored.robot)}
     if created:
         headers["Location"] = f"{request.scope.get('root_path', '')}/v1/robots/{stored.id}"
-    return respond(view, wanted, status=201 if created else 200, headers=headers)
+    status = 201 if created else 200
+    return respond(view, wanted, language_of(request), status=status, headers=headers)
 
 
 def _check_name(request: Request, robot: Robot, robot_id: str) -> None:
@@ -513,14 +533,27 @@ def _check_name(request: Request, robot: Robot, robot_id: str) -> None:
     if named is not None and robot_id not in (named, id_from_name(named)):
         raise RequestProblem(
             INVALID_REQUEST,
-            f"name is {named[:64]!r} but the path says {robot_id!r}; leave name out",
+            say(
+                "name is {named!r} but the path says {robot_id!r}; leave name out",
+                named=named[:64],
+                robot_id=robot_id,
+            ),
             "/name",
         )
     if robot.table is not None and robot_id not in (robot.name, id_from_name(robot.name)):
         text = media_type(request) in (*PAR_TYPES, *PASTED_TYPES)
-        remedy = f"give name={robot_id} in the query" if text else "leave name out"
+        remedy = (
+            say("give name={robot_id} in the query", robot_id=robot_id)
+            if text
+            else say("leave name out")
+        )
         raise RequestProblem(
             INVALID_REQUEST,
-            f"name is {robot.name!r} but the path says {robot_id!r}; make them equal or {remedy}",
+            say(
+                "name is {robot!r} but the path says {robot_id!r}; make them equal or {remedy}",
+                robot=robot.name,
+                robot_id=robot_id,
+                remedy=remedy,
+            ),
             "/name",
         )

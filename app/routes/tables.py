@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
@@ -10,9 +11,19 @@ from fastapi import APIRouter, Request, Response
 from app.dependencies import RobotDep, ServicesDep
 from app.documents import XML_TYPES, robot_from_body
 from app.http.bodies import read_body
+from app.http.csv_table import CsvForm
+from app.http.language import language_headers, language_of
 from app.http.negotiation import CSV, JSON, TEXT, YAML, require_type, wanted_type
 from app.http.problems import INVALID_REQUEST, RequestProblem
-from app.http.query import check_query, flag_of, number, units_of
+from app.http.query import (
+    DECIMAL_TEXT,
+    LANG_TEXT,
+    check_query,
+    csv_form_of,
+    flag_of,
+    number,
+    units_of,
+)
 from app.http.responses import respond, told_in_header
 from app.http.strict_json import decode_body
 from app.http.units import Units
@@ -26,11 +37,14 @@ from dh_to_urdf.extraction.axes import SerialChain
 from dh_to_urdf.extraction.axes_document import read_axes
 from dh_to_urdf.extraction.conversion import to_convention
 from dh_to_urdf.extraction.extract import MAX_SNAP, SNAP, Extraction, extract
+from dh_to_urdf.languages import Language
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.writer import TABLE_TEXTS
 from robots.chains import chain_of_robot, chain_of_urdf
 from robots.robot import Robot
 
-CHOICES = "standard (distal, Paul), modified (proximal, Craig) or khalil (Khalil-Kleinfinger)"
+CHOICES = say("standard (distal, Paul), modified (proximal, Craig) or khalil (Khalil-Kleinfinger)")
+FORM = ("format", "lang", "decimal")
 EXTRACTION = ("snap", "explain", "positive_a")
 WRITERS = {form.media_type: form for form in TABLE_TEXTS.values()}
 OFFERS = (JSON, TEXT, YAML, CSV, *WRITERS)
@@ -75,23 +89,20 @@ def build_router(max_body: int) -> APIRouter:
         tags=["robots"],
         responses=answer,
         openapi_extra={
-            "parameters": _parameters("convention", "base", "tip", *EXTRACTION, "angle", "format")
+            "parameters": _parameters("convention", "base", "tip", *EXTRACTION, "angle", *FORM)
         },
     )
     async def read_dh(request: Request, stored: RobotDep, services: ServicesDep) -> Response:
         """Of a robot made from a table its own, in any convention; else extracted from its URDF."""
-        check_query(request, "convention", "base", "tip", *EXTRACTION)
-        units, wanted = units_of(request), wanted_type(request, *OFFERS)
+        check_query(request, "convention", "base", "tip", "decimal", *EXTRACTION)
+        form = _form_of(request)
         tag = etag(stored.robot)
         headers = {"ETag": tag, "Vary": "Accept"}
         found = not_modified(request, tag)
         if found is not None:
             return found
         call = _robot_table(stored.robot, request)
-        explained = flag_of(request, "explain")
-        return await services.computed(
-            lambda: _written(call(), wanted, units, explained, headers), request
-        )
+        return await services.computed(lambda: _written(call(), form, headers), request)
 
     @router.post(
         "/urdf-to-dh",
@@ -109,13 +120,13 @@ def build_router(max_body: int) -> APIRouter:
                 "tip",
                 *EXTRACTION,
                 "angle",
-                "format",
+                *FORM,
                 required=("convention",),
             ),
         },
     )
     async def urdf_to_dh(request: Request, services: ServicesDep) -> Response:
-        check_query(request, "convention", "base", "tip", *EXTRACTION)
+        check_query(request, "convention", "base", "tip", "decimal", *EXTRACTION)
         require_type(request, *XML_TYPES)
         query = request.query_params
         convention = _convention(query.get("convention"))
@@ -143,7 +154,7 @@ def build_router(max_body: int) -> APIRouter:
                     }
                 },
             },
-            "parameters": _parameters("convention", *EXTRACTION, "angle", "format"),
+            "parameters": _parameters("convention", *EXTRACTION, "angle", *FORM),
         },
     )
     async def axes_to_dh(request: Request, services: ServicesDep) -> Response:
@@ -155,7 +166,7 @@ def build_router(max_body: int) -> APIRouter:
         named = request.query_params.get("convention")
         if inside is not None and named is not None:
             raise RequestProblem(
-                INVALID_REQUEST, "convention is in the body and in the query", "/convention"
+                INVALID_REQUEST, say("convention is in the body and in the query"), "/convention"
             )
         convention = _convention(inside if named is None else named)
         return await _extracted(request, services, convention, lambda: read_axes(data))
@@ -174,23 +185,24 @@ def build_router(max_body: int) -> APIRouter:
                     "text/csv": {"schema": {"type": "string"}},
                 },
             },
-            "parameters": _parameters("to", "tip", "angle", "format", required=("to",)),
+            "parameters": _parameters("to", "tip", "angle", *FORM, required=("to",)),
         },
     )
     async def convert_dh(request: Request, services: ServicesDep) -> Response:
         """The same q, limits and FK; a tree in khalil is cut down to the chain to ``tip``."""
         convention = _convention(request.query_params.get("to"), "to")
-        units, wanted = units_of(request), wanted_type(request, *OFFERS)
+        form = _form_of(request)
         body = await read_body(request, max_body)
         tip = request.query_params.get("tip")
 
         def convert() -> Response:
-            table = robot_from_body(request, body, "robot", ("to", "tip", "angle")).table
+            table = robot_from_body(request, body, "robot", ("to", "tip", "angle", "decimal")).table
             if table is None:
                 raise RequestProblem(
-                    INVALID_REQUEST, "the body is a URDF; POST it to /v1/urdf-to-dh?convention=…"
+                    INVALID_REQUEST,
+                    say("the body is a URDF; POST it to /v1/urdf-to-dh?convention=…"),
                 )
-            return _written(to_convention(table, convention, tip), wanted, units)
+            return _written(to_convention(table, convention, tip), form)
 
         return await services.loaded(convert, len(body))
 
@@ -204,13 +216,12 @@ async def _extracted(
     read: Callable[[], SerialChain],
     size: int = 0,
 ) -> Response:
-    units, wanted = units_of(request), wanted_type(request, *OFFERS)
-    snap, explained = _snap(request), flag_of(request, "explain")
+    form, snap = _form_of(request), _snap(request)
     positive_a = flag_of(request, "positive_a")
 
     def answer() -> Response:
         found = extract(read(), convention, snap=snap, positive_a=positive_a)
-        return _written(found, wanted, units, explained)
+        return _written(found, form)
 
     return await services.computed(answer, request, size)
 
@@ -229,39 +240,74 @@ def _robot_table(robot: Robot, request: Request) -> Callable[[], DHTable | Extra
     )
 
 
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """The form of an answer.
+
+    Attributes:
+        type: Its media type.
+        units: Of angles.
+        language: What its sentences are in.
+        table: How CSV is written; None for other forms.
+        explained: Whether it says how each frame was found.
+    """
+
+    type: str
+    units: Units
+    language: Language
+    table: CsvForm | None
+    explained: bool
+
+
+def _form_of(request: Request) -> _Form:
+    units, wanted = units_of(request), wanted_type(request, *OFFERS)
+    table = csv_form_of(request, wanted, None)
+    return _Form(wanted, units, language_of(request), table, flag_of(request, "explain"))
+
+
 def _written(
-    found: DHTable | Extraction,
-    wanted: str,
-    units: Units,
-    explained: bool = False,
-    headers: dict[str, str] | None = None,
+    found: DHTable | Extraction, form: _Form, headers: dict[str, str] | None = None
 ) -> Response:
     """The answer in the wanted form."""
     table = found if isinstance(found, DHTable) else found.table
-    degrees = units.degrees
+    degrees, wanted, spoken = form.units.degrees, form.type, form.language
     if wanted == JSON:
-        return respond(document(found, degrees=degrees, explained=explained), headers=headers)
+        mapping = document(found, degrees=degrees, explained=form.explained)
+        return respond(mapping, JSON, spoken, headers=headers)
     if wanted == YAML:
-        text = to_yaml(document(found, degrees=degrees, explained=explained))
-    elif wanted == CSV:
-        text = to_csv(table, degrees=degrees)
+        text = to_yaml(spoken.told(document(found, degrees=degrees, explained=form.explained)))
+    elif form.table is not None:
+        named = form.table.language
+        text = to_csv(table, degrees=degrees, language=named, commas=form.table.commas)
     elif wanted in WRITERS:
-        form = WRITERS[wanted]
-        write = form.write_degrees if degrees and form.write_degrees else form.write
+        writer = WRITERS[wanted]
+        write = writer.write_degrees if degrees and writer.write_degrees else writer.write
         text = write(table)
     else:
-        text = to_text(found, degrees=degrees, explained=explained)
-    told = {} if wanted in (YAML, TEXT) else told_in_header(table.warnings)
-    return Response(text.encode(), 200, {**(headers or {}), **told}, f"{wanted}; charset=utf-8")
+        text = spoken.text(to_text(found, degrees=degrees, explained=form.explained))
+    told = {} if wanted in (YAML, TEXT) else told_in_header(table.warnings, spoken)
+    headers = language_headers(spoken, {**told, **(headers or {})})
+    return Response(text.encode(), 200, headers, f"{wanted}; charset=utf-8")
 
 
 def _convention(raw: object, name: str = "convention") -> Convention:
     if raw is None:
-        raise RequestProblem(INVALID_REQUEST, f"{name} is missing; give {CHOICES}", f"/{name}")
+        raise RequestProblem(
+            INVALID_REQUEST,
+            say("{name} is missing; give {choices}", name=name, choices=CHOICES),
+            f"/{name}",
+        )
     found = CONVENTION_ALIASES.get(raw.strip().lower()) if isinstance(raw, str) else None
     if found is None:
         raise RequestProblem(
-            INVALID_REQUEST, f"{name} {str(raw)[:40]!r} is unknown; give {CHOICES}", f"/{name}"
+            INVALID_REQUEST,
+            say(
+                "{name} {raw!r} is unknown; give {choices}",
+                name=name,
+                raw=str(raw)[:40],
+                choices=CHOICES,
+            ),
+            f"/{name}",
         )
     return found
 
@@ -271,7 +317,13 @@ def _snap(request: Request) -> float:
     snap = SNAP if text is None else number("snap", text, Units())
     if not 0.0 <= snap <= MAX_SNAP:
         raise RequestProblem(
-            INVALID_REQUEST, f"snap is {snap:g}; give an angle from 0 to {MAX_SNAP} rad", "/snap"
+            INVALID_REQUEST,
+            say(
+                "snap is {snap:g}; give an angle from 0 to {max_snap} rad",
+                snap=snap,
+                max_snap=MAX_SNAP,
+            ),
+            "/snap",
         )
     return snap
 
@@ -287,6 +339,8 @@ _DESCRIPTIONS = {
     "angle": "rad (default) or deg: angles of the answer (of CSV bodies, too); par and matlab are"
     " always in rad.",
     "format": f"json (default), text, yaml, csv, {', '.join(TABLE_TEXTS)}; or by Accept.",
+    "lang": LANG_TEXT,
+    "decimal": DECIMAL_TEXT,
 }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.sheets.sheet import Sheet, cell
+from dh_to_urdf.messages import say
 from kinematics.symbolic.latex import bracketed
 from robots.robot import FloatArray
 
@@ -138,8 +139,12 @@ def equations(labels: Sequence[str], arrays: FloatArray, digits: int | None = No
     if len(labels) > MAX_MATRICES:
         raise RequestProblem(
             INVALID_REQUEST,
-            f"{len(labels)} matrices are too many for LaTeX; give at most {MAX_MATRICES}, or ask"
-            " for csv",
+            say(
+                "{count} matrices are too many for LaTeX; give at most {max_matrices},"
+                " or ask for csv",
+                count=len(labels),
+                max_matrices=MAX_MATRICES,
+            ),
             "/format",
         )
     pairs = zip(labels, arrays, strict=True)
@@ -160,7 +165,11 @@ def tabular(sheet: Sheet, digits: int | None = None, warnings: Sequence[str] = (
     if len(sheet) > MAX_ROWS:
         raise RequestProblem(
             INVALID_REQUEST,
-            f"{len(sheet)} rows are too many for LaTeX; give at most {MAX_ROWS}, or ask for csv",
+            say(
+                "{count} rows are too many for LaTeX; give at most {max_rows}, or ask for csv",
+                count=len(sheet),
+                max_rows=MAX_ROWS,
+            ),
             "/format",
         )
     lines = [f"\\begin{{tabular}}{{{'r' * len(sheet.columns)}}}", "\\hline"]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 
 _NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _TOKEN = re.compile(
@@ -125,14 +126,16 @@ class Lookup(Protocol):
 def _power(base: Sum, exponent: Sum) -> Sum:
     """Return a plain number to a plain power."""
     if not base.is_plain or not exponent.is_plain:
-        raise CellError("takes a power of something that is not a plain number")
+        raise CellError(say("takes a power of something that is not a plain number"))
     if exponent.plain == 0.0:
-        raise CellError("has the exponent 0, which may be a degree sign; write 90° or leave it out")
+        raise CellError(
+            say("has the exponent 0, which may be a degree sign; write 90° or leave it out")
+        )
     if base.plain == 0.0 and exponent.plain < 0.0:
-        raise CellError("divides by zero")
+        raise CellError(say("divides by zero"))
     result = base.plain**exponent.plain
     if isinstance(result, complex):
-        raise CellError("takes a root of a negative number")
+        raise CellError(say("takes a root of a negative number"))
     return Sum(plain=float(result))
 
 
@@ -152,7 +155,9 @@ class _Parser:
         while position < len(stripped):
             match = _TOKEN.match(stripped, position)
             if match is None:
-                raise CellError(f"has an unexpected {stripped[position:].lstrip()[:1]!r}")
+                raise CellError(
+                    say("has an unexpected {text!r}", text=stripped[position:].lstrip()[:1])
+                )
             kind = match.lastgroup or ""
             tokens.append((kind, match.group(kind)))
             position = match.end()
@@ -171,7 +176,7 @@ class _Parser:
     def parse(self) -> Sum:
         result = self.sum()
         if self.peek()[0] != "end":
-            raise CellError(f"has an unexpected {self.peek()[1]!r}")
+            raise CellError(say("has an unexpected {token!r}", token=self.peek()[1]))
         return result
 
     def sum(self) -> Sum:
@@ -189,9 +194,9 @@ class _Parser:
             elif self.take("/"):
                 divisor = self.signed()
                 if not divisor.is_plain:
-                    raise CellError("divides by something that is not a plain number")
+                    raise CellError(say("divides by something that is not a plain number"))
                 if divisor.plain == 0.0:
-                    raise CellError("divides by zero")
+                    raise CellError(say("divides by zero"))
                 result = result.divided(divisor.plain)
             elif self.peek()[0] == "word" or self.peek() == ("symbol", "("):
                 self._refuse_uncertainty()
@@ -204,7 +209,9 @@ class _Parser:
         near = self.tokens[self.position - 1 : self.position + 3]
         kinds = [kind for kind, _ in near]
         if kinds == ["number", "symbol", "number", "symbol"] and near[3][1] == ")":
-            raise CellError("has a number in parentheses after a number; write * or leave it out")
+            raise CellError(
+                say("has a number in parentheses after a number; write * or leave it out")
+            )
 
     @staticmethod
     def _times(left: Sum, right: Sum) -> Sum:
@@ -212,7 +219,7 @@ class _Parser:
             return right.scaled(left.plain)
         if right.is_plain:
             return left.scaled(right.plain)
-        raise CellError("multiplies two quantities that both carry a unit or a variable")
+        raise CellError(say("multiplies two quantities that both carry a unit or a variable"))
 
     def signed(self) -> Sum:
         if self.take("-"):
@@ -238,7 +245,9 @@ class _Parser:
         if unit == "rad" and value.has_angle and not value.has_length and not value.variable:
             return value
         if not value.is_plain:
-            raise CellError(f"puts the unit {text!r} on something that is not a plain number")
+            raise CellError(
+                say("puts the unit {text!r} on something that is not a plain number", text=text)
+            )
         if unit in _ANGLE_UNITS:
             angle = math.radians(value.plain) if unit == "deg" else value.plain
             return Sum(angle=angle, has_angle=True)
@@ -257,9 +266,11 @@ class _Parser:
         if (kind, text) == ("symbol", "("):
             inner = self.sum()
             if not self.take(")"):
-                raise CellError("lacks a closing parenthesis")
+                raise CellError(say("lacks a closing parenthesis"))
             return inner
-        raise CellError("ends too early" if kind == "end" else f"has an unexpected {text!r}")
+        raise CellError(
+            say("ends too early") if kind == "end" else say("has an unexpected {text!r}", text=text)
+        )
 
     def _word(self, text: str) -> Sum:
         given = self.values.get(text.replace("_", "")) if self.values is not None else None
@@ -272,32 +283,50 @@ class _Parser:
             return self._function(lowered)
         variable = variable_of(lowered)
         if variable is None:
-            remedy = "" if self.values is None else f"; if it is a number, give values {text}:0.5"
-            raise CellError(f"has an unknown name {quoted(text, 20)}{remedy}")
+            remedy = (
+                ""
+                if self.values is None
+                else say("; if it is a number, give values {text}:0.5", text=text)
+            )
+            raise CellError(
+                say("has an unknown name {text}{remedy}", text=quoted(text, 20), remedy=remedy)
+            )
         return Sum(terms=((variable, 1.0),))
 
     def _function(self, name: str) -> Sum:
         if not self.take("("):
-            raise CellError(f"needs parentheses after {name}")
+            raise CellError(say("needs parentheses after {name}", name=name))
         arguments = [self.sum()]
         while self.take(","):
             arguments.append(self.sum())
         first, *others = arguments
         if not self.take(")") or len(others) != (name == "atan2"):
-            wanted = 'two arguments, separated by ", "' if name == "atan2" else "one argument"
-            raise CellError(f"needs {wanted} in the parentheses after {name}")
+            wanted = (
+                say('two arguments, separated by ", "') if name == "atan2" else say("one argument")
+            )
+            raise CellError(
+                say("needs {wanted} in the parentheses after {name}", wanted=wanted, name=name)
+            )
         if name == "atan2":
             return self._atan2(first, others[0])
         if name in _TURNS:
             if first.has_length or first.variable:
-                raise CellError(f"takes the {name} of something that is no angle")
+                raise CellError(say("takes the {name} of something that is no angle", name=name))
             if self.angle == 1.0 and abs(first.plain) > 2 * math.pi:
-                raise CellError(f"takes the {name} of {first.plain:g} rad; write {first.plain:g}°")
+                raise CellError(
+                    say(
+                        "takes the {name} of {plain:g} rad; write {plain:g}°",
+                        name=name,
+                        plain=first.plain,
+                    )
+                )
             return Sum(plain=_TURNS[name](first.plain * self.angle + first.angle))
         if not first.is_plain or (name == "sqrt" and first.plain < 0):
-            what = "square root of something that is not a plain number ≥ 0"
+            what = say("square root of something that is not a plain number ≥ 0")
             raise CellError(
-                f"takes the {what}" if name == "sqrt" else f"needs a plain number in {name}"
+                say("takes the {what}", what=what)
+                if name == "sqrt"
+                else say("needs a plain number in {name}", name=name)
             )
         if name == "sqrt":
             return Sum(plain=math.sqrt(first.plain))
@@ -308,7 +337,7 @@ class _Parser:
         for argument in (y, x):
             mixed = argument.has_length and argument.plain != 0.0
             if argument.has_angle or argument.variable or mixed:
-                raise CellError("takes the atan2 of something that is no number and no length")
+                raise CellError(say("takes the atan2 of something that is no number and no length"))
         if y.has_length != x.has_length and 0.0 not in (y.plain + y.length, x.plain + x.length):
-            raise CellError("takes the atan2 of a length and a plain number; give both alike")
+            raise CellError(say("takes the atan2 of a length and a plain number; give both alike"))
         return Sum(angle=math.atan2(y.plain + y.length, x.plain + x.length), has_angle=True)

@@ -14,6 +14,7 @@ from enum import Enum
 from statistics import median
 
 from dh_to_urdf.cells.expressions import Cell, Quantity
+from dh_to_urdf.messages import say
 
 TURN = 2 * math.pi
 SLICE = math.pi / 12
@@ -66,6 +67,14 @@ def is_like_degree_limit(angle: float) -> bool:
     return LIMIT < abs(angle) < NO_LIMIT and is_like_degrees(angle)
 
 
+_UNITS = {
+    Kind.DEGREES: say("degrees"),
+    Kind.RADIANS: say("radians"),
+    Kind.MILLIMETRES: say("millimetres"),
+    Kind.METRES: say("metres"),
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Remedies:
     """What to write for what was probably meant, as the end of a sentence.
@@ -84,10 +93,10 @@ class Remedies:
 
 
 IN_TABLE = Remedies(
-    "then give angle=deg (in JSON and YAML units: {angle: deg})",
-    "then give angle=rad (in JSON and YAML units: {angle: rad})",
-    "then give length=mm (in JSON and YAML units: {length: mm})",
-    "then give length=m (in JSON and YAML units: {length: m})",
+    say("then give angle=deg (in JSON and YAML units: {{angle: deg}})"),
+    say("then give angle=rad (in JSON and YAML units: {{angle: rad}})"),
+    say("then give length=mm (in JSON and YAML units: {{length: mm}})"),
+    say("then give length=m (in JSON and YAML units: {{length: m}})"),
 )
 
 
@@ -134,21 +143,23 @@ class Doubts:
     def angle(self, value: float, what: str, *, limit: bool = False) -> None:
         """Look at an angle that was read in rad."""
         if is_like_degree_limit(value) if limit else is_like_degrees(value):
-            self.add(Kind.DEGREES, f"{what} is {in_turns(value)}")
+            self.add(Kind.DEGREES, say("{what} is {value}", what=what, value=in_turns(value)))
 
     def degrees(self, value: float, what: str) -> None:
         """Look at an angle that was read in degrees."""
         if is_like_radians(value):
-            self.add(Kind.RADIANS, f"{what} is {as_radians(value)}")
+            self.add(Kind.RADIANS, say("{what} is {value}", what=what, value=as_radians(value)))
 
     def length(self, value: float, what: str, *, limit: bool = False, in_mm: bool = False) -> None:
         """Look at a length, m."""
         if limit and not in_mm:
             if LONG_TRAVEL < abs(value) < NO_LIMIT:
-                self.add(Kind.MILLIMETRES, f"{what} is {value:g} m")
+                self.add(Kind.MILLIMETRES, say("{what} is {value:g} m", what=what, value=value))
         elif not limit and value:
             written = value * 1000 if in_mm else value
-            self.lengths.append((abs(value), f"{what} is {written:g}", in_mm))
+            self.lengths.append(
+                (abs(value), say("{what} is {written:g}", what=what, written=written), in_mm)
+            )
 
     def sentences(self) -> tuple[str, ...]:
         """Return a sentence for each kind that was found."""
@@ -158,20 +169,30 @@ class Doubts:
         return tuple(self._sentence(kind, values) for kind, values in found.items() if values)
 
     def _sentence(self, kind: Kind, values: list[str]) -> str:
-        more = f" (and {len(values) - 1} more like it)" if len(values) > 1 else ""
-        return f"{values[0]}{more}; {kind.value}? {getattr(self.remedies, kind.value)}"
+        more = say(" (and {count} more like it)", count=len(values) - 1) if len(values) > 1 else ""
+        return say(
+            "{value}{more}; {unit}? {remedy}",
+            value=values[0],
+            more=more,
+            unit=_UNITS[kind],
+            remedy=getattr(self.remedies, kind.value),
+        )
 
 
 def in_turns(angle: float) -> str:
     """Write an angle, rad, over a turn: "90 rad, which is 14 turns"."""
     turns = abs(angle) / TURN
-    return f"{angle:g} rad, which is {turns:.{0 if turns >= 2 else 1}f} turns"
+    return say(
+        "{angle:g} rad, which is {turns} turns",
+        angle=angle,
+        turns=f"{turns:.{(0 if turns >= 2 else 1)}f}",
+    )
 
 
 def as_radians(angle: float) -> str:
     """Write an angle, degrees, whose digits are those of one in rad."""
     parts = round(angle / SLICE)
-    return f"{angle:g} degrees, the digits of {parts * 15}° in rad"
+    return say("{angle:g} degrees, the digits of {parts}° in rad", angle=angle, parts=parts * 15)
 
 
 def _of_lengths(lengths: Iterable[tuple[float, str, bool]]) -> Iterable[tuple[Kind, list[str]]]:
@@ -184,9 +205,9 @@ def _of_lengths(lengths: Iterable[tuple[float, str, bool]]) -> Iterable[tuple[Ki
         odd = bool(others) and value > ODD and value > ODD_RATIO * median(others)
         return value > LONG or odd
 
-    yield Kind.MILLIMETRES, [f"{text} m" for value, text in in_m if is_long(value)]
+    yield Kind.MILLIMETRES, [say("{text} m", text=text) for value, text in in_m if is_long(value)]
     if in_mm and max(value for value, _ in in_mm) < SHORT and not in_m:
-        yield Kind.METRES, [f"{text} mm" for _, text in in_mm]
+        yield Kind.METRES, [say("{text} mm", text=text) for _, text in in_mm]
 
 
 Note = Callable[[int, Cell], None]

@@ -24,6 +24,7 @@ from dh_to_urdf.cells.arithmetic import (
     variable_of,
 )
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 
 __all__ = ["Cell", "CellError", "Quantity", "parse_cell"]
 
@@ -49,9 +50,9 @@ class Quantity(Enum):
 
 
 _NEEDED = {
-    Quantity.ANGLE: "an angle",
-    Quantity.LENGTH: "a length",
-    Quantity.NUMBER: "a number without unit",
+    Quantity.ANGLE: say("an angle"),
+    Quantity.LENGTH: say("a length"),
+    Quantity.NUMBER: say("a number without unit"),
 }
 
 
@@ -112,13 +113,13 @@ def parse_cell(
     if isinstance(raw, Cell):
         return raw
     if isinstance(raw, bool) or raw is None or not isinstance(raw, (int, float, str)):
-        raise CellError(f'is {quoted(raw)}; give a number or a text such as "pi/2"')
+        raise CellError(say('is {raw}; give a number or a text such as "pi/2"', raw=quoted(raw)))
     if isinstance(raw, str):
         return _checked(_parse_text(raw, quantity, unit, values, angle, coupled), raw)
     try:
         number = float(raw)
     except OverflowError:
-        raise CellError("is too large; give a finite number") from None
+        raise CellError(say("is too large; give a finite number")) from None
     return _checked(Cell(_in_si(number, quantity, unit), plain=number, text=str(raw)), raw)
 
 
@@ -129,15 +130,17 @@ def ascii_numbers(text: str) -> str:
         CellError: A number in it can be read in two ways.
     """
     if _DATE.fullmatch(text):
-        raise CellError("looks like a date, as spreadsheets make of 1/2; write the number as 0.5")
+        raise CellError(
+            say("looks like a date, as spreadsheets make of 1/2; write the number as 0.5")
+        )
     if _MIDDLE_DOT.search(text):
-        raise CellError("has a · that is a decimal point or a product; write . or *")
+        raise CellError(say("has a · that is a decimal point or a product; write . or *"))
     text = text.translate(_SIGNS)
     parts = _WITH_COMMA.split(text)
     # The comma of atan2(1,0) parts its arguments.
     for k in range(0, len(parts), 2):
         if _THOUSANDS.search(parts[k]):
-            raise CellError("reads as two numbers; write a decimal point")
+            raise CellError(say("reads as two numbers; write a decimal point"))
         parts[k] = _DECIMAL_COMMA.sub(r"\1.\2", parts[k])
     return "".join(parts)
 
@@ -152,11 +155,17 @@ def _in_si(number: float, quantity: Quantity, unit: float) -> float:
 
 def _checked(cell: Cell, raw: object) -> Cell:
     if math.isnan(cell.value):
-        raise CellError("is NaN; give a finite number")
+        raise CellError(say("is NaN; give a finite number"))
     if math.isinf(cell.value):
-        raise CellError("is infinite; give a finite number")
+        raise CellError(say("is infinite; give a finite number"))
     if abs(cell.value) > MAX_MAGNITUDE:
-        raise CellError(f"is {quoted(raw)}, beyond ±{MAX_MAGNITUDE:g}; check its unit")
+        raise CellError(
+            say(
+                "is {raw}, beyond ±{max_magnitude:g}; check its unit",
+                raw=quoted(raw),
+                max_magnitude=MAX_MAGNITUDE,
+            )
+        )
     # -0.0 becomes 0.0, which a writer that omits zeros gives back unchanged.
     return replace(cell, value=cell.value + 0.0)
 
@@ -171,17 +180,19 @@ def _parse_text(
 ) -> Cell:
     shown = quoted(raw)
     if len(raw) > MAX_CELL_LENGTH:
-        raise CellError(f"is longer than {MAX_CELL_LENGTH} characters")
+        raise CellError(
+            say("is longer than {max_cell_length} characters", max_cell_length=MAX_CELL_LENGTH)
+        )
     if not raw.strip():
-        raise CellError("is empty; give a number")
+        raise CellError(say("is empty; give a number"))
     if raw.strip().lstrip("+-").lower() in {"nan", "inf", "infinity", ".nan", ".inf"}:
-        raise CellError(f"is {shown}; give a finite number")
+        raise CellError(say("is {shown}; give a finite number", shown=shown))
     try:
         total = parse_sum(_RADIANS_AFTER_PI.sub(r"\1", ascii_numbers(raw)), values, angle)
     except CellError as error:
-        raise CellError(f"is {shown}, which {error}") from None
+        raise CellError(say("is {shown}, which {error}", shown=shown, error=error)) from None
     except (OverflowError, RecursionError):
-        raise CellError(f"is {shown}, which is not a finite number") from None
+        raise CellError(say("is {shown}, which is not a finite number", shown=shown)) from None
     with_unit = _ANGLE_UNIT.search(raw) is not None
     return _cell(total, quantity, unit, raw, with_unit=with_unit, coupled=coupled)
 
@@ -209,26 +220,39 @@ def _cell(
 ) -> Cell:
     shown = quoted(raw)
     if quantity is not Quantity.LENGTH and total.has_length:
-        raise CellError(f"is {shown}, a length; {_NEEDED[quantity]} is needed")
+        raise CellError(
+            say("is {shown}, a length; {needed} is needed", shown=shown, needed=_NEEDED[quantity])
+        )
     of_angles = quantity is Quantity.ANGLE or (quantity is Quantity.NUMBER and not with_unit)
     if total.has_angle and not of_angles:
-        raise CellError(f"is {shown}, an angle; {_NEEDED[quantity]} is needed")
+        raise CellError(
+            say("is {shown}, an angle; {needed} is needed", shown=shown, needed=_NEEDED[quantity])
+        )
     if quantity is Quantity.ANGLE and unit != 1.0 and total.has_angle and total.plain != 0.0:
-        raise CellError(f"is {shown}, which mixes π or an explicit unit with plain degrees")
+        raise CellError(
+            say("is {shown}, which mixes π or an explicit unit with plain degrees", shown=shown)
+        )
     value = _in_si(total.plain, quantity, unit) + total.angle + total.length
     if total.variable is None:
         return Cell(value, plain=total.plain, text=raw)
     (letter, index), coefficient = total.terms[0]
     if coupled:
         if not all(0.0 < abs(factor) <= MAX_MAGNITUDE for _, factor in total.terms):
-            raise CellError(f"is {shown}; give joint variables coefficients within ±1e6, not 0")
+            raise CellError(
+                say("is {shown}; give joint variables coefficients within ±1e6, not 0", shown=shown)
+            )
         sign = -1 if coefficient < 0 else 1
         return Cell(value, letter, index, sign, total.terms, total.plain, raw)
     if len(total.terms) > 1:
         raise CellError(
-            f"is {shown}, which has two joint variables; a cell may hold one (constants are given"
-            " in values)"
+            say(
+                "is {shown}, which has two joint variables; a cell may hold one"
+                " (constants are given in values)",
+                shown=shown,
+            )
         )
     if coefficient not in (1.0, -1.0):
-        raise CellError(f"is {shown}; the joint variable must have coefficient +1 or -1")
+        raise CellError(
+            say("is {shown}; the joint variable must have coefficient +1 or -1", shown=shown)
+        )
     return Cell(value, letter, index, int(coefficient), plain=total.plain, text=raw)

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from dh_to_urdf.cells.expressions import Quantity, parse_cell
 from dh_to_urdf.couplings import coefficient_in, joint_map, moving_joints
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import DHTable
 
 DEGREES = 180.0 / math.pi
@@ -116,7 +117,14 @@ def rounding_warnings(table: DHTable) -> tuple[str, ...]:
             exact = quarters * (math.pi / 2)
             if quarters and 1e-14 < abs(angle - exact) < ROUNDED:
                 return (
-                    f"joint {k} ({row.name}): {column} is {angle!r}, which is used as it stands;"
-                    f" if {angle_text(exact)} is meant, write that",
+                    say(
+                        "joint {k} ({row}): {column} is {angle!r}, which is used as it stands;"
+                        " if {exact} is meant, write that",
+                        k=k,
+                        row=row.name,
+                        column=column,
+                        angle=angle,
+                        exact=angle_text(exact),
+                    ),
                 )
     return ()

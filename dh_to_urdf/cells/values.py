@@ -10,10 +10,11 @@ from dh_to_urdf.cells.arithmetic import FUNCTIONS, CellError, Sum, parse_sum, va
 from dh_to_urdf.cells.expressions import MAX_CELL_LENGTH, MAX_MAGNITUDE, ascii_numbers
 from dh_to_urdf.documents.checks import Report
 from dh_to_urdf.errors import DHError, quoted
+from dh_to_urdf.messages import say
 
 MAX_VALUES = 300
 MAX_VALUES_LENGTH = 20_000
-VALUES_RULE = "write values as D3:0.45,RL4:450mm"
+VALUES_RULE = say("write values as D3:0.45,RL4:450mm")
 _NAME = re.compile(r"[^\W\d_]\w{0,31}")
 _NEXT = re.compile(r"[,;](?=\s*[^\W\d_]\w*\s*[:=])")
 _RESERVED = {"pi", "π", *FUNCTIONS}
@@ -75,15 +76,28 @@ def split_values(text: str) -> dict[str, str]:
         DHError: Not pairs of names and numbers.
     """
     if len(text) > MAX_VALUES_LENGTH:
-        raise DHError.single(("values",), f"values is longer than {MAX_VALUES_LENGTH} characters")
+        raise DHError.single(
+            ("values",),
+            say(
+                "values is longer than {max_values_length} characters",
+                max_values_length=MAX_VALUES_LENGTH,
+            ),
+        )
     pairs: dict[str, str] = {}
     for part in _NEXT.split(text):
         name, colon, value = part.replace("=", ":", 1).partition(":")
         name = name.strip()
         if not colon:
-            raise DHError.single(("values",), f"values holds {quoted(part)}; {VALUES_RULE}")
+            raise DHError.single(
+                ("values",),
+                say(
+                    "values holds {part}; {values_rule}", part=quoted(part), values_rule=VALUES_RULE
+                ),
+            )
         if name in pairs:
-            raise DHError.single(("values", name), f"values has {quoted(name)} twice; keep one")
+            raise DHError.single(
+                ("values", name), say("values has {name} twice; keep one", name=quoted(name))
+            )
         pairs[name] = value.strip()
     return pairs
 
@@ -104,27 +118,42 @@ def read_values(raw: object, known: Values | None = None) -> Values:
     if raw is None:
         return values
     if not isinstance(raw, Mapping):
-        raise DHError.single(("values",), f'values is {quoted(raw)}; give {{"D3": 0.45}}')
+        raise DHError.single(
+            ("values",), say('values is {raw}; give {{"D3": 0.45}}', raw=quoted(raw))
+        )
     if len(raw) > MAX_VALUES:
-        raise DHError.single(("values",), f"values has over {MAX_VALUES} names")
+        raise DHError.single(
+            ("values",), say("values has over {max_values} names", max_values=MAX_VALUES)
+        )
     keys: set[str] = set()
     for name, item in raw.items():
         location = ("values", str(name))
         if not isinstance(name, str) or not _NAME.fullmatch(name) or name.lower() in _RESERVED:
             raise DHError.single(
                 location,
-                f"values names {quoted(name)}; give a letter with letters and digits after it,"
-                " as it stands in the cells",
+                say(
+                    "values names {name}; give a letter with letters and digits after it,"
+                    " as it stands in the cells",
+                    name=quoted(name),
+                ),
             )
         key = name.replace("_", "")
         if key in keys:
-            raise DHError.single(location, f"values has {quoted(name)} twice; keep one")
+            raise DHError.single(
+                location, say("values has {name} twice; keep one", name=quoted(name))
+            )
         try:
             values = values.with_value(key, _value(item, values))
         except (CellError, OverflowError, RecursionError) as error:
-            reason = str(error) if isinstance(error, CellError) else "is not a finite number"
+            reason = str(error) if isinstance(error, CellError) else say("is not a finite number")
             raise DHError.single(
-                location, f"values: {name} is {quoted(item)}, which {reason}"
+                location,
+                say(
+                    "values: {name} is {item}, which {reason}",
+                    name=name,
+                    item=quoted(item),
+                    reason=reason,
+                ),
             ) from None
         keys.add(key)
     return values
@@ -133,23 +162,31 @@ def read_values(raw: object, known: Values | None = None) -> Values:
 def refuse_unused(values: Values, report: Report) -> None:
     """Report values that no cell uses: a misspelt name, or a joint variable."""
     for name in values.unused:
-        joint = ", since a joint variable takes none" if variable_of(name) else ""
+        joint = say(", since a joint variable takes none") if variable_of(name) else ""
         report.add(
             ("values", name),
-            f"values has {name}, which stands for no constant in the table{joint}; leave it out",
+            say(
+                "values has {name}, which stands for no constant in the table{joint}; leave it out",
+                name=name,
+                joint=joint,
+            ),
         )
 
 
 def _value(item: Any, values: Values) -> Sum:
     if isinstance(item, bool) or not isinstance(item, (int, float, str)):
-        raise CellError("is no number")
+        raise CellError(say("is no number"))
     if isinstance(item, str) and len(item) > MAX_CELL_LENGTH:
-        raise CellError(f"is longer than {MAX_CELL_LENGTH} characters")
+        raise CellError(
+            say("is longer than {max_cell_length} characters", max_cell_length=MAX_CELL_LENGTH)
+        )
     total = (
         parse_sum(ascii_numbers(item), values) if isinstance(item, str) else Sum(plain=float(item))
     )
     if total.variable is not None:
-        raise CellError("holds a joint variable; give a number")
+        raise CellError(say("holds a joint variable; give a number"))
     if not all(abs(part) <= MAX_MAGNITUDE for part in (total.plain, total.angle, total.length)):
-        raise CellError(f"is not a finite number within ±{MAX_MAGNITUDE:g}")
+        raise CellError(
+            say("is not a finite number within ±{max_magnitude:g}", max_magnitude=MAX_MAGNITUDE)
+        )
     return total

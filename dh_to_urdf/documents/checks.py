@@ -10,6 +10,7 @@ from typing import Any
 from dh_to_urdf.cells.doubts import Doubts
 from dh_to_urdf.cells.expressions import Quantity
 from dh_to_urdf.errors import DHError, Fault, Location, quoted
+from dh_to_urdf.messages import say
 
 UNSEEN = (
     "[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164"
@@ -17,7 +18,7 @@ UNSEEN = (
 )
 """Fillers, selectors and blanks that Unicode counts among letters, marks and signs."""
 NAME = re.compile(rf"(?!.*{UNSEEN})\w(?:[\w .:+-]{{0,62}}[\w.+-])?", re.UNICODE)
-NAME_RULE = "use letters, digits and . _ - + : (at most 64, starting with a letter or digit)"
+NAME_RULE = say("use letters, digits and . _ - + : (at most 64, starting with a letter or digit)")
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,12 @@ def refuse_unknown(
         if key not in known:
             report.add(
                 (*location, str(key)),
-                f"{where} has an unknown field {quoted(key)}; known are {', '.join(known)}",
+                say(
+                    "{where} has an unknown field {key}; known are {known}",
+                    where=where,
+                    key=quoted(key),
+                    known=", ".join(known),
+                ),
             )
 
 

@@ -18,13 +18,14 @@ from dh_to_urdf.cells.values import Values
 from dh_to_urdf.couplings import CouplingError, MovingJoint, joint_map
 from dh_to_urdf.documents.checks import Report, Units, refuse_unknown
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import DHRow, JointType, Mimic
 
 FIELDS = ("mimic", "coupling")
 SLIDES = ("d", "r")
 """Letters of the variables of joints that slide."""
-_FORMS = 'give {"joint": "j1", "multiplier": -1, "offset": 0} or a text such as "-q1 + 0.1"'
-_COUPLED = 'give {"j2": 1} or a text such as "q2"'
+_FORMS = say('give {{"joint": "j1", "multiplier": -1, "offset": 0}} or a text such as "-q1 + 0.1"')
+_COUPLED = say('give {{"j2": 1}} or a text such as "q2"')
 
 Term: TypeAlias = tuple[Variable | str, float]
 """A joint, by its variable in a cell or by its name, and its coefficient in the table's units."""
@@ -90,30 +91,45 @@ def of_fields(
             continue
         at = (*location, field)
         if type_ is JointType.FIXED:
-            report.add(at, f"{label}: a fixed joint has no {field}; leave it out")
+            report.add(
+                at,
+                say(
+                    "{label}: a fixed joint has no {field}; leave it out", label=label, field=field
+                ),
+            )
             continue
         quantity = Quantity.LENGTH if type_ is JointType.PRISMATIC else Quantity.ANGLE
         try:
             if isinstance(raw, str):
                 found.append(_of_text(raw, field, k, quantity, units, values))
             elif not isinstance(raw, Mapping):
-                raise CellError(f"is {quoted(raw)}; {_FORMS if field == 'mimic' else _COUPLED}")
+                raise CellError(
+                    say(
+                        "is {raw}; {forms}",
+                        raw=quoted(raw),
+                        forms=_FORMS if field == "mimic" else _COUPLED,
+                    )
+                )
             elif field == "mimic":
                 refuse_unknown(
-                    raw, ("joint", "multiplier", "offset"), at, f"{label}: mimic", report
+                    raw,
+                    ("joint", "multiplier", "offset"),
+                    at,
+                    say("{label}: mimic", label=label),
+                    report,
                 )
                 found.append(_of_mimic(raw, quantity, units, values))
             else:
                 terms = tuple(
-                    (str(name), _number(value, values, f"of {quoted(name)} "))
+                    (str(name), _number(value, values, say("of {name} ", name=quoted(name))))
                     for name, value in raw.items()
                 )
                 if any(value == 0.0 for _, value in terms):
-                    raise CellError("has a coefficient of 0; leave that joint out")
+                    raise CellError(say("has a coefficient of 0; leave that joint out"))
                 if terms:
                     found.append(Dependence(field, False, terms))
         except CellError as error:
-            report.add(at, f"{label}: {field} {error}")
+            report.add(at, say("{label}: {field} {error}", label=label, field=field, error=error))
     return tuple(found)
 
 
@@ -122,14 +138,24 @@ def _of_text(
 ) -> Dependence:
     cell = parse_cell(raw, quantity, units.of(quantity), values, units.angle, coupled=True)
     if not cell.terms:
-        raise CellError(f"is {quoted(raw)}, which names no joint; {_FORMS}")
+        raise CellError(
+            say("is {raw}, which names no joint; {forms}", raw=quoted(raw), forms=_FORMS)
+        )
     for (letter, index), _ in cell.terms:
         if index is None:
-            raise CellError(f"is {quoted(raw)}; write the number of the row after {letter}")
+            raise CellError(
+                say(
+                    "is {raw}; write the number of the row after {letter}",
+                    raw=quoted(raw),
+                    letter=letter,
+                )
+            )
         if index == k + 1:
-            raise CellError(f"is {quoted(raw)}, with the joint itself; name others only")
+            raise CellError(
+                say("is {raw}, with the joint itself; name others only", raw=quoted(raw))
+            )
     if field == "coupling" and cell.value != 0.0:
-        raise CellError(f"is {quoted(raw)}; write the constant as offset")
+        raise CellError(say("is {raw}; write the constant as offset", raw=quoted(raw)))
     return Dependence(field, field == "mimic", cell.terms, cell.value)
 
 
@@ -138,14 +164,14 @@ def _of_mimic(
 ) -> Dependence:
     name = raw.get("joint")
     if not isinstance(name, str):
-        raise CellError(f"lacks the name of a joint; {_FORMS}")
-    multiplier = _number(raw.get("multiplier", 1.0), values, "multiplier ")
+        raise CellError(say("lacks the name of a joint; {forms}", forms=_FORMS))
+    multiplier = _number(raw.get("multiplier", 1.0), values, say("multiplier "))
     try:
         cell = parse_cell(raw.get("offset", 0.0), quantity, units.of(quantity), values, units.angle)
     except CellError as error:
-        raise CellError(f"offset {error}") from None
+        raise CellError(say("offset {error}", error=error)) from None
     if cell.variable is not None:
-        raise CellError("offset holds a joint variable; give a number")
+        raise CellError(say("offset holds a joint variable; give a number"))
     return Dependence("mimic", True, ((name, multiplier),), cell.value)
 
 
@@ -153,9 +179,9 @@ def _number(raw: object, values: Values, what: str) -> float:
     try:
         cell = parse_cell(raw, Quantity.NUMBER, 1.0, values)
     except CellError as error:
-        raise CellError(f"{what}{error}") from None
+        raise CellError(say("{what}{error}", what=what, error=error)) from None
     if cell.variable is not None:
-        raise CellError(f"{what}holds a joint variable; give a number")
+        raise CellError(say("{what}holds a joint variable; give a number", what=what))
     return cell.value
 
 
@@ -209,7 +235,7 @@ def check(rows: Sequence[DHRow], dependences: Mapping[int, Dependence], report: 
     except CouplingError as error:
         k = moving[error.joint]
         field = dependences[k].field if k in dependences and error.field in FIELDS else error.field
-        report.add(("joints", k, field), f"joint {k + 1}: {error}")
+        report.add(("joints", k, field), say("joint {k}: {error}", k=k + 1, error=error))
 
 
 def _name(
@@ -220,26 +246,49 @@ def _name(
         return term
     letter, index = term
     written = f"{letter}{'' if index is None else index}"
-    at, label = ("joints", k, field), f"joint {k + 1} ({rows[k].name})"
-    constant = f"; if it is a constant, give values {written}:0.5"
+    at, label = ("joints", k, field), say("joint {k} ({row})", k=k + 1, row=rows[k].name)
+    constant = say("; if it is a constant, give values {written}:0.5", written=written)
     if index is None or not 1 <= index <= len(rows):
         report.add(
-            at, f"{label}: {field} has the variable {written}, but there is no such joint{constant}"
+            at,
+            say(
+                "{label}: {field} has the variable {written}, but there is no such joint{constant}",
+                label=label,
+                field=field,
+                written=written,
+                constant=constant,
+            ),
         )
         return None
     leader = rows[index - 1]
     if leader.type is JointType.FIXED:
         report.add(
             at,
-            f"{label}: {field} has the variable of joint {index} ({leader.name}), which does not"
-            f" move{constant}",
+            say(
+                "{label}: {field} has the variable of joint {index} ({leader}), which"
+                " does not move{constant}",
+                label=label,
+                field=field,
+                index=index,
+                leader=leader.name,
+                constant=constant,
+            ),
         )
         return None
     if letter != "q" and (letter in SLIDES) is leader.type.is_revolute:
         report.add(
             at,
-            f"{label}: {field} has {written}, but the variable of joint {index} ({leader.name}) is"
-            f" {'an angle' if leader.type.is_revolute else 'a length'}{constant}",
+            say(
+                "{label}: {field} has {written}, but the variable of joint {index}"
+                " ({leader}) is {value}{constant}",
+                label=label,
+                field=field,
+                written=written,
+                index=index,
+                leader=leader.name,
+                value=say("an angle") if leader.type.is_revolute else say("a length"),
+                constant=constant,
+            ),
         )
         return None
     return leader.name

@@ -7,6 +7,7 @@ from typing import Any
 
 from dh_to_urdf.documents.checks import Report, whole_number
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import Convention, JointType
 
 TYPE_ALIASES = {
@@ -48,8 +49,11 @@ def read_type(
         if sigma_type is None:
             report.add(
                 (*location, "sigma"),
-                f"{label}: sigma is {quoted(item['sigma'])};"
-                " give 0 (revolute), 1 (prismatic) or 2 (fixed)",
+                say(
+                    "{label}: sigma is {item}; give 0 (revolute), 1 (prismatic) or 2 (fixed)",
+                    label=label,
+                    item=quoted(item["sigma"]),
+                ),
             )
             return None
     raw = item.get("type")
@@ -57,19 +61,34 @@ def read_type(
         if sigma_type is None:
             report.add(
                 (*location, "type"),
-                f"{label}: type is missing; give revolute, prismatic, continuous or fixed",
+                say(
+                    "{label}: type is missing; give revolute, prismatic, continuous or fixed",
+                    label=label,
+                ),
             )
         return sigma_type
     found = TYPE_ALIASES.get(raw.strip().lower()) if isinstance(raw, str) else None
     if found is None:
         report.add(
             (*location, "type"),
-            f"{label}: type is {quoted(raw)}; give revolute, prismatic, continuous or fixed",
+            say(
+                "{label}: type is {raw}; give revolute, prismatic, continuous or fixed",
+                label=label,
+                raw=quoted(raw),
+            ),
         )
     elif sigma_type is not None and (
         sigma_type is not found
         and not (sigma_type is JointType.REVOLUTE and found is JointType.CONTINUOUS)
     ):
-        report.add((*location, "sigma"), f"{label}: sigma says {sigma_type} but type says {found}")
+        report.add(
+            (*location, "sigma"),
+            say(
+                "{label}: sigma says {sigma_type} but type says {found}",
+                label=label,
+                sigma_type=sigma_type,
+                found=found,
+            ),
+        )
         return None
     return found

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from ruamel.yaml import YAML
+from ruamel.yaml.representer import SafeRepresenter
 
 from dh_to_urdf.cells.notation import DEGREES, in_degrees, number_text, sum_text
 from dh_to_urdf.couplings import coefficient_in
@@ -17,13 +18,15 @@ from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.writing import table_to_mapping
 from dh_to_urdf.extraction.explanation import explain
 from dh_to_urdf.extraction.extract import Extraction
+from dh_to_urdf.languages import ENGLISH, Language
+from dh_to_urdf.messages import Message, chained, say
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow, DHTable, JointType
 
 _TITLES = {
-    Convention.STANDARD: "standard: Rz(theta) Tz(d) Tx(a) Rx(alpha)",
-    Convention.MODIFIED: "modified: Tx(a) Rx(alpha) Rz(theta) Tz(d)",
-    Convention.KHALIL: "khalil: Rz(gamma) Tz(b) Rx(alpha) Tx(d) Rz(theta) Tz(r)",
+    Convention.STANDARD: say("standard: Rz(theta) Tz(d) Tx(a) Rx(alpha)"),
+    Convention.MODIFIED: say("modified: Tx(a) Rx(alpha) Rz(theta) Tz(d)"),
+    Convention.KHALIL: say("khalil: Rz(gamma) Tz(b) Rx(alpha) Tx(d) Rz(theta) Tz(r)"),
 }
 
 
@@ -81,21 +84,42 @@ def to_yaml(mapping: dict[str, Any]) -> str:
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None
     yaml.width = 10_000
+    yaml.representer.add_representer(Message, SafeRepresenter.represent_str)
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+    # After the choices above, which the first use of the representer takes over.
+    yaml.representer.add_representer(Message, SafeRepresenter.represent_str)
     yaml.dump(mapping, stream)
     return stream.getvalue()
 
 
-def to_csv(table: DHTable, *, degrees: bool = False) -> str:
-    """Write the rows as CSV; base and tool become fixed rows."""
+def to_csv(
+    table: DHTable,
+    *,
+    degrees: bool = False,
+    language: Language = ENGLISH,
+    commas: bool = False,
+) -> str:
+    """Write the rows as CSV; base and tool become fixed rows.
+
+    Args:
+        table: The table.
+        degrees: Whether angles are in degrees.
+        language: Of the names of columns and joint types.
+        commas: Whether numbers have decimal commas, and cells semicolons between them.
+    """
     table = with_fixed_rows(table)
     columns = [*_columns(table), "offset", "sign", *LIMIT_FIELDS, *_dependences(table)]
     stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(columns)
+    writer = csv.writer(stream, delimiter=";" if commas else ",", lineterminator="\n")
+    writer.writerow([language.heading(column) for column in columns])
     for item in _items(table, degrees):
-        cells = {**item, **item.get("limits", {})}
-        writer.writerow([_exact(cells.get(column)) for column in columns])
+        cells = {**item, **item.get("limits", {}), "type": language.word("type", item["type"])}
+        texts = [_exact(cells.get(column)) for column in columns]
+        if commas:
+            floats = [isinstance(cells.get(column), float) for column in columns]
+            pairs = zip(texts, floats, strict=True)
+            texts = [text.replace(".", ",") if is_float else text for text, is_float in pairs]
+        writer.writerow(texts)
     return stream.getvalue()
 
 
@@ -108,11 +132,15 @@ def to_text(found: Extraction | DHTable, *, degrees: bool = False, explained: bo
     for item in _items(table, degrees):
         cells = {**item, **item.get("limits", {})}
         rows.append([_short(cells.get(column)) for column in columns])
-    lines = [f"{table.name}, {_TITLES[table.convention]}", f"angles in {angle}, lengths in m", ""]
+    lines: list[str] = [
+        say("{name}, {convention}", name=table.name, convention=_TITLES[table.convention]),
+        say("angles in {angle}, lengths in m", angle=angle),
+        "",
+    ]
     lines += _aligned(rows)
     for name, placement in (("base", table.base), ("tool", table.tool)):
         if np.array_equal(placement, np.eye(4)):
-            lines.append(f"{name}: identity")
+            lines.append(say("{name}: identity", name=name))
         else:
             matrix = [[f"{round(value, 9) + 0.0:.9f}" for value in row] for row in placement]
             lines += [f"{name}:", *("  " + line for line in _aligned(matrix, right=True))]
@@ -120,14 +148,22 @@ def to_text(found: Extraction | DHTable, *, degrees: bool = False, explained: bo
     if "residual" in mapping:
         residual = mapping["residual"]
         lines.append(
-            f"residual: {residual['position']:.1e} m, {residual['orientation']:.1e} {angle} over"
-            f" {residual['configurations']} random q"
+            say(
+                "residual: {residual:.1e} m, {residual_2:.1e} {angle} over {residual_3} random q",
+                residual=residual["position"],
+                residual_2=residual["orientation"],
+                angle=angle,
+                residual_3=residual["configurations"],
+            )
         )
-    lines += [f"warning: {warning}" for warning in table.warnings]
+    lines += [say("warning: {warning}", warning=warning) for warning in table.warnings]
     if "explanation" in mapping:
-        lines += ["", "How it was found:"]
-        lines += [f"{step['frame']}. {step['words']}" for step in mapping["explanation"]]
-    return "\n".join(lines) + "\n"
+        lines += ["", say("How it was found:")]
+        lines += [
+            say("{frame}. {words}", frame=step["frame"], words=step["words"])
+            for step in mapping["explanation"]
+        ]
+    return chained("\n", lines) + "\n"
 
 
 def with_fixed_rows(table: DHTable) -> DHTable:

@@ -8,6 +8,7 @@ from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
 from dh_to_urdf.cells.values import Values
 from dh_to_urdf.documents.checks import Report, Units, refuse_unknown
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import JointType, Limits
 
 LIMIT_FIELDS = ("lower", "upper", "velocity", "effort")
@@ -39,9 +40,12 @@ def read_limits(
     if raw is None:
         return Limits()
     if not isinstance(raw, Mapping):
-        report.add(location, f"{label}: limits is {quoted(raw)}; give lower and upper")
+        report.add(
+            location,
+            say("{label}: limits is {raw}; give lower and upper", label=label, raw=quoted(raw)),
+        )
         return Limits()
-    refuse_unknown(raw, LIMIT_FIELDS, location, f"{label}: limits", report)
+    refuse_unknown(raw, LIMIT_FIELDS, location, say("{label}: limits", label=label), report)
     quantity = Quantity.LENGTH if type_ is JointType.PRISMATIC else Quantity.ANGLE
     found: dict[str, float | None] = {}
     for key in LIMIT_FIELDS:
@@ -52,15 +56,25 @@ def read_limits(
         try:
             cell = parse_cell(raw[key], of, units.of(of), values, units.angle)
         except CellError as error:
-            report.add((*location, key), f"{label}: limits.{key} {error}")
+            report.add(
+                (*location, key),
+                say("{label}: limits.{key} {error}", label=label, key=key, error=error),
+            )
             continue
         if cell.variable is not None:
-            report.add((*location, key), f"{label}: limits.{key} holds a joint variable")
+            report.add(
+                (*location, key),
+                say("{label}: limits.{key} holds a joint variable", label=label, key=key),
+            )
         elif key in ("velocity", "effort") and cell.value < 0:
-            report.add((*location, key), f"{label}: limits.{key} is negative")
+            report.add(
+                (*location, key), say("{label}: limits.{key} is negative", label=label, key=key)
+            )
         found[key] = cell.value
         if key in ("lower", "upper"):
-            report.doubts.cell(cell, of, f"{key} limit of {label}", limit=True)
+            report.doubts.cell(
+                cell, of, say("{key} limit of {label}", key=key, label=label), limit=True
+            )
     _check_range(raw, found, type_, location, label, report)
     return Limits(**found)
 
@@ -76,17 +90,33 @@ def _check_range(
     """Report lower and upper where one is missing, they are swapped, or the type has none."""
     if (raw.get("lower") is None) != (raw.get("upper") is None):
         missing = "lower" if raw.get("lower") is None else "upper"
-        report.add((*location, missing), f"{label}: limits.{missing} is missing; give both or none")
+        report.add(
+            (*location, missing),
+            say(
+                "{label}: limits.{missing} is missing; give both or none",
+                label=label,
+                missing=missing,
+            ),
+        )
     lower, upper = found["lower"], found["upper"]
     if lower is None or upper is None:
         return
     if type_ in (JointType.CONTINUOUS, JointType.FIXED):
         report.add(
-            location, f"{label}: a {type_} joint has no lower and upper limits; use revolute"
+            location,
+            say(
+                "{label}: a {type} joint has no lower and upper limits; use revolute",
+                label=label,
+                type=type_,
+            ),
         )
     elif lower > upper:
         report.add(
             (*location, "lower"),
-            f"{label}: limits.lower {quoted(raw['lower'])} is above upper"
-            f" {quoted(raw['upper'])}; swap them",
+            say(
+                "{label}: limits.lower {raw} is above upper {raw_2}; swap them",
+                label=label,
+                raw=quoted(raw["lower"]),
+                raw_2=quoted(raw["upper"]),
+            ),
         )

@@ -17,6 +17,7 @@ from dh_to_urdf.documents.rows import RowReader
 from dh_to_urdf.documents.topology import check_names, check_tree
 from dh_to_urdf.errors import DHError, quoted
 from dh_to_urdf.look_alikes import look_alikes
+from dh_to_urdf.messages import chained, say
 from dh_to_urdf.table import Convention, DHTable
 
 MAX_ROWS = 300
@@ -62,20 +63,24 @@ def read_mapping(
         DHError: With the location of each of the first ten faults.
     """
     if not isinstance(data, Mapping):
-        raise DHError.single((), "the document is not a mapping with convention and joints")
+        raise DHError.single((), say("the document is not a mapping with convention and joints"))
     report = Report()
-    refuse_unknown(data, (*_TABLE_FIELDS, *_NOTE_FIELDS, *_FINDING_FIELDS), (), "the table", report)
+    refuse_unknown(
+        data, (*_TABLE_FIELDS, *_NOTE_FIELDS, *_FINDING_FIELDS), (), say("the table"), report
+    )
     name = data.get("name", default_name)
     if name is None:
-        report.add(("name",), f"name is missing; {NAME_RULE}")
+        report.add(("name",), say("name is missing; {name_rule}", name_rule=NAME_RULE))
         name = DEFAULT_NAME
     elif not isinstance(name, str) or NAME.fullmatch(name) is None:
-        report.add(("name",), f"name is {quoted(name)}; {NAME_RULE}")
+        report.add(
+            ("name",), say("name is {name}; {name_rule}", name=quoted(name), name_rule=NAME_RULE)
+        )
         name = DEFAULT_NAME
     convention = _convention(data, report)
     for key in _NOTE_FIELDS:
         if not isinstance(data.get(key, ""), str):
-            report.add((key,), f"{key} is {quoted(data[key])}; give a text")
+            report.add((key,), say("{key} is {data}; give a text", key=key, data=quoted(data[key])))
     units = read_units(data.get("units"), report)
     warnings = report.warnings
     base, tool = (
@@ -87,11 +92,18 @@ def read_mapping(
     values = read_values(data.get("values"))
     joints = data.get("joints")
     if not isinstance(joints, list) or not joints:
-        report.add(("joints",), "joints is missing or empty; give a list with one entry a joint")
+        report.add(
+            ("joints",), say("joints is missing or empty; give a list with one entry a joint")
+        )
         joints = []
     if len(joints) > MAX_ROWS:
         raise DHError.single(
-            ("joints",), f"joints has {len(joints)} rows; at most {MAX_ROWS} are read"
+            ("joints",),
+            say(
+                "joints has {count} rows; at most {max_rows} are read",
+                count=len(joints),
+                max_rows=MAX_ROWS,
+            ),
         )
     report.raise_if_any()
     assert convention is not None
@@ -106,19 +118,24 @@ def read_mapping(
     refuse_unused(values, report)
     report.raise_if_any()
     doubts = report.doubts.sentences()
-    told = (*doubts, *look_alikes("joints", [row.name for row in rows]), *warnings)
+    told = (*doubts, *look_alikes(say("joints"), [row.name for row in rows]), *warnings)
     return DHTable(name, convention, tuple(rows), base, tool, told, doubts)
 
 
 def _convention(data: Mapping[Any, Any], report: Report) -> Convention | None:
     raw = data.get("convention")
-    choices = "standard (distal, Paul), modified (proximal, Craig) or khalil (Khalil-Kleinfinger)"
+    choices = say(
+        "standard (distal, Paul), modified (proximal, Craig) or khalil (Khalil-Kleinfinger)"
+    )
     if raw is None:
-        report.add(("convention",), f"convention is missing; give {choices}")
+        report.add(("convention",), say("convention is missing; give {choices}", choices=choices))
         return None
     convention = CONVENTION_ALIASES.get(raw.strip().lower()) if isinstance(raw, str) else None
     if convention is None:
-        report.add(("convention",), f"convention {quoted(raw)} is unknown; give {choices}")
+        report.add(
+            ("convention",),
+            say("convention {raw} is unknown; give {choices}", raw=quoted(raw), choices=choices),
+        )
     return convention
 
 
@@ -127,7 +144,9 @@ def read_units(raw: object, report: Report) -> Units:
     if raw is None:
         return Units()
     if not isinstance(raw, Mapping):
-        report.add(("units",), 'units is not a mapping; give {"angle": "deg", "length": "mm"}')
+        report.add(
+            ("units",), say('units is not a mapping; give {{"angle": "deg", "length": "mm"}}')
+        )
         return Units()
     refuse_unknown(raw, ("angle", "length"), ("units",), "units", report)
     found = []
@@ -135,7 +154,13 @@ def read_units(raw: object, report: Report) -> Units:
         unit = raw.get(key, next(iter(choices)))
         if not isinstance(unit, str) or unit not in choices:
             report.add(
-                ("units", key), f"units.{key} is {quoted(unit)}; give {' or '.join(choices)}"
+                ("units", key),
+                say(
+                    "units.{key} is {unit}; give {choices}",
+                    key=key,
+                    unit=quoted(unit),
+                    choices=chained(say(" or "), choices),
+                ),
             )
             unit = next(iter(choices))
         found.append(choices[unit])

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import TypeGuard
 
 import numpy as np
 
 from dh_to_urdf.cells.doubts import Doubts, Note
 from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.poses import (
     Matrix,
     from_xyz_quaternion,
@@ -21,6 +23,7 @@ from dh_to_urdf.table import Inertial
 AddFault = Callable[[Location, str], None]
 
 _INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+INERTIAL_FIELDS = ("mass", "com", "inertia")
 
 
 def read_placement(
@@ -49,21 +52,36 @@ def read_placement(
     name = str(location[-1])
     if raw is None:
         return np.eye(4)
-    forms = 'give {"xyz": [x, y, z], "rpy": [r, p, y]} or {"matrix": 4x4}'
+    forms = say('give {{"xyz": [x, y, z], "rpy": [r, p, y]}} or {{"matrix": 4x4}}')
     if isinstance(raw, list):
         raw = {"matrix": raw}
     if not isinstance(raw, Mapping):
-        add(location, f"{name} is {quoted(raw)}; {forms}")
+        add(location, say("{name} is {raw}; {forms}", name=name, raw=quoted(raw), forms=forms))
         return np.eye(4)
     unknown = [key for key in raw if key not in ("matrix", "xyz", "rpy", "quaternion_xyzw")]
     if unknown:
-        add(location, f"{name} has an unknown field {quoted(unknown[0])}; {forms}")
+        add(
+            location,
+            say(
+                "{name} has an unknown field {unknown}; {forms}",
+                name=name,
+                unknown=quoted(unknown[0]),
+                forms=forms,
+            ),
+        )
         return np.eye(4)
     if "matrix" in raw and len(raw) > 1:
-        add(location, f"{name} has a matrix and {len(raw) - 1} other field(s); give one form")
+        add(
+            location,
+            say(
+                "{name} has a matrix and {count} other field(s); give one form",
+                name=name,
+                count=len(raw) - 1,
+            ),
+        )
         return np.eye(4)
     if "rpy" in raw and "quaternion_xyzw" in raw:
-        add(location, f"{name} has rpy and quaternion_xyzw; give one of them")
+        add(location, say("{name} has rpy and quaternion_xyzw; give one of them", name=name))
         return np.eye(4)
     try:
         if "matrix" in raw:
@@ -72,7 +90,9 @@ def read_placement(
         def note(quantity: Quantity, names: tuple[str, str, str]) -> Note:
             # A base may stand far off in its hall.
             far = quantity is Quantity.LENGTH and name == "base"
-            return lambda k, cell: doubts.cell(cell, quantity, f"{names[k]} of {name}", limit=far)
+            return lambda k, cell: doubts.cell(
+                cell, quantity, say("{name} of {name_2}", name=names[k], name_2=name), limit=far
+            )
 
         xyz = read_vector(
             raw.get("xyz", [0, 0, 0]),
@@ -97,7 +117,7 @@ def read_placement(
         )
         return from_xyz_rpy(xyz, rpy)
     except ValueError as error:
-        add(location, f"{name}: {error}")
+        add(location, say("{name}: {error}", name=name, error=error))
         return np.eye(4)
 
 
@@ -105,22 +125,31 @@ def _from_matrix(
     raw: object, location: Location, length: float, warnings: list[str], doubts: Doubts
 ) -> Matrix:
     if not (isinstance(raw, list) and len(raw) == 4 and all(isinstance(r, list) for r in raw)):
-        raise ValueError("matrix is not four rows of four numbers")
+        raise ValueError(say("matrix is not four rows of four numbers"))
     rows = [read_vector(row, "matrix", 4, Quantity.NUMBER, 1.0) for row in raw]
     matrix = np.array(rows) + 0.0
     if length != 1.0:
         matrix[:3, 3] /= round(1.0 / length)
     name = str(location[-1])
     for axis, value in zip("xyz", matrix[:3, 3].tolist(), strict=True):
-        doubts.length(value, f"{axis} of {name}", limit=name == "base", in_mm=length != 1.0)
+        doubts.length(
+            value,
+            say("{axis} of {name}", axis=axis, name=name),
+            limit=name == "base",
+            in_mm=length != 1.0,
+        )
     try:
         T = rigid_transform(matrix)
     except ValueError as error:
-        raise ValueError(f"matrix {error}") from None
+        raise ValueError(say("matrix {error}", error=error)) from None
     if is_mended(matrix):
         change = float(np.abs(T - matrix).max())
         warnings.append(
-            f"{name}: the matrix is rounded; its nearest rotation is used ({change:.1e})"
+            say(
+                "{name}: the matrix is rounded; its nearest rotation is used ({change:.1e})",
+                name=name,
+                change=change,
+            )
         )
     return T
 
@@ -147,23 +176,28 @@ def read_vector(
         ValueError: Not such a list.
     """
     if not isinstance(raw, list) or len(raw) != size:
-        raise ValueError(f"{what} is not a list of {size} numbers")
+        raise ValueError(say("{what} is not a list of {size} numbers", what=what, size=size))
     values = []
     for k, item in enumerate(raw):
         try:
             cell = parse_cell(item, quantity, unit)
         except CellError as error:
-            raise ValueError(f"{what} {error}") from None
+            raise ValueError(say("{what} {error}", what=what, error=error)) from None
         if cell.variable is not None:
-            raise ValueError(f"{what} holds a joint variable; give numbers")
+            raise ValueError(say("{what} holds a joint variable; give numbers", what=what))
         values.append(cell.value)
         if note is not None:
             note(k, cell)
     return values
 
 
+def is_inertial(raw: object) -> TypeGuard[Mapping[str, object]]:
+    """Return whether a value has the fields of an inertial."""
+    return isinstance(raw, Mapping) and "mass" in raw and not set(raw) - set(INERTIAL_FIELDS)
+
+
 def read_inertial(
-    raw: object, location: Location, label: str, length: float, add: AddFault
+    raw: Mapping[str, object], location: Location, length: float, add: AddFault
 ) -> Inertial | None:
     """Read ``{"mass": kg, "com": [x, y, z], "inertia": {"ixx": …} or 3x3}``.
 
@@ -173,25 +207,24 @@ def read_inertial(
     Returns:
         The inertial, or None where there is a fault.
     """
-    if not isinstance(raw, Mapping) or set(raw) - {"mass", "com", "inertia"} or "mass" not in raw:
-        add(location, f"{label}: inertial is not a mapping with mass, com and inertia")
-        return None
     try:
         mass = read_vector([raw["mass"]], "mass", 1, Quantity.NUMBER, 1.0)[0]
         com = read_vector(raw.get("com", [0, 0, 0]), "com", 3, Quantity.LENGTH, length)
         inertia = _inertia(raw.get("inertia"))
     except ValueError as error:
-        add(location, f"{label}: inertial: {error}")
+        add(location, str(error))
         return None
     if mass < 0:
-        add((*location, "mass"), f"{label}: inertial: mass is negative")
+        add((*location, "mass"), say("mass is negative"))
         return None
     moments = np.linalg.eigvalsh(inertia)
     if moments[0] < -1e-12 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6) + 1e-12:
         add(
             (*location, "inertia"),
-            f"{label}: inertial: no body has this inertia (its principal moments must be ≥ 0 and"
-            " none above the sum of the others)",
+            say(
+                "no body has this inertia (its principal moments must be ≥ 0 and none above the"
+                " sum of the others)"
+            ),
         )
         return None
     rows = [tuple(float(value) for value in row) for row in inertia]
@@ -204,15 +237,19 @@ def _inertia(raw: object) -> Matrix:
     if isinstance(raw, Mapping):
         unknown = [key for key in raw if key not in _INERTIA_KEYS]
         if unknown:
-            raise ValueError(f"inertia has an unknown field {quoted(unknown[0])}")
+            raise ValueError(
+                say("inertia has an unknown field {unknown}", unknown=quoted(unknown[0]))
+            )
         values = {
-            key: read_vector([raw.get(key, 0)], f"inertia.{key}", 1, Quantity.NUMBER, 1.0)[0]
+            key: read_vector(
+                [raw.get(key, 0)], say("inertia.{key}", key=key), 1, Quantity.NUMBER, 1.0
+            )[0]
             for key in _INERTIA_KEYS
         }
         return np.array([[values["i" + "".join(sorted(r + c))] for c in "xyz"] for r in "xyz"])
     if isinstance(raw, list) and len(raw) == 3:
         matrix = np.array([read_vector(row, "inertia", 3, Quantity.NUMBER, 1.0) for row in raw])
         if np.abs(matrix - matrix.T).max() > 1e-12:
-            raise ValueError("inertia is not symmetric")
+            raise ValueError(say("inertia is not symmetric"))
         return matrix
-    raise ValueError("inertia is neither a 3x3 matrix nor ixx, ixy, ixz, iyy, iyz, izz")
+    raise ValueError(say("inertia is neither a 3x3 matrix nor ixx, ixy, ixz, iyy, iyz, izz"))

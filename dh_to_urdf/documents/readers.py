@@ -19,9 +19,11 @@ from ruamel.yaml.events import (
     ScalarEvent,
 )
 
+from dh_to_urdf.documents.csv_words import column_of, type_of
 from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.mapping import DEFAULT_NAME, read_mapping
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import DHTable
 
 MAX_COLUMNS = 32
@@ -35,6 +37,32 @@ _NO_NUMBER = re.compile(
     re.IGNORECASE,
 )
 """Numbers of YAML 1.1 that the parser accepts and YAML 1.2 does not have: 1_000, 0b11."""
+_SYNTAX = {
+    "Expecting value": say("expecting value"),
+    "Expecting property name enclosed in double quotes": say(
+        "expecting property name enclosed in double quotes"
+    ),
+    "Expecting ',' delimiter": say("expecting ',' delimiter"),
+    "Expecting ':' delimiter": say("expecting ':' delimiter"),
+    "Extra data": say("extra data"),
+    "Unterminated string starting at": say("unterminated string starting at"),
+    "Invalid control character at": say("invalid control character at"),
+    "Invalid \\escape": say("invalid \\escape"),
+    "Invalid \\uXXXX escape": say("invalid \\uXXXX escape"),
+    "Illegal trailing comma before end of object": say(
+        "illegal trailing comma before end of object"
+    ),
+    "Illegal trailing comma before end of array": say("illegal trailing comma before end of array"),
+}
+"""What the JSON parser says of a text, in our words."""
+_CSV = {
+    "unexpected end of data": say("unexpected end of data"),
+    "line contains NUL": say("line contains NUL"),
+    "',' expected after '\"'": say("',' expected after '\"'"),
+    "';' expected after '\"'": say("';' expected after '\"'"),
+    "'\t' expected after '\"'": say("'\t' expected after '\"'"),
+}
+"""What the CSV parser says of a text, likewise."""
 
 
 def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHTable:
@@ -52,13 +80,13 @@ def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
             text = text.decode("utf-8-sig")
         except UnicodeDecodeError:
             raise DHSyntaxError.single(
-                (), "the text is not JSON: it is not UTF-8; save it so"
+                (), say("the text is not JSON: it is not UTF-8; save it so")
             ) from None
     if not text.strip():
-        raise DHSyntaxError.single((), "the text is not JSON: it is empty; send a table")
+        raise DHSyntaxError.single((), say("the text is not JSON: it is empty; send a table"))
     if text.startswith("\ufeff"):
         raise DHSyntaxError.single(
-            (), "the text is not JSON: it starts with a byte order mark too many; remove it"
+            (), say("the text is not JSON: it starts with a byte order mark too many; remove it")
         )
     try:
         data = json.loads(text, object_pairs_hook=_no_duplicates)
@@ -66,13 +94,20 @@ def read_json(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
         raise
     except (ValueError, RecursionError) as error:
         reason = (
-            f"line {error.lineno}, column {error.colno}: {_decapitalised(error.msg)}"
+            say(
+                "line {lineno}, column {colno}: {msg}",
+                lineno=error.lineno,
+                colno=error.colno,
+                msg=_syntax_fault(error.msg),
+            )
             if isinstance(error, json.JSONDecodeError)
-            else "it is nested too deeply"
+            else say("it is nested too deeply")
             if isinstance(error, RecursionError)
-            else "it holds a text or number that cannot be read"
+            else say("it holds a text or number that cannot be read")
         )
-        raise DHSyntaxError.single((), f"the text is not JSON: {reason}") from None
+        raise DHSyntaxError.single(
+            (), say("the text is not JSON: {reason}", reason=reason)
+        ) from None
     return read_mapping(data, default_name)
 
 
@@ -90,7 +125,7 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
         try:
             text = text.decode("utf-8-sig")
         except UnicodeDecodeError:
-            raise DHSyntaxError.single((), "the text is not YAML: it is not UTF-8") from None
+            raise DHSyntaxError.single((), say("the text is not YAML: it is not UTF-8")) from None
     try:
         _refuse_costly_yaml(text)
         data = YAML(typ="safe", pure=True).load(text)
@@ -98,11 +133,19 @@ def read_yaml(text: str | bytes, default_name: str | None = DEFAULT_NAME) -> DHT
         raise
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-        problem = _printable((error.problem or "malformed").splitlines()[0])[:120]
-        raise DHSyntaxError.single((), f"the text is not YAML: {place}{problem}") from None
+        place = (
+            say("line {line}, column {column}: ", line=mark.line + 1, column=mark.column + 1)
+            if mark
+            else ""
+        )
+        problem = _printable((error.problem or say("malformed")).splitlines()[0])[:120]
+        raise DHSyntaxError.single(
+            (), say("the text is not YAML: {place}{problem}", place=place, problem=problem)
+        ) from None
     except Exception:  # tags and escapes raise any error of int() and chr()
-        raise DHSyntaxError.single((), "the text is not YAML of plain keys and values") from None
+        raise DHSyntaxError.single(
+            (), say("the text is not YAML of plain keys and values")
+        ) from None
     return read_mapping(data, default_name)
 
 
@@ -112,40 +155,57 @@ def _refuse_costly_yaml(text: str) -> None:
     Events are read one by one, so that reading stops where the text becomes too deep.
     """
     if len(text) > MAX_YAML_BYTES:
-        raise DHError.single((), f"the YAML text is longer than {MAX_YAML_BYTES} characters")
+        raise DHError.single(
+            (),
+            say(
+                "the YAML text is longer than {max_yaml_bytes} characters",
+                max_yaml_bytes=MAX_YAML_BYTES,
+            ),
+        )
     depth = 0
     for number, event in enumerate(YAML(typ="safe", pure=True).parse(text)):
         if number > MAX_YAML_EVENTS:
-            raise DHError.single((), f"the YAML text has over {MAX_YAML_EVENTS} keys and values")
+            raise DHError.single(
+                (),
+                say(
+                    "the YAML text has over {max_yaml_events} keys and values",
+                    max_yaml_events=MAX_YAML_EVENTS,
+                ),
+            )
         if isinstance(event, AliasEvent):
-            raise DHSyntaxError.single((), "the YAML text has an alias (*name); write it out")
+            raise DHSyntaxError.single((), say("the YAML text has an alias (*name); write it out"))
         _refuse_other_yaml(event)
         if isinstance(event, CollectionStartEvent):
             depth += 1
         elif isinstance(event, CollectionEndEvent):
             depth -= 1
         if depth > MAX_YAML_DEPTH:
-            raise DHSyntaxError.single((), "the YAML text is nested too deeply")
+            raise DHSyntaxError.single((), say("the YAML text is nested too deeply"))
 
 
 def _refuse_other_yaml(event: object) -> None:
     """Refuse what another version of YAML reads as another table."""
     if isinstance(event, DocumentStartEvent) and event.version not in (None, (1, 2)):
         raise DHSyntaxError.single(
-            (), "the text says that it is YAML 1.1, but YAML 1.2 is read here; remove %YAML 1.1"
+            (),
+            say("the text says that it is YAML 1.1, but YAML 1.2 is read here; remove %YAML 1.1"),
         )
     if not isinstance(event, ScalarEvent) or (event.style and event.tag is None):
         return
     line = event.start_mark.line + 1
     if event.value == "<<":
         raise DHSyntaxError.single(
-            (), f"line {line} of the YAML text merges keys (<<); write them out"
+            (), say("line {line} of the YAML text merges keys (<<); write them out", line=line)
         )
     if _NO_NUMBER.fullmatch(event.value):
         raise DHSyntaxError.single(
             (),
-            f"line {line} of the YAML text has {quoted(event.value)}, which is no number in YAML"
-            " 1.2; write it in digits 0 to 9 without _, or a text in quotes",
+            say(
+                "line {line} of the YAML text has {event}, which is no number in YAML"
+                " 1.2; write it in digits 0 to 9 without _, or a text in quotes",
+                line=line,
+                event=quoted(event.value),
+            ),
         )
 
 
@@ -160,7 +220,9 @@ def read_csv(
     """Read a table from CSV with a header line and one line a joint.
 
     Columns: ``name,type,alpha,a,d,theta,offset,sign,lower,upper,velocity,effort``; in khalil
-    ``ant,sigma,mu,gamma,b,alpha,d,theta,r``. Separated by commas, semicolons or tabs.
+    ``ant,sigma,mu,gamma,b,alpha,d,theta,r``; or their names in another language, as
+    :func:`~dh_to_urdf.documents.layouts.to_csv` writes them. Separated by commas, semicolons or
+    tabs.
 
     Args:
         text: The CSV text, UTF-8 if bytes.
@@ -177,28 +239,37 @@ def read_csv(
         try:
             text = text.decode("utf-8-sig")
         except UnicodeDecodeError:
-            raise DHError.single((), "the CSV text is not UTF-8") from None
+            raise DHError.single((), say("the CSV text is not UTF-8")) from None
     numbered = enumerate(text.lstrip("\ufeff").splitlines(), start=1)
     lines = {number: line for number, line in numbered if line.strip()}
     if not lines:
-        raise DHError.single((), "the CSV text is empty; its first line names the columns")
+        raise DHError.single((), say("the CSV text is empty; its first line names the columns"))
     header, *records = _records(lines)
-    columns = [column.strip().lower() for column in header]
+    columns = [column_of(column.strip().lower()) for column in header]
     if len(columns) > MAX_COLUMNS:
-        raise DHError.single((), f"the CSV header has {len(columns)} columns; see README for them")
+        raise DHError.single(
+            (), say("the CSV header has {count} columns; see README for them", count=len(columns))
+        )
     twice, count = Counter(columns).most_common(1)[0]
     if count > 1:
-        raise DHError.single((), f"the CSV header names {quoted(twice)} twice")
+        raise DHError.single((), say("the CSV header names {twice} twice", twice=quoted(twice)))
     rows = []
     for number, (line, record) in enumerate(zip(list(lines)[1:], records, strict=True)):
         if len(record) != len(columns):
             raise DHError.single(
                 ("joints", number),
-                f"line {line} has {len(record)} cells under {len(columns)} columns; quote a"
-                " cell with a decimal comma, or separate cells by semicolons",
+                say(
+                    "line {line} has {count} cells under {count_2} columns; quote a cell"
+                    " with a decimal comma, or separate cells by semicolons",
+                    line=line,
+                    count=len(record),
+                    count_2=len(columns),
+                ),
             )
         cells = zip(columns, (cell.strip() for cell in record), strict=True)
         row: dict[str, Any] = {column: cell for column, cell in cells if cell != ""}
+        if "type" in row:
+            row["type"] = type_of(row["type"])
         limits = {key: row.pop(key) for key in LIMIT_FIELDS if key in row}
         if limits:
             row["limits"] = limits
@@ -224,17 +295,26 @@ def _records(lines: Mapping[int, str]) -> list[list[str]]:
             if reader.line_num > len(records) + 1:
                 raise DHSyntaxError.single(
                     (),
-                    f"the text is not CSV: line {numbers[len(records)]} has a quoted cell that goes"
-                    " on in the next line; write each row on one line",
+                    say(
+                        "the text is not CSV: line {number} has a quoted cell that goes on in"
+                        " the next line; write each row on one line",
+                        number=numbers[len(records)],
+                    ),
                 )
             records.append(record)
     except csv.Error as error:
-        raise DHSyntaxError.single((), f"the text is not CSV: {_printable(str(error))}") from None
+        raise DHSyntaxError.single(
+            (),
+            say(
+                "the text is not CSV: {error}", error=_CSV.get(str(error)) or _printable(str(error))
+            ),
+        ) from None
     return records
 
 
-def _decapitalised(text: str) -> str:
-    return text[:1].lower() + text[1:]
+def _syntax_fault(words: str) -> str:
+    """Return what the JSON parser says, as a message where it is one that is known."""
+    return _SYNTAX.get(words, words[:1].lower() + words[1:])
 
 
 def _printable(text: str) -> str:
@@ -245,5 +325,7 @@ def _no_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     mapping = dict(pairs)
     if len(mapping) != len(pairs):
         twice = Counter(key for key, _ in pairs).most_common(1)[0][0]
-        raise DHError.single((), f"the key {quoted(twice)} stands twice in one object; keep one")
+        raise DHError.single(
+            (), say("the key {twice} stands twice in one object; keep one", twice=quoted(twice))
+        )
     return mapping

@@ -19,9 +19,10 @@ from dh_to_urdf.documents.checks import (
 from dh_to_urdf.documents.dependence import FIELDS, Dependence, of_cell, of_fields
 from dh_to_urdf.documents.joint_types import read_type
 from dh_to_urdf.documents.limits import read_limits
-from dh_to_urdf.documents.placements import read_inertial
+from dh_to_urdf.documents.placements import is_inertial, read_inertial
 from dh_to_urdf.documents.symbols import read_symbols, symbol_of
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import Convention, DHRow, Inertial, JointType
 
 _COMMON = (
@@ -84,15 +85,30 @@ class RowReader:
 
     def read(self, k: int, fields: object) -> DHRow | None:
         """Read row k (from 0); return None after reporting why not."""
-        location, label = ("joints", k), f"joint {k + 1}"
+        location, label = ("joints", k), say("joint {k}", k=k + 1)
         if not isinstance(fields, Mapping):
-            self.report.add(location, f"{label} is {quoted(fields)}; give a mapping of its columns")
+            self.report.add(
+                location,
+                say(
+                    "{label} is {fields}; give a mapping of its columns",
+                    label=label,
+                    fields=quoted(fields),
+                ),
+            )
             return None
         name = fields.get("name", f"j{k + 1}")
         if isinstance(name, str) and NAME.fullmatch(name):
             label += f" ({name})" if "name" in fields else ""
         else:
-            self.report.add((*location, "name"), f"{label}: name is {quoted(name)}; {NAME_RULE}")
+            self.report.add(
+                (*location, "name"),
+                say(
+                    "{label}: name is {name}; {name_rule}",
+                    label=label,
+                    name=quoted(name),
+                    name_rule=NAME_RULE,
+                ),
+            )
             name = f"j{k + 1}"
         item = _Item(k, fields, location, label)
         self._refuse_foreign(item)
@@ -109,12 +125,17 @@ class RowReader:
         foreign = "a" if khalil else "r"
         if foreign in item.fields:
             explanation = (
-                "khalil has no column a; d is the length along x and r the one along z"
+                say("khalil has no column a; d is the length along x and r the one along z")
                 if khalil
-                else "r is a column of the khalil convention only (some texts use r for a);"
-                " write a for the length along x and d for the length along z"
+                else say(
+                    "r is a column of the khalil convention only (some texts use r for a);"
+                    " write a for the length along x and d for the length along z"
+                )
             )
-            self.report.add(item.at(foreign), f"{item.label}: {explanation}")
+            self.report.add(
+                item.at(foreign),
+                say("{label}: {explanation}", label=item.label, explanation=explanation),
+            )
         others = {key: value for key, value in item.fields.items() if key != foreign}
         fields = _ROW_FIELDS[self.convention]
         refuse_unknown(others, fields, item.location, item.label, self.report)
@@ -149,7 +170,9 @@ class RowReader:
         symbols = told | {key: name for key, name in symbols.items() if name}
         visual = item.fields.get("visual", True)
         if not isinstance(visual, bool):
-            self.report.add(item.at("visual"), f"{item.label}: visual must be true or false")
+            self.report.add(
+                item.at("visual"), say("{label}: visual must be true or false", label=item.label)
+            )
         return DHRow(
             name=name,
             type=type_,
@@ -188,18 +211,32 @@ class RowReader:
                 if "sign" in item.fields and sign != turned:
                     self.report.add(
                         item.at("sign"),
-                        f"{item.label}: sign is {sign} but the {own} cell has the variable with"
-                        f" sign {turned}; keep one of the two",
+                        say(
+                            "{label}: sign is {sign} but the {own} cell has the variable with sign"
+                            " {turned}; keep one of the two",
+                            label=item.label,
+                            sign=sign,
+                            own=own,
+                            turned=turned,
+                        ),
                     )
                 sign = turned
         if abs(offset) > MAX_MAGNITUDE:
             self.report.add(
                 item.at("offset"),
-                f"{item.label}: offset and {own} add up beyond ±{MAX_MAGNITUDE:g}",
+                say(
+                    "{label}: offset and {own} add up beyond ±{max_magnitude:g}",
+                    label=item.label,
+                    own=own,
+                    max_magnitude=MAX_MAGNITUDE,
+                ),
             )
         if type_ is JointType.FIXED and offset != 0.0:
             self.report.warnings.append(
-                f"{item.label}: its offset is ignored, since a fixed joint has no variable"
+                say(
+                    "{label}: its offset is ignored, since a fixed joint has no variable",
+                    label=item.label,
+                )
             )
             offset = 0.0
         return offset, sign
@@ -229,8 +266,12 @@ class RowReader:
         if len(found) > 1:
             self.report.add(
                 item.at(found[1].field),
-                f"{item.label}: {found[0].field} and {found[1].field} both say what the joint"
-                " depends on; keep one",
+                say(
+                    "{label}: {field} and {field_2} both say what the joint depends on; keep one",
+                    label=item.label,
+                    field=found[0].field,
+                    field_2=found[1].field,
+                ),
             )
         elif found:
             self.dependences[item.k] = found[0]
@@ -243,8 +284,15 @@ class RowReader:
         if column not in item.fields:
             if not optional:
                 missing = self.columns is not None and column not in self.columns
-                what = f"column {column} is missing" if missing else f"{column} is missing"
-                self.report.add(item.at(column), f"{label}: {what}; give it, 0 if it is zero")
+                what = (
+                    say("column {column} is missing", column=column)
+                    if missing
+                    else say("{column} is missing", column=column)
+                )
+                self.report.add(
+                    item.at(column),
+                    say("{label}: {what}; give it, 0 if it is zero", label=label, what=what),
+                )
             return Cell(0.0)
         letters = OWN_LETTERS.get(column, ())
         values = self.values.without_variable(letters, item.k + 1) if own else self.values
@@ -258,19 +306,27 @@ class RowReader:
                 coupled=own,
             )
         except CellError as error:
-            self.report.add(item.at(column), f"{label}: {column} {error}")
+            self.report.add(
+                item.at(column),
+                say("{label}: {column} {error}", label=label, column=column, error=error),
+            )
             return Cell(0.0)
         fault = _foreign_variable(cell, column, own=own, k=item.k)
         if fault is not None:
-            self.report.add(item.at(column), f"{item.label}: {fault}")
-        self.report.doubts.cell(cell, quantity, f"{column} of {item.label}")
+            self.report.add(item.at(column), say("{label}: {fault}", label=item.label, fault=fault))
+        self.report.doubts.cell(
+            cell, quantity, say("{column} of {label}", column=column, label=item.label)
+        )
         return cell
 
     def _sign(self, item: _Item) -> int:
         raw = item.fields.get("sign", 1)
         sign = whole_number(raw)
         if sign not in (1, -1):
-            self.report.add(item.at("sign"), f"{item.label}: sign is {quoted(raw)}; give 1 or -1")
+            self.report.add(
+                item.at("sign"),
+                say("{label}: sign is {raw}; give 1 or -1", label=item.label, raw=quoted(raw)),
+            )
             return 1
         return sign
 
@@ -281,12 +337,20 @@ class RowReader:
             mu = whole_number(raw)
             if mu not in (0, 1):
                 self.report.add(
-                    item.at("mu"), f"{item.label}: mu is {quoted(raw)}; give 1 (moved) or 0"
+                    item.at("mu"),
+                    say(
+                        "{label}: mu is {raw}; give 1 (moved) or 0",
+                        label=item.label,
+                        raw=quoted(raw),
+                    ),
                 )
             elif mu == 0 and type_ is not JointType.FIXED:
                 self.report.warnings.append(
-                    f"{item.label}: mu = 0 is a passive joint; a table without closed loops has"
-                    " none, and the joint is taken as independent (mu = 1)"
+                    say(
+                        "{label}: mu = 0 is a passive joint; a table without closed loops has"
+                        " none, and the joint is taken as independent (mu = 1)",
+                        label=item.label,
+                    )
                 )
         if "ant" not in item.fields:
             return item.k
@@ -294,8 +358,12 @@ class RowReader:
         if parent is None or parent < 0:
             self.report.add(
                 item.at("ant"),
-                f"{item.label}: ant is {quoted(item.fields['ant'])}; give the number of the"
-                " preceding frame, 0 for the base",
+                say(
+                    "{label}: ant is {field}; give the number of the preceding frame, 0 for"
+                    " the base",
+                    label=item.label,
+                    field=quoted(item.fields["ant"]),
+                ),
             )
             return item.k
         return parent
@@ -305,7 +373,20 @@ class RowReader:
         if raw is None:
             return None
         location, length = item.at("inertial"), self.units.length
-        return read_inertial(raw, location, item.label, length, self.report.add)
+        if not is_inertial(raw):
+            self.report.add(
+                location,
+                say(
+                    "{label}: inertial is not a mapping with mass, com and inertia",
+                    label=item.label,
+                ),
+            )
+            return None
+
+        def add(at: Location, fault: str) -> None:
+            self.report.add(at, say("{label}: inertial: {fault}", label=item.label, fault=fault))
+
+        return read_inertial(raw, location, length, add)
 
 
 def _foreign_variable(cell: Cell, column: str, *, own: bool, k: int) -> str | None:
@@ -319,9 +400,13 @@ def _foreign_variable(cell: Cell, column: str, *, own: bool, k: int) -> str | No
     """
     if cell.variable is None:
         return None
-    misplaced = (
-        f"{column} is {quoted(cell.text)}, but the joint variable belongs in theta (revolute) or in"
-        f" the length along z (prismatic); if it is a constant, give values {cell.name}:0.5"
+    misplaced = say(
+        "{column} is {cell}, but the joint variable belongs in theta (revolute)"
+        " or in the length along z (prismatic); if it is a constant, give"
+        " values {cell_2}:0.5",
+        column=column,
+        cell=quoted(cell.text),
+        cell_2=cell.name,
     )
     if not own:
         return misplaced
@@ -330,8 +415,9 @@ def _foreign_variable(cell: Cell, column: str, *, own: bool, k: int) -> str | No
         if index in (None, k + 1) and letter not in letters:
             return misplaced
         if index in (None, k + 1) and abs(coefficient) != 1.0:
-            return (
-                f"{column} is {quoted(cell.text)}; the joint variable must have coefficient +1 or"
-                " -1"
+            return say(
+                "{column} is {cell}; the joint variable must have coefficient +1 or -1",
+                column=column,
+                cell=quoted(cell.text),
             )
     return None

@@ -10,9 +10,10 @@ from dh_to_urdf.cells.expressions import Cell
 from dh_to_urdf.cells.values import Values
 from dh_to_urdf.documents.checks import Report
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 
 _SIGNED = re.compile(r"\s*([+\-−–]?)\s*([^\W\d_]\w{0,31})\s*")
-RULE = "give the name of a length, such as L1 or -L1"
+RULE = say("give the name of a length, such as L1 or -L1")
 
 
 def symbol_of(cell: Cell, values: Values, spellings: dict[str, str]) -> str:
@@ -46,7 +47,10 @@ def read_symbols(
     if raw is None:
         return {}
     if not isinstance(raw, Mapping):
-        report.add(location, f'{label}: symbols is {quoted(raw)}; give {{"a": "L1"}}')
+        report.add(
+            location,
+            say('{label}: symbols is {raw}; give {{"a": "L1"}}', label=label, raw=quoted(raw)),
+        )
         return {}
     found: dict[str, str] = {}
     items: Mapping[Any, Any] = raw
@@ -54,11 +58,24 @@ def read_symbols(
         if key not in columns:
             report.add(
                 (*location, str(key)),
-                f"{label}: symbols names {quoted(key)}, which is no length of the table; give"
-                f" {', '.join(columns)}",
+                say(
+                    "{label}: symbols names {key}, which is no length of the table; give {columns}",
+                    label=label,
+                    key=quoted(key),
+                    columns=", ".join(columns),
+                ),
             )
         elif not isinstance(name, str) or _SIGNED.fullmatch(name) is None:
-            report.add((*location, str(key)), f"{label}: symbols.{key} is {quoted(name)}; {RULE}")
+            report.add(
+                (*location, str(key)),
+                say(
+                    "{label}: symbols.{key} is {name}; {rule}",
+                    label=label,
+                    key=key,
+                    name=quoted(name),
+                    rule=RULE,
+                ),
+            )
         else:
             found[columns[key]] = name.strip()
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dh_to_urdf.documents.checks import Report
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import DHRow
 
 
@@ -14,8 +15,12 @@ def check_names(rows: list[DHRow], report: Report) -> None:
         if row.name in first:
             report.add(
                 ("joints", k, "name"),
-                f"joint {k + 1}: the name {quoted(row.name)} is taken by joint"
-                f" {first[row.name] + 1}; give each joint its own",
+                say(
+                    "joint {k}: the name {row} is taken by joint {first}; give each joint its own",
+                    k=k + 1,
+                    row=quoted(row.name),
+                    first=first[row.name] + 1,
+                ),
             )
         first.setdefault(row.name, k)
 
@@ -26,19 +31,32 @@ def check_tree(rows: list[DHRow], report: Report) -> None:
         if row.parent > len(rows):
             report.add(
                 ("joints", k, "ant"),
-                f"joint {k + 1} ({row.name}): ant is {row.parent}, but the last frame is"
-                f" {len(rows)}",
+                say(
+                    "joint {k} ({row}): ant is {parent}, but the last frame is {count}",
+                    k=k + 1,
+                    row=row.name,
+                    parent=row.parent,
+                    count=len(rows),
+                ),
             )
         elif row.parent == k + 1:
             report.add(
                 ("joints", k, "ant"),
-                f"joint {k + 1} ({row.name}): ant is the joint itself; closed loops are not"
-                " computed",
+                say(
+                    "joint {k} ({row}): ant is the joint itself; closed loops are not computed",
+                    k=k + 1,
+                    row=row.name,
+                ),
             )
         elif row.parent > k + 1:
             report.add(
                 ("joints", k, "ant"),
-                f"joint {k + 1} ({row.name}): ant is {row.parent}, a later row; list each joint"
-                " after its antecedent. If none of them can come first, the table describes a"
-                " closed loop, which is not computed",
+                say(
+                    "joint {k} ({row}): ant is {parent}, a later row; list each joint after"
+                    " its antecedent. If none of them can come first, the table describes a"
+                    " closed loop, which is not computed",
+                    k=k + 1,
+                    row=row.name,
+                    parent=row.parent,
+                ),
             )

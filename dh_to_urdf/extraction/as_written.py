@@ -9,6 +9,7 @@ from itertools import zip_longest
 
 import numpy as np
 
+from dh_to_urdf.messages import chained, plural, say
 from dh_to_urdf.poses import Matrix, to_rpy
 from dh_to_urdf.table import Convention, DHRow, DHTable, JointType
 
@@ -80,10 +81,10 @@ def words_as_written(cells: Sequence[CellDifference]) -> str:
     """Return what differs as written, as a sentence; empty where nothing does."""
     if not cells:
         return ""
-    told = "; ".join(_in_words(cell) for cell in cells[:TOLD])
-    more = f"; and {len(cells) - TOLD} more" if len(cells) > TOLD else ""
-    count = "one cell differs" if len(cells) == 1 else f"{len(cells)} cells differ"
-    return f"As written, {count}: {told}{more}."
+    told = chained("; ", (_in_words(cell) for cell in cells[:TOLD]))
+    more = say("; and {count} more", count=len(cells) - TOLD) if len(cells) > TOLD else ""
+    how_many = plural("one cell differs", "{count} cells differ", count=len(cells))
+    return say("As written, {how_many}: {told}{more}.", how_many=how_many, told=told, more=more)
 
 
 def _geometry(
@@ -144,16 +145,29 @@ def _placement(
 def _placed(T: Matrix) -> str:
     xyz = " ".join(f"{x + 0.0:.9g}" for x in T[:3, 3].tolist())
     rpy = " ".join(f"{x + 0.0:.9g}" for x in to_rpy(T[:3, :3]))
-    return f"xyz {xyz} m, rpy {rpy} rad"
+    return say("xyz {xyz} m, rpy {rpy} rad", xyz=xyz, rpy=rpy)
 
 
 def _in_words(cell: CellDifference) -> str:
-    what = f"joint {cell.joint} ({cell.name}): {cell.parameter}" if cell.joint else cell.name
+    what = (
+        say(
+            "joint {joint} ({cell}): {parameter}",
+            joint=cell.joint,
+            cell=cell.name,
+            parameter=cell.parameter,
+        )
+        if cell.joint
+        else cell.name
+    )
     if cell.parameter == "joints":
-        where = f"{cell.first} in the first and {cell.second} in the second"
-        return f"joint {cell.joint} ({cell.name}) is {where}"
+        where = say(
+            "{first} in the first and {second} in the second", first=cell.first, second=cell.second
+        )
+        return say(
+            "joint {joint} ({cell}) is {where}", joint=cell.joint, cell=cell.name, where=where
+        )
     first, second = (_shown(cell, value) for value in (cell.first, cell.second))
-    return f"{what} is {first} and {second}"
+    return say("{what} is {first} and {second}", what=what, first=first, second=second)
 
 
 def _shown(cell: CellDifference, value: float | str) -> str:

@@ -20,6 +20,7 @@ from dh_to_urdf.documents.rows import RowReader
 from dh_to_urdf.documents.topology import check_names
 from dh_to_urdf.errors import DHError, Location, quoted
 from dh_to_urdf.extraction.axes import AxisLine, SerialChain, chain_from_lines
+from dh_to_urdf.messages import say
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow, JointType
 
@@ -44,20 +45,29 @@ def read_axes(data: object) -> SerialChain:
         DHError: With the location of each of the first ten faults.
     """
     if not isinstance(data, Mapping):
-        raise DHError.single((), "the document is not a mapping with joints")
+        raise DHError.single((), say("the document is not a mapping with joints"))
     report = Report()
-    refuse_unknown(data, _FIELDS, (), "the document", report)
+    refuse_unknown(data, _FIELDS, (), say("the document"), report)
     name = data.get("name", DEFAULT_NAME)
     if not isinstance(name, str) or NAME.fullmatch(name) is None:
-        report.add(("name",), f"name is {quoted(name)}; {NAME_RULE}")
+        report.add(
+            ("name",), say("name is {name}; {name_rule}", name=quoted(name), name_rule=NAME_RULE)
+        )
     units = read_units(data.get("units"), report)
     joints = data.get("joints")
     if not isinstance(joints, list) or not joints:
-        report.add(("joints",), "joints is missing or empty; give a list with one entry a joint")
+        report.add(
+            ("joints",), say("joints is missing or empty; give a list with one entry a joint")
+        )
         joints = []
     if len(joints) > MAX_AXES:
         raise DHError.single(
-            ("joints",), f"joints has {len(joints)} entries; at most {MAX_AXES} are read"
+            ("joints",),
+            say(
+                "joints has {count} entries; at most {max_axes} are read",
+                count=len(joints),
+                max_axes=MAX_AXES,
+            ),
         )
     reader = RowReader(Convention.MODIFIED, units, report, None, Values())
     lines = [_line(k, item, reader, units, report) for k, item in enumerate(joints)]
@@ -78,7 +88,7 @@ def read_axes(data: object) -> SerialChain:
     report.raise_if_any()
     if tip is None:
         report.warnings.append(
-            "no tip is given; it is put at the last point, z along the last axis"
+            say("no tip is given; it is put at the last point, z along the last axis")
         )
         tip = _default_tip(found[-1])
     told = (*report.doubts.sentences(), *report.warnings)
@@ -91,22 +101,31 @@ def _line(
     known = len(report.faults)
     if not isinstance(item, Mapping):
         report.add(
-            ("joints", k), f"joint {k + 1} is {quoted(item)}; give a mapping with point, direction"
+            ("joints", k),
+            say(
+                "joint {k} is {item}; give a mapping with point, direction",
+                k=k + 1,
+                item=quoted(item),
+            ),
         )
         return None
-    location, label = ("joints", k), f"joint {k + 1}"
+    location, label = ("joints", k), say("joint {k}", k=k + 1)
     refuse_unknown(item, ("name", "type", "point", "direction", "limits"), location, label, report)
     geometry = ("alpha", "a", "d", "theta")
     rest = {key: item[key] for key in ("name", "type", "limits") if key in item}
     row = reader.read(k, {**dict.fromkeys(geometry, 0), **rest})
     if row is not None and row.type is JointType.FIXED:
-        report.add((*location, "type"), f"{label}: a fixed joint has no axis; leave it out")
+        report.add(
+            (*location, "type"),
+            say("{label}: a fixed joint has no axis; leave it out", label=label),
+        )
     point = _vector(item, "point", Quantity.LENGTH, units.length, location, label, report)
     direction = _vector(item, "direction", Quantity.NUMBER, 1.0, location, label, report)
     norm = float(np.linalg.norm(direction))
     if len(report.faults) == known and norm < SHORTEST:
         report.add(
-            (*location, "direction"), f"{label}: direction is zero; give one such as [0, 0, 1]"
+            (*location, "direction"),
+            say("{label}: direction is zero; give one such as [0, 0, 1]", label=label),
         )
     if len(report.faults) > known or row is None:
         return None
@@ -123,12 +142,14 @@ def _vector(
     report: Report,
 ) -> Matrix:
     if key not in item:
-        report.add((*location, key), f"{label}: {key} is missing; give [x, y, z]")
+        report.add(
+            (*location, key), say("{label}: {key} is missing; give [x, y, z]", label=label, key=key)
+        )
         return np.zeros(3)
     try:
         return np.array(read_vector(item[key], key, 3, quantity, unit))
     except ValueError as error:
-        report.add((*location, key), f"{label}: {error}")
+        report.add((*location, key), say("{label}: {error}", label=label, error=error))
         return np.zeros(3)
 
 

@@ -33,6 +33,7 @@ from dh_to_urdf.extraction.standard_form import (
 )
 from dh_to_urdf.extraction.zeros import fit_axes, with_zeros
 from dh_to_urdf.matrices import link_matrix
+from dh_to_urdf.messages import say
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow
 
@@ -60,7 +61,10 @@ def compare(
     """
     for name, tolerance in (("length", length), ("angle", angle)):
         if not 0.0 < tolerance <= 1.0:
-            raise DHError.single(("tolerance", name), f"{name} is {tolerance:g}; give 0 to 1")
+            raise DHError.single(
+                ("tolerance", name),
+                say("{name} is {tolerance:g}; give 0 to 1", name=name, tolerance=tolerance),
+            )
     found = compared(_compare_mechanisms(first, second, length, angle), first, second, angle)
     if len(first.joints) != len(second.joints):
         return found

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from dh_to_urdf.extraction.extract import Residual
+from dh_to_urdf.messages import chained, say
 
 
 class Verdict(StrEnum):
@@ -86,44 +87,85 @@ class Comparison:
     def words(self) -> str:
         """Return the verdict in one or two sentences."""
         if self.verdict is Verdict.IDENTICAL:
-            return "The same arm." if self.same_poses else "The same arm, on another base or tool."
+            return (
+                say("The same arm.")
+                if self.same_poses
+                else say("The same arm, on another base or tool.")
+            )
         said = []
         if self.reversed:
-            said.append(f"Joint {', '.join(self.reversed)} runs the other way.")
+            said.append(
+                say("Joint {reversed} runs the other way.", reversed=", ".join(self.reversed))
+            )
         if self.differences:
-            said.append(f"They diverge first at {_sentence(self.differences[0])}.")
+            said.append(
+                say(
+                    "They diverge first at {difference}.", difference=_sentence(self.differences[0])
+                )
+            )
             inner = next((d for d in self.differences if d.absorbed_by is None), None)
             if self.verdict is Verdict.EQUIVALENT and not self.reversed:
-                said.append("Otherwise the same arm" + self._offsets() + ".")
+                said.append(say("Otherwise the same arm") + self._offsets() + ".")
             elif inner is not None and inner is not self.differences[0]:
-                said.append(f"What neither base nor tool can hide begins at {_sentence(inner)}.")
+                said.append(
+                    say(
+                        "What neither base nor tool can hide begins at {inner}.",
+                        inner=_sentence(inner),
+                    )
+                )
         if not said and self.verdict is Verdict.DIFFERENT and self.residual is not None:
             said.append(
-                "No parameter differs by more than the tolerances, but the tips drift apart by"
-                f" {self.residual.position:.3g} m and {self.residual.orientation:.3g} rad."
+                say(
+                    "No parameter differs by more than the tolerances, but the tips drift"
+                    " apart by {position:.3g} m and {orientation:.3g} rad.",
+                    position=self.residual.position,
+                    orientation=self.residual.orientation,
+                )
             )
         if (
             self.verdict is Verdict.DIFFERENT
             and sum(not one.is_revolute for one in self.joints) > 1
         ):
             said.append(
-                "(Several joints slide: zeros that fit better may exist, and with them a later"
-                " divergence.)"
+                say(
+                    "(Several joints slide: zeros that fit better may exist, and with them"
+                    " a later divergence.)"
+                )
             )
-        return " ".join(said) or "The same arm" + self._offsets() + "."
+        return chained(" ", said) or say("The same arm") + self._offsets() + "."
 
     def _offsets(self) -> str:
         moved = sum(abs(joint.zero_offset) > 1e-9 for joint in self.joints)
-        return f", with {moved} other zero(s) of the joints" if moved else ""
+        return say(", with {moved} other zero(s) of the joints", moved=moved) if moved else ""
 
 
 def _sentence(difference: Difference) -> str:
-    what = f"joint {difference.joint} ({difference.name}): {difference.parameter} is"
+    what = say(
+        "joint {joint} ({difference}): {parameter} is",
+        joint=difference.joint,
+        difference=difference.name,
+        parameter=difference.parameter,
+    )
     if difference.difference is None:
-        return f"{what} {difference.first} in the first and {difference.second} in the second"
+        return say(
+            "{what} {first} in the first and {second} in the second",
+            what=what,
+            first=difference.first,
+            second=difference.second,
+        )
     unit = "m" if difference.parameter in ("a", "d") else "rad"
-    hidden = f", which another {difference.absorbed_by} hides" if difference.absorbed_by else ""
-    return (
-        f"{what} {difference.first:.9g} {unit} in the first and {difference.second:.9g} {unit} in"
-        f" the second, a difference of {abs(difference.difference):.3g} {unit}{hidden}"
+    hidden = (
+        say(", which another {absorbed_by} hides", absorbed_by=difference.absorbed_by)
+        if difference.absorbed_by
+        else ""
+    )
+    return say(
+        "{what} {first:.9g} {unit} in the first and {second:.9g} {unit} in the"
+        " second, a difference of {difference:.3g} {unit}{hidden}",
+        what=what,
+        first=difference.first,
+        unit=unit,
+        second=difference.second,
+        difference=abs(difference.difference),
+        hidden=hidden,
     )

@@ -16,6 +16,7 @@ import numpy as np
 
 from dh_to_urdf.errors import DHError, quoted
 from dh_to_urdf.matrices import branch_matrix
+from dh_to_urdf.messages import say
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType
 
@@ -43,8 +44,11 @@ def to_convention(table: DHTable, convention: Convention, tip: str | None = None
         leaves = ", ".join(_leaves(table)[:8])
         raise DHError.single(
             ("tip",),
-            f"the table is a tree, which only khalil can write; name the tip of one chain"
-            f" ({leaves})",
+            say(
+                "the table is a tree, which only khalil can write; name the tip of one"
+                " chain ({leaves})",
+                leaves=leaves,
+            ),
         )
     if table.convention is Convention.KHALIL:
         table = _without_branches(table)
@@ -87,8 +91,13 @@ def chain_to(table: DHTable, tip: str) -> DHTable:
             if name not in names:
                 raise DHError.single(
                     ("tip",),
-                    f"joint {row.name} depends on {name}, which is not between the base and"
-                    f" {quoted(tip)}; name a tip after it",
+                    say(
+                        "joint {row} depends on {name}, which is not between the base and"
+                        " {tip}; name a tip after it",
+                        row=row.name,
+                        name=name,
+                        tip=quoted(tip),
+                    ),
                 )
     return replace(table, rows=tuple(rows), tool=tool)
 
@@ -100,7 +109,10 @@ def _row_number(table: DHTable, tip: str) -> int:
     if tip == "tool":
         return table.tip_row
     names = ", ".join(row.name for row in table.rows[:12])
-    raise DHError.single(("tip",), f"tip is {quoted(tip)}; name a joint ({names}) or frame_k")
+    raise DHError.single(
+        ("tip",),
+        say("tip is {tip}; name a joint ({names}) or frame_k", tip=quoted(tip), names=names),
+    )
 
 
 def _leaves(table: DHTable) -> list[str]:

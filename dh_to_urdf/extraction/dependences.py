@@ -10,6 +10,7 @@ import numpy as np
 from dh_to_urdf.couplings import MovingJoint
 from dh_to_urdf.errors import DHError, quoted
 from dh_to_urdf.extraction.axes import ChainJoint, SerialChain, motion
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import DHTable, Mimic
 
 
@@ -97,8 +98,12 @@ def _within(name: str, mimic: Mimic, every: Mapping[str, MovingJoint], inside: s
 def _apart(name: str, leader: str) -> DHError:
     return DHError.single(
         ("tip",),
-        f"joint {name!r} depends on {quoted(leader, 64)}, which is not between base and tip; choose"
-        " them so that it is, or make the joint independent",
+        say(
+            "joint {name!r} depends on {leader}, which is not between base and tip;"
+            " choose them so that it is, or make the joint independent",
+            name=name,
+            leader=quoted(leader, 64),
+        ),
     )
 
 

@@ -23,6 +23,7 @@ from dh_to_urdf.extraction.construction import ConstructedPair, construct, tidy_
 from dh_to_urdf.extraction.conversion import to_convention
 from dh_to_urdf.extraction.dependences import with_dependences
 from dh_to_urdf.matrices import dh_matrices
+from dh_to_urdf.messages import say
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHTable, JointType
 
@@ -103,7 +104,14 @@ def extract(
         DHError: ``snap`` is out of range, or lengths would be beyond what a table may hold.
     """
     if not 0.0 <= snap <= MAX_SNAP:
-        raise DHError.single(("snap",), f"snap is {snap:g}; give an angle from 0 to {MAX_SNAP} rad")
+        raise DHError.single(
+            ("snap",),
+            say(
+                "snap is {snap:g}; give an angle from 0 to {max_snap} rad",
+                snap=snap,
+                max_snap=MAX_SNAP,
+            ),
+        )
     size = chain.size
     tip = chain.poses(np.zeros(len(chain.joints)))
     arrangement = arrange(chain.lines(), tip, size, snap, bridge=bridge)
@@ -166,21 +174,34 @@ def deviation(first: Matrix, second: Matrix) -> tuple[float, float]:
 
 
 def _warnings(findings: tuple[PairFinding, ...], residual: Residual) -> list[str]:
-    found = []
+    found: list[str] = []
     for finding in findings:
         first, second = finding.pair.first.name, finding.pair.second.name
         last = finding is findings[-1]
         if finding.snapped and not last:
             found.append(
-                f"the axes of {first} and {second} are {finding.snapped:.2g} rad from parallel and"
-                f" taken as parallel; the table is off by up to {residual.position:.1e} m and"
-                f" {residual.orientation:.1e} rad (a smaller snap keeps the tilt)"
+                say(
+                    "the axes of {first} and {second} are {snapped:.2g} rad from parallel"
+                    " and taken as parallel; the table is off by up to {position:.1e} m and"
+                    " {orientation:.1e} rad (a smaller snap keeps the tilt)",
+                    first=first,
+                    second=second,
+                    snapped=finding.snapped,
+                    position=residual.position,
+                    orientation=residual.orientation,
+                )
             )
         if finding.bridged:
             found.append(
-                f"the axis of {second} is {finding.bridged:.2g} rad from parallel to the one"
-                f" before, so that their common normal is far away; the fixed row {first} stands"
-                f" between. A snap above {finding.bridged:.2g} takes them as parallel instead"
+                say(
+                    "the axis of {second} is {bridged:.2g} rad from parallel to the one"
+                    " before, so that their common normal is far away; the fixed row"
+                    " {first} stands between. A snap above {bridged:.2g} takes them as"
+                    " parallel instead",
+                    second=second,
+                    bridged=finding.bridged,
+                    first=first,
+                )
             )
     return found
 
@@ -192,7 +213,11 @@ def _check_lengths(table: DHTable) -> None:
     longest = max(map(abs, lengths))
     if longest > MAX_MAGNITUDE:
         raise DHError.single(
-            (), f"the table would have a length of {longest:.3g} m; check the unit, lengths are m"
+            (),
+            say(
+                "the table would have a length of {longest:.3g} m; check the unit, lengths are m",
+                longest=longest,
+            ),
         )
 
 
@@ -206,7 +231,9 @@ def _renamed(table: DHTable, warnings: list[str]) -> DHTable:
             name = name[:60] + "_"
         taken.add(name)
         if name != row.name:
-            warnings.append(f"joint {row.name[:64]!r} is called {name!r} in the table")
+            warnings.append(
+                say("joint {row!r} is called {name!r} in the table", row=row.name[:64], name=name)
+            )
         rows.append(replace(row, name=name))
     return DHTable(_fit(table.name, "robot"), table.convention, tuple(rows), table.base, table.tool)
 

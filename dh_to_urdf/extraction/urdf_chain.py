@@ -16,6 +16,7 @@ from dh_to_urdf.couplings import CouplingError, MovingJoint, joint_map
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
 from dh_to_urdf.extraction.axes import ChainJoint, SerialChain
 from dh_to_urdf.extraction.dependences import depending
+from dh_to_urdf.messages import say
 from dh_to_urdf.poses import Matrix, from_xyz_rpy
 from dh_to_urdf.table import JointType, Limits, Mimic
 from dh_to_urdf.writer import UNBOUNDED
@@ -55,7 +56,13 @@ def read_chain(text: str | bytes, base: str | None = None, tip: str | None = Non
         if link is not None and link not in links:
             known = ", ".join(links[:12])
             raise DHError.single(
-                (role,), f"{role} is {quoted(link)}, which is no link; known are {known}"
+                (role,),
+                say(
+                    "{role} is {link}, which is no link; known are {known}",
+                    role=role,
+                    link=quoted(link),
+                    known=known,
+                ),
             )
     start = next(link for link in links if link not in above) if base is None else base
     end = _default_tip(links, above) if tip is None else tip
@@ -77,7 +84,9 @@ def read_chain(text: str | bytes, base: str | None = None, tip: str | None = Non
             found.append(_chain_joint(joint, T, 1.0, warnings))
             T = np.eye(4)
     if not found:
-        raise DHError.single(("tip",), f"no joint moves between {start!r} and {end!r}")
+        raise DHError.single(
+            ("tip",), say("no joint moves between {start!r} and {end!r}", start=start, end=end)
+        )
     name = root.get("name") or "robot"
     chain = SerialChain(name, start, end, tuple(found), T, tuple(warnings))
     moving = [_moving(joint) for joint in joints if joint.type in _MOVING]
@@ -96,7 +105,7 @@ def _moving(joint: _Joint) -> MovingJoint:
     type_, element = JointType(joint.type), joint.element.find("mimic")
     if element is None:
         return MovingJoint(joint.name, type_, Limits())
-    where = f"joint {joint.name!r}"
+    where = say("joint {joint!r}", joint=joint.name)
     multiplier, offset = (
         _numbers(element, key, 1, where, default)[0]
         for key, default in (("multiplier", "1"), ("offset", "0"))
@@ -108,16 +117,20 @@ def _moving(joint: _Joint) -> MovingJoint:
 
 def _parse(text: str | bytes) -> ET.Element:
     if len(text) > MAX_BYTES:
-        raise DHError.single((), f"the URDF is longer than {MAX_BYTES} bytes")
+        raise DHError.single(
+            (), say("the URDF is longer than {max_bytes} bytes", max_bytes=MAX_BYTES)
+        )
     if (b"<!ENTITY" if isinstance(text, bytes) else "<!ENTITY") in text:  # type: ignore[operator]
-        raise DHSyntaxError.single((), "the URDF has entities; remove them")
+        raise DHSyntaxError.single((), say("the URDF has entities; remove them"))
     try:
         root = ET.fromstring(text)
     except (ET.ParseError, ValueError, LookupError) as error:
-        raise DHSyntaxError.single((), f"the text is not well-formed XML: {error}") from None
+        raise DHSyntaxError.single(
+            (), say("the text is not well-formed XML: {error}", error=error)
+        ) from None
     if root.tag != "robot":
         raise DHError.single(
-            (), f"the root element is <{root.tag[:40]}>; a URDF starts with <robot>"
+            (), say("the root element is <{tag}>; a URDF starts with <robot>", tag=root.tag[:40])
         )
     return root
 
@@ -129,7 +142,9 @@ def _joint(element: ET.Element) -> _Joint:
         end = element.find(role)
         link = end.get("link") if end is not None else None
         if link is None:
-            raise DHError.single((), f"joint {name!r}: <{role} link=…> is missing")
+            raise DHError.single(
+                (), say("joint {name!r}: <{role} link=…> is missing", name=name, role=role)
+            )
         ends.append(link)
     return _Joint(element, name, element.get("type", ""), *ends)
 
@@ -140,23 +155,36 @@ def _tree(links: list[str], joints: list[_Joint]) -> dict[str, _Joint]:
     for joint in joints:
         for link in (joint.parent, joint.child):
             if link not in links:
-                raise DHError.single((), f"joint {joint.name!r}: link {link[:64]!r} does not exist")
+                raise DHError.single(
+                    (),
+                    say(
+                        "joint {joint!r}: link {link!r} does not exist",
+                        joint=joint.name,
+                        link=link[:64],
+                    ),
+                )
         if joint.child in above:
             raise DHError.single(
-                (), f"link {joint.child!r} is the child of two joints; a robot is a tree"
+                (),
+                say(
+                    "link {child!r} is the child of two joints; a robot is a tree",
+                    child=joint.child,
+                ),
             )
         above[joint.child] = joint
     roots = [link for link in links if link not in above]
     if len(roots) != 1:
         raise DHError.single(
-            (), f"the URDF has {len(roots)} root links; a robot is a tree with one"
+            (), say("the URDF has {count} root links; a robot is a tree with one", count=len(roots))
         )
     for link in links:
         seen, walked = link, 0
         while seen in above:
             seen, walked = above[seen].parent, walked + 1
             if walked > len(joints):
-                raise DHError.single((), f"link {link!r} is part of a loop; a robot is a tree")
+                raise DHError.single(
+                    (), say("link {link!r} is part of a loop; a robot is a tree", link=link)
+                )
     return above
 
 
@@ -179,18 +207,25 @@ def _default_tip(links: list[str], above: dict[str, _Joint]) -> str:
 
 
 def _chain_joint(joint: _Joint, placement: Matrix, sense: float, warnings: list[str]) -> ChainJoint:
-    where = f"joint {joint.name!r}"
+    where = say("joint {joint!r}", joint=joint.name)
     if joint.type not in _MOVING:
         raise DHError.single(
             (),
-            f"{where}: type {joint.type[:40]!r} has no D-H row; write it as revolute, prismatic,"
-            " continuous or fixed joints, or choose base and tip so that it is not between",
+            say(
+                "{where}: type {type!r} has no D-H row; write it as revolute,"
+                " prismatic, continuous or fixed joints, or choose base and tip so that"
+                " it is not between",
+                where=where,
+                type=joint.type[:40],
+            ),
         )
     element = joint.element.find("axis")
     axis = np.array([1.0, 0.0, 0.0] if element is None else _numbers(element, "xyz", 3, where))
     norm = float(np.linalg.norm(axis))
     if norm < 1e-6:
-        raise DHError.single((), f"{where}: its axis is zero; give a direction such as 0 0 1")
+        raise DHError.single(
+            (), say("{where}: its axis is zero; give a direction such as 0 0 1", where=where)
+        )
     axis = sense * axis / norm
     limits = _limits(joint, where, warnings)
     return ChainJoint(joint.name, JointType(joint.type), placement, axis, limits)
@@ -208,9 +243,13 @@ def _limits(joint: _Joint, where: str, warnings: list[str]) -> Limits:
         known.pop("lower", None)
         known.pop("upper", None)
         if joint.type != "continuous" and not {"lower", "upper"} <= set(values):
-            warnings.append(f"{where} has no lower and upper limit; none is assumed")
+            warnings.append(
+                say("{where} has no lower and upper limit; none is assumed", where=where)
+            )
     elif known["lower"] > known["upper"]:
-        raise DHError.single((), f"{where}: its lower limit is above the upper one; swap them")
+        raise DHError.single(
+            (), say("{where}: its lower limit is above the upper one; swap them", where=where)
+        )
     return Limits(**known)
 
 
@@ -218,7 +257,7 @@ def _origin(joint: _Joint) -> Matrix:
     origin = joint.element.find("origin")
     if origin is None:
         return np.eye(4)
-    where = f"joint {joint.name!r}"
+    where = say("joint {joint!r}", joint=joint.name)
     xyz, rpy = (_numbers(origin, key, 3, where, "0 0 0") for key in ("xyz", "rpy"))
     return from_xyz_rpy(xyz, rpy)
 
@@ -232,9 +271,19 @@ def _numbers(
     except ValueError:
         values = []
     if len(values) != count or not all(map(math.isfinite, values)):
-        what = "one finite number" if count == 1 else f"{count} finite numbers"
+        what = (
+            say("one finite number") if count == 1 else say("{count} finite numbers", count=count)
+        )
         raise DHError.single(
-            (), f"{where}: {key} of <{element.tag}> is {quoted(text)}; give {what}"
+            (),
+            say(
+                "{where}: {key} of <{tag}> is {text}; give {what}",
+                where=where,
+                key=key,
+                tag=element.tag,
+                text=quoted(text),
+                what=what,
+            ),
         )
     return values
 

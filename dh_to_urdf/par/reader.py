@@ -25,6 +25,7 @@ from dh_to_urdf.documents.mapping import DEFAULT_NAME, MAX_ROWS, read_mapping
 from dh_to_urdf.documents.placements import read_inertial
 from dh_to_urdf.errors import DHError, quoted
 from dh_to_urdf.matrices import link_matrix
+from dh_to_urdf.messages import plural, say
 from dh_to_urdf.par.inertia import PARAMETERS, from_parameters
 from dh_to_urdf.par.text import DYNAMICS, GEOMETRY, ParText, parse_par
 from dh_to_urdf.table import Convention, DHTable, JointType
@@ -90,12 +91,18 @@ def _frames(par: ParText, cut_loops: bool, warnings: list[str]) -> int:
         if _TRUTH.get(par.scalars.get(key, "0").lower(), True):
             raise DHError.single(
                 (key,),
-                f"{key} is {quoted(par.scalars[key])}: a base that moves is not computed; set"
-                f" {key} = 0 (and list no link 0) for the arm on a base that stands still",
+                say(
+                    "{key} is {scalar}: a base that moves is not computed; set {key} = 0"
+                    " (and list no link 0) for the arm on a base that stands still",
+                    key=key,
+                    scalar=quoted(par.scalars[key]),
+                ),
             )
     missing = [key for key in _REQUIRED if key not in par.lists]
     if missing:
-        raise DHError.single((missing[0],), f"the list {missing[0]} is missing; give it")
+        raise DHError.single(
+            (missing[0],), say("the list {missing} is missing; give it", missing=missing[0])
+        )
     counts = {key: _count(par, key) for key in ("NL", "NJ", "NF", "Type")}
     links = counts["NL"] or counts["NJ"] or counts["NF"] or len(par.lists["sigma"])
     joints = counts["NJ"] or links
@@ -103,20 +110,38 @@ def _frames(par: ParText, cut_loops: bool, warnings: list[str]) -> int:
     if not 1 <= links <= joints <= frames <= MAX_ROWS or frames != 2 * joints - links:
         raise DHError.single(
             ("NF",),
-            f"NL = {links}, NJ = {joints}, NF = {frames} fit no robot; NL ≤ NJ,"
-            f" NF = 2 NJ - NL ≤ {MAX_ROWS}",
+            say(
+                "NL = {links}, NJ = {joints}, NF = {frames} fit no robot; NL ≤ NJ, NF ="
+                " 2 NJ - NL ≤ {max_rows}",
+                links=links,
+                joints=joints,
+                frames=frames,
+                max_rows=MAX_ROWS,
+            ),
         )
     for key in GEOMETRY:
         found = len(par.lists.get(key, ()))
         if key in par.lists and found != frames:
             raise DHError.single(
-                (key,), f"{key} has {found} entries; NF = {frames} frames need {frames}"
+                (key,),
+                say(
+                    "{key} has {found} entries; NF = {frames} frames need {frames}",
+                    key=key,
+                    found=found,
+                    frames=frames,
+                ),
             )
     for key in DYNAMICS:
         found = len(par.lists.get(key, ()))
         if key in par.lists and found != links:
             raise DHError.single(
-                (key,), f"{key} has {found} entries; NL = {links} links need {links}"
+                (key,),
+                say(
+                    "{key} has {found} entries; NL = {links} links need {links}",
+                    key=key,
+                    found=found,
+                    links=links,
+                ),
             )
     _check_loops(par, links, joints, frames, cut_loops, warnings)
     return links
@@ -128,34 +153,56 @@ def _check_loops(
     sigma, mu = par.lists["sigma"], par.lists.get("mu", ["1"] * frames)
     for k, text in enumerate(mu, start=1):
         if text not in ("0", "1"):
-            raise DHError.single(("mu",), f"entry {k} of mu is {quoted(text)}; give 1 (moved) or 0")
+            raise DHError.single(
+                ("mu",),
+                say("entry {k} of mu is {text}; give 1 (moved) or 0", k=k, text=quoted(text)),
+            )
     passive = [k for k in range(1, links + 1) if mu[k - 1] == "0" and sigma[k - 1] in ("0", "1")]
     if joints == links:
         if passive:
             warnings.append(
-                f"mu = 0 at {_joints(passive)}: without a closed loop every joint is independent,"
-                " and is taken so"
+                say(
+                    "mu = 0 at {passive}: without a closed loop every joint is independent,"
+                    " and is taken so",
+                    passive=_joints(passive),
+                )
             )
         return
     loops = joints - links
     if not cut_loops:
         raise DHError.single(
             ("NJ",),
-            f"the robot has {loops} closed loop{'s' if loops > 1 else ''} (NJ = {joints} joints on"
-            f" NL = {links} links), whose joints depend on each other; closed loops are not"
-            " computed. Ask for the spanning tree with loops=cut: frames"
-            f" {links + 1} to {frames} are left out and every joint is independent",
+            say(
+                "the robot has {loops} closed loop{which} (NJ = {joints} joints on NL ="
+                " {links} links), whose joints depend on each other; closed loops are"
+                " not computed. Ask for the spanning tree with loops=cut: frames"
+                " {links_2} to {frames} are left out and every joint is independent",
+                loops=loops,
+                which="s" if loops > 1 else "",
+                joints=joints,
+                links=links,
+                links_2=links + 1,
+                frames=frames,
+            ),
         )
-    also = f"; {_joints(passive)}, passive by mu = 0, taken as independent" if passive else ""
+    also = (
+        say("; {passive}, passive by mu = 0, taken as independent", passive=_joints(passive))
+        if passive
+        else ""
+    )
     warnings.append(
-        f"closed loops are cut: {_joints(list(range(links + 1, joints + 1)))} and frames"
-        f" {', '.join(map(str, range(joints + 1, frames + 1)))} are left out{also}"
+        say(
+            "closed loops are cut: {links} and frames {joints} are left out{also}",
+            links=_joints(list(range(links + 1, joints + 1))),
+            joints=", ".join(map(str, range(joints + 1, frames + 1))),
+            also=also,
+        )
     )
 
 
 def _joints(numbers: list[int]) -> str:
     listed = ", ".join(map(str, numbers[:12])) + (", …" if len(numbers) > 12 else "")
-    return f"joint{'s' if len(numbers) > 1 else ''} {listed}"
+    return plural("joint {listed}", "joints {listed}", count=max(1, len(numbers)), listed=listed)
 
 
 def _count(par: ParText, key: str) -> int | None:
@@ -163,7 +210,9 @@ def _count(par: ParText, key: str) -> int | None:
     if text is None:
         return None
     if re.fullmatch(r"[0-9]{1,4}", text) is None:
-        raise DHError.single((key,), f"{key} is {quoted(text)}; give an integer")
+        raise DHError.single(
+            (key,), say("{key} is {text}; give an integer", key=key, text=quoted(text))
+        )
     return int(text)
 
 
@@ -201,7 +250,12 @@ def _notes(par: ParText) -> tuple[dict[int, dict[str, Any]], list[int]]:
                 break
             if item[1] in (note | note.get("limits", {})):
                 raise DHError.single(
-                    (), f"the comments on joint {match[1]} say {item[1]} twice; keep one"
+                    (),
+                    say(
+                        "the comments on joint {match} say {item} twice; keep one",
+                        match=match[1],
+                        item=item[1],
+                    ),
                 )
             word = item[2] if item[2] is not None else item[3].strip()
             if item[1] in _LIMITS:
@@ -230,13 +284,16 @@ def _inertial(par: ParText, k: int, values: Values, warnings: list[str]) -> dict
     if unknown:
         if len(unknown) < len(PARAMETERS) or unknown != [f"{key}{k}" for key in PARAMETERS]:
             warnings.append(
-                f"link {k}: its inertial values are left out, since {quoted(unknown[0])} is no"
-                " number"
+                say(
+                    "link {k}: its inertial values are left out, since {unknown} is no number",
+                    k=k,
+                    unknown=quoted(unknown[0]),
+                )
             )
         return None
     problems: list[str] = []
     if parameters["M"] == 0.0:
-        problems.append("a mass of 0 with moments")
+        problems.append(say("a mass of 0 with moments"))
     else:
         body = from_parameters(parameters)
         document = {
@@ -244,13 +301,17 @@ def _inertial(par: ParText, k: int, values: Values, warnings: list[str]) -> dict
             "com": list(body.com),
             "inertia": [list(line) for line in body.inertia],
         }
-        read_inertial(document, (), "", Units().length, lambda _, text: problems.append(text))
+        read_inertial(document, (), Units().length, lambda _, text: problems.append(text))
         if not problems:
             return document
     warnings.append(
-        f"link {k}: its inertial values are left out, since no body has them"
-        f" ({problems[0].removeprefix(': inertial: ')}); base parameters of an identification"
-        " are of this kind"
+        say(
+            "link {k}: its inertial values are left out, since no body has them"
+            " ({problem}); base parameters of an identification are of this"
+            " kind",
+            k=k,
+            problem=problems[0],
+        )
     )
     return None
 
@@ -261,15 +322,22 @@ def _base(par: ParText, values: Values) -> list[list[float]] | None:
         return None
     cells = par.lists["Z"]
     if len(cells) != 16:
-        raise DHError.single(("Z",), f"Z has {len(cells)} entries; give the 16 of a 4x4 matrix")
+        raise DHError.single(
+            ("Z",), say("Z has {count} entries; give the 16 of a 4x4 matrix", count=len(cells))
+        )
     numbers = []
     for index, text in enumerate(cells, start=1):
         try:
             cell = parse_cell(text, Quantity.NUMBER, 1.0, values)
         except CellError as error:
-            raise DHError.single(("Z",), f"entry {index} of Z {error}") from None
+            raise DHError.single(
+                ("Z",), say("entry {index} of Z {error}", index=index, error=error)
+            ) from None
         if cell.variable is not None:
-            raise DHError.single(("Z",), f"entry {index} of Z is {quoted(text)}; give a number")
+            raise DHError.single(
+                ("Z",),
+                say("entry {index} of Z is {text}; give a number", index=index, text=quoted(text)),
+            )
         numbers.append(cell.value)
     return [numbers[i : i + 4] for i in range(0, 16, 4)]
 

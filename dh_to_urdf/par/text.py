@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
+from dh_to_urdf.messages import say
 
 MAX_PAR_LENGTH = 500_000
 GEOMETRY = ("ant", "sigma", "b", "d", "r", "gamma", "alpha", "mu", "theta")
@@ -50,7 +51,13 @@ def parse_par(text: str | bytes) -> ParText:
         DHError: Too long, no statements of this format, or a key that is unknown or stands twice.
     """
     if len(text) > MAX_PAR_LENGTH:
-        raise DHError.single((), f"the .par text is longer than {MAX_PAR_LENGTH} characters")
+        raise DHError.single(
+            (),
+            say(
+                "the .par text is longer than {max_par_length} characters",
+                max_par_length=MAX_PAR_LENGTH,
+            ),
+        )
     code, comments = _without_comments(_decoded(text))
     lists: dict[str, list[str]] = {}
     scalars: dict[str, str] = {}
@@ -65,13 +72,19 @@ def parse_par(text: str | bytes) -> ParText:
         known = (*GEOMETRY, *DYNAMICS, *MOTION) if inside is not None else SCALARS
         if key not in known:
             line = code.count("\n", 0, match.start(1)) + 1
-            what = "list" if inside is not None else "parameter"
+            what = say("list") if inside is not None else say("parameter")
             raise DHError.single(
                 (key,),
-                f"line {line}: {key} is no {what} of SYMORO; known are {', '.join(known)}",
+                say(
+                    "line {line}: {key} is no {what} of SYMORO; known are {known}",
+                    line=line,
+                    key=key,
+                    what=what,
+                    known=", ".join(known),
+                ),
             )
         if key in lists or key in scalars:
-            raise DHError.single((key,), f"{key} stands twice; keep one")
+            raise DHError.single((key,), say("{key} stands twice; keep one", key=key))
         if inside is not None:
             lists[key] = _entries(inside)
         else:
@@ -79,7 +92,7 @@ def parse_par(text: str | bytes) -> ParText:
         position = match.end()
     if not lists:
         raise DHSyntaxError.single(
-            (), "the text is no .par file: it has no list such as Alpha = {…}"
+            (), say("the text is no .par file: it has no list such as Alpha = {{…}}")
         )
     return ParText(lists, scalars, comments)
 
@@ -113,7 +126,9 @@ def _without_comments(text: str) -> tuple[str, list[str]]:
                 kept = match.end()
     if depth:
         line = text.count("\n", 0, start) + 1
-        raise DHSyntaxError.single((), f"line {line}: the comment is not closed; write *)")
+        raise DHSyntaxError.single(
+            (), say("line {line}: the comment is not closed; write *)", line=line)
+        )
     code.append(text[kept:])
     return "".join(code), comments
 
@@ -124,7 +139,12 @@ def _stray(code: str, position: int) -> DHSyntaxError:
     line = code.count("\n", 0, at) + 1
     shown = rest.partition("\n")[0]
     return DHSyntaxError.single(
-        (), f"line {line}: {quoted(shown)} is neither key = number nor key = {{…}}"
+        (),
+        say(
+            "line {line}: {shown} is neither key = number nor key = {{…}}",
+            line=line,
+            shown=quoted(shown),
+        ),
     )
 
 

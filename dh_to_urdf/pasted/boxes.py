@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dh_to_urdf.errors import DHError
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.headings import read_heading
 
 _TOP, _BOTTOM = "┌╔╒╭┏", "└╚╘╰┗"
@@ -38,11 +39,16 @@ def table_box(text: str) -> tuple[str, list[str]]:
         if any(row and row[0].lower() in ("base", "tool") for row in cells):
             raise DHError.single(
                 (),
-                f"line {top + 2}: the box with base and tool shows rounded numbers; write their"
-                " matrices on lines of their own, as tool = [1 0 0 0; 0 1 0 0; 0 0 1 0.1;"
-                " 0 0 0 1], and leave the box out",
+                say(
+                    "line {top}: the box with base and tool shows rounded numbers; write"
+                    " their matrices on lines of their own, as tool = [1 0 0 0; 0 1 0 0; 0"
+                    " 0 1 0.1; 0 0 0 1], and leave the box out",
+                    top=top + 2,
+                ),
             )
-        warnings.append(f"line {top + 2}: the box of {_title(cells)} is left out")
+        warnings.append(
+            say("line {top}: the box of {cells} is left out", top=top + 2, cells=_title(cells))
+        )
         kept[top : end + 1] = [""] * (end + 1 - top)
     return "\n".join(kept), warnings
 
@@ -76,5 +82,5 @@ def _is_table(lines: list[str], box: tuple[int, int]) -> bool:
 
 def _title(cells: list[list[str]]) -> str:
     if cells and cells[0][0].lower() == "name":
-        return "named configurations"
+        return say("named configurations")
     return repr(" ".join(cells[0])[:40]) if cells else "nothing"

@@ -11,6 +11,7 @@ from dh_to_urdf.cells.values import Values
 from dh_to_urdf.documents.checks import Report
 from dh_to_urdf.documents.rows import OWN_LETTERS
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.latex import plain_cell
 from dh_to_urdf.pasted.raw_table import RawCell, RawTable
 
@@ -56,8 +57,17 @@ class CellReader:
     def add(self, k: int, cell: RawCell | None, message: str) -> None:
         """Note a fault of joint k (from 0), in a cell or in its row."""
         line = cell.line if cell else self.raw.rows[k].line
-        column = f", column {cell.column or '1'}" if cell else ""
-        self.report.add(("joints", k), f"joint {k + 1} (line {line}{column}): {message}")
+        column = say(", column {column}", column=cell.column or "1") if cell else ""
+        self.report.add(
+            ("joints", k),
+            say(
+                "joint {k} (line {line}{column}): {message}",
+                k=k + 1,
+                line=line,
+                column=column,
+                message=message,
+            ),
+        )
 
     def read(
         self,
@@ -80,7 +90,11 @@ class CellReader:
             coupled: Whether there may be several joint variables, with any coefficients.
         """
         if len(cell.text) > MAX_RAW_CELL:
-            self.add(k, cell, f"the cell is longer than {MAX_RAW_CELL} characters")
+            self.add(
+                k,
+                cell,
+                say("the cell is longer than {max_raw_cell} characters", max_raw_cell=MAX_RAW_CELL),
+            )
             return None
         text = cell.text if cell.total is not None else plain_cell(cell.text)
         unit = cell.unit if cell.unit is not None else self._units[quantity]
@@ -92,7 +106,7 @@ class CellReader:
                 parsed = parse_cell(text, quantity, unit, values, angle, coupled=coupled)
         except CellError as error:
             shown = "" if text == cell.text.strip() else f"{quoted(cell.text)} "
-            self.add(k, cell, f"{shown}{error}")
+            self.add(k, cell, say("{shown}{error}", shown=shown, error=error))
             return None
         undecided = self._angle is None and cell.unit is None and quantity is Quantity.ANGLE
         looks_like_degrees = bare is not None and bare < abs(parsed.plain)
@@ -102,16 +116,22 @@ class CellReader:
             self.add(
                 k,
                 cell,
-                f"{quoted(cell.text)} has no unit and is no angle in rad as people write them;"
-                " write 90° or pi/2, or give angle=deg (or angle=rad if it is meant)",
+                say(
+                    "{cell} has no unit and is no angle in rad as people write them; write"
+                    " 90° or pi/2, or give angle=deg (or angle=rad if it is meant)",
+                    cell=quoted(cell.text),
+                ),
             )
             return None
         if bare == TURN and unit == ANGLES["deg"] and abs(parsed.plain) > 360.0:
             self.add(
                 k,
                 cell,
-                f"{quoted(cell.text)} is more than a turn: a 90° that lost its ° reads 900; write"
-                " the angle within ±360, or with its unit (900°) if it is meant",
+                say(
+                    "{cell} is more than a turn: a 90° that lost its ° reads 900; write the"
+                    " angle within ±360, or with its unit (900°) if it is meant",
+                    cell=quoted(cell.text),
+                ),
             )
             return None
         return parsed
@@ -170,13 +190,22 @@ def foreign_variable(
     letters = OWN_LETTERS[column] if own else ()
     mine = [(letter, c) for (letter, index), c in cell.terms if index in (None, number)]
     if not own or any(letter not in letters for letter, _ in mine):
-        return (
-            f"{quoted(cell.text)} holds {cell.name}, which is not the joint variable of this"
-            f" column; if it is a constant, give values {cell.name}:0.5"
+        return say(
+            "{cell} holds {cell_2}, which is not the joint variable of this column;"
+            " if it is a constant, give values {cell_2}:0.5",
+            cell=quoted(cell.text),
+            cell_2=cell.name,
         )
     for (_, index), _ in cell.terms:
         if index is not None and index not in numbers:
-            return f"{quoted(cell.text)} is the variable of joint {index}, not {number}"
+            return say(
+                "{cell} is the variable of joint {index}, not {number}",
+                cell=quoted(cell.text),
+                index=index,
+                number=number,
+            )
     if any(abs(c) != 1.0 for _, c in mine):
-        return f"is {quoted(cell.text)}; the joint variable must have coefficient +1 or -1"
+        return say(
+            "is {cell}; the joint variable must have coefficient +1 or -1", cell=quoted(cell.text)
+        )
     return None

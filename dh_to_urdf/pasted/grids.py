@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 from dh_to_urdf.errors import DHError
+from dh_to_urdf.messages import say
 
 MAX_COLUMNS = 32
 _ENVIRONMENT = re.compile(
@@ -53,7 +54,12 @@ def grid_lines(text: str) -> list[Line]:
         if len(line.cells) > MAX_COLUMNS:
             raise DHError.single(
                 (),
-                f"line {line.number} has {len(line.cells)} cells; at most {MAX_COLUMNS} are read",
+                say(
+                    "line {number} has {count} cells; at most {max_columns} are read",
+                    number=line.number,
+                    count=len(line.cells),
+                    max_columns=MAX_COLUMNS,
+                ),
             )
     return lines
 
@@ -92,7 +98,7 @@ def _environment(text: str) -> tuple[int, str]:
             if found is None:
                 found = opened.end(), body
             elif not (opened.end() <= found[0] < match.start()):
-                raise DHError.single((), "the text holds two LaTeX tables; paste one")
+                raise DHError.single((), say("the text holds two LaTeX tables; paste one"))
     if found is None:
         body = text[starts[0].end() :] if starts else text
         found = (starts[0].end() if starts else 0), body
@@ -166,7 +172,11 @@ def _refuse_unpiped(piped: list[tuple[int, str]], numbered: list[tuple[int, str]
         row = number == last + 1 and line.lstrip()[:1] in "|0123456789"
         if number not in bordered and (first < number < last or row):
             raise DHError.single(
-                (), f"line {number} has no | between its cells, as the others have; add them"
+                (),
+                say(
+                    "line {number} has no | between its cells, as the others have; add them",
+                    number=number,
+                ),
             )
 
 

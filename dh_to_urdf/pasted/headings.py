@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from dh_to_urdf.cells.expressions import Quantity
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.latex import plain_cell
 
 MAX_HEADING = 100
@@ -35,7 +36,9 @@ _SPELLINGS = {
     "effort": "effort",
 }
 _KEYS = {spelling: key for key, listed in _SPELLINGS.items() for spelling in listed.split()}
-KNOWN = "i, name, type, alpha, a, d, theta, offset, lower, upper (khalil: ant, gamma, b, r too)"
+KNOWN = say(
+    "i, name, type, alpha, a, d, theta, offset, lower, upper (khalil: ant, gamma, b, r too)"
+)
 COLUMN_QUANTITIES = {
     "alpha": Quantity.ANGLE,
     "theta": Quantity.ANGLE,
@@ -120,14 +123,20 @@ def heading_problem(headings: list[Heading], convention: str) -> tuple[str, str]
         if heading.key in ("a", "alpha") and heading.subscript == "i-1":
             if convention == "standard":
                 return (
-                    f"column {quoted(heading.text)} is of the modified convention (row i holds a"
-                    " and alpha of i-1), but convention says standard; give convention=modified,"
-                    " or write the columns without i-1",
+                    say(
+                        "column {heading} is of the modified convention (row i holds a and"
+                        " alpha of i-1), but convention says standard; give"
+                        " convention=modified, or write the columns without i-1",
+                        heading=quoted(heading.text),
+                    ),
                     "",
                 )
         elif heading.key in ("a", "alpha") and heading.subscript and convention == "modified":
             return "", (
-                f"column {quoted(heading.text)}: row i is read as a and alpha of i-1, as the"
-                " modified convention has them"
+                say(
+                    "column {heading}: row i is read as a and alpha of i-1, as the modified"
+                    " convention has them",
+                    heading=quoted(heading.text),
+                )
             )
     return "", ""

@@ -7,6 +7,7 @@ import re
 from dh_to_urdf.cells.arithmetic import variable_of
 from dh_to_urdf.documents.joint_types import TYPE_ALIASES
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.cells import ABSENT, MAX_RAW_CELL, CellReader
 from dh_to_urdf.pasted.latex import plain_cell
 from dh_to_urdf.pasted.raw_table import RawCell, RawRow
@@ -50,23 +51,33 @@ def joint_types(cells: CellReader, z_column: str) -> list[JointType]:
     if unknown == [len(types) - 1] and named and _ends_chain(raw.rows[-1]):
         types[-1], unknown = JointType.FIXED, []
         cells.warnings.append(
-            f"joint {len(types)} (line {raw.rows[-1].line}): the last row has no joint variable"
-            " and is read as one that does not move"
+            say(
+                "joint {count} (line {line}): the last row has no joint variable and is"
+                " read as one that does not move",
+                count=len(types),
+                line=raw.rows[-1].line,
+            )
         )
     if unknown and len(unknown) < len(types):
         for k in unknown:
             cells.add(
                 k,
                 None,
-                "no cell holds the joint variable, so that its type is open; write"
-                f" theta{k + 1} or {z_column}{k + 1} in its cell, or add a column type"
-                " (R, P, or F for a row that does not move)",
+                say(
+                    "no cell holds the joint variable, so that its type is open; write"
+                    " theta{k} or {z_column}{k} in its cell, or add a column type (R, P, or"
+                    " F for a row that does not move)",
+                    k=k + 1,
+                    z_column=z_column,
+                ),
             )
     cells.report.raise_if_any()
     if unknown and not raw.typed:
         cells.warnings.append(
-            "no cell holds a joint variable and there is no column type: every joint is taken"
-            " as revolute"
+            say(
+                "no cell holds a joint variable and there is no column type: every"
+                " joint is taken as revolute"
+            )
         )
     return [type_ or JointType.REVOLUTE for type_ in types]
 
@@ -126,8 +137,10 @@ def _type(
         cells.add(
             k,
             row.cells[z_column],
-            "theta and this cell both hold a joint variable; a joint has one. Add a column"
-            " type, or give the constant in values",
+            say(
+                "theta and this cell both hold a joint variable; a joint has one. Add a"
+                " column type, or give the constant in values"
+            ),
         )
         return None
     if theta is not None:
@@ -149,7 +162,11 @@ def _by_word(cells: CellReader, k: int, cell: RawCell) -> JointType:
     word = plain_cell(cell.text[:MAX_RAW_CELL]).strip("().").lower()
     found = _TYPES.get(word) or _TYPES.get(word.removesuffix(" joint"))
     if found is None:
-        cells.add(k, cell, f"the type is {quoted(cell.text)}; write R, P or F (or σ: 0, 1, 2)")
+        cells.add(
+            k,
+            cell,
+            say("the type is {cell}; write R, P or F (or σ: 0, 1, 2)", cell=quoted(cell.text)),
+        )
         return JointType.FIXED
     return found
 
@@ -160,6 +177,14 @@ def _by_variable(cells: CellReader, k: int, cell: RawCell) -> JointType | None:
     letter, index = variable_of(text.lower()) or ("", None)
     number = cells.numbers[k]
     if not letter or index not in (None, number):
-        cells.add(k, cell, f"{quoted(cell.text)} is not the variable of joint {number}")
+        cells.add(
+            k,
+            cell,
+            say(
+                "{cell} is not the variable of joint {number}",
+                cell=quoted(cell.text),
+                number=number,
+            ),
+        )
         return JointType.FIXED
     return {"theta": JointType.REVOLUTE, "q": None}.get(letter, JointType.PRISMATIC)

@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 from dh_to_urdf.errors import DHError, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.source_tokens import closing, matrix_rows, text_of, tokens_of
 
 _NOTE = re.compile(
@@ -36,14 +37,21 @@ def placement_notes(text: str) -> tuple[str, dict[str, Any]]:
             continue
         key, line = match[1].lower(), text.count("\n", 0, match.start()) + 1
         if key in placements:
-            raise DHError.single((key,), f"line {line}: {key} stands twice; keep one")
+            raise DHError.single(
+                (key,), say("line {line}: {key} stands twice; keep one", line=line, key=key)
+            )
         rows, end = _matrix(text, match.end())
         if [len(row) for row in rows] != [4, 4, 4, 4]:
             shown = text[match.end() : match.end() + 60].partition("\n")[0]
             raise DHError.single(
                 (key,),
-                f"line {line}: {key} is {quoted(shown)}; write its 4x4 matrix on one line, as"
-                f" {key} = [1 0 0 0; 0 1 0 0; 0 0 1 0.1; 0 0 0 1]",
+                say(
+                    "line {line}: {key} is {shown}; write its 4x4 matrix on one line, as"
+                    " {key} = [1 0 0 0; 0 1 0 0; 0 0 1 0.1; 0 0 0 1]",
+                    line=line,
+                    key=key,
+                    shown=quoted(shown),
+                ),
             )
         placements[key] = {"matrix": rows}
         parts += [text[kept : match.start()], "\n" * text.count("\n", match.start(), end)]

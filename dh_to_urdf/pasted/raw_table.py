@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.documents.checks import NAME
 from dh_to_urdf.errors import DHError, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.boxes import table_box
 from dh_to_urdf.pasted.grids import Line, grid_lines
 from dh_to_urdf.pasted.headings import KNOWN, Heading, heading_problem, read_heading
@@ -80,7 +81,7 @@ def table_from_grid(text: str, convention: Convention, columns: Sequence[str] | 
     text, passed = table_box(text)
     lines = _without_blank_columns(grid_lines(text))
     if not lines:
-        raise DHError.single((), "the text holds no table; paste its heading and its rows")
+        raise DHError.single((), say("the text holds no table; paste its heading and its rows"))
     if columns is not None:
         headings = headings_of(columns, convention, "columns")
         if len(lines) > 1 and _known(lines[0], convention) >= len(lines[0].cells):
@@ -111,10 +112,23 @@ def headings_of(texts: Sequence[str], convention: Convention, where: str) -> lis
         heading = read_heading(text, khalil=convention is Convention.KHALIL)
         if heading is None:
             raise DHError.single(
-                (), f"{where}: the column {quoted(text)} is unknown; known are {KNOWN}"
+                (),
+                say(
+                    "{where}: the column {text} is unknown; known are {known}",
+                    where=where,
+                    text=quoted(text),
+                    known=KNOWN,
+                ),
             )
         if heading.key in [other.key for other in headings]:
-            raise DHError.single((), f"{where}: the column {quoted(text)} stands twice; keep one")
+            raise DHError.single(
+                (),
+                say(
+                    "{where}: the column {text} stands twice; keep one",
+                    where=where,
+                    text=quoted(text),
+                ),
+            )
         headings.append(heading)
     return headings
 
@@ -132,13 +146,17 @@ def _headed(lines: list[Line], convention: Convention) -> tuple[list[Line], list
         named = {heading.key for heading in found if heading is not None} - {"index", "name"}
         if len(named) < 2 or ("alpha" not in named and len(named) < 3):
             continue
-        headings = headings_of(line.cells, convention, f"line {line.number}")
+        headings = headings_of(line.cells, convention, say("line {number}", number=line.number))
         return lines[position + 1 :], headings
     shown = " ".join(" | ".join(lines[0].cells).split())
     raise DHError.single(
         (),
-        f"line {lines[0].number}: {quoted(shown)} names no columns; write a heading such as"
-        " theta d a alpha above the rows, or give columns=theta,d,a,alpha",
+        say(
+            "line {number}: {shown} names no columns; write a heading such as theta"
+            " d a alpha above the rows, or give columns=theta,d,a,alpha",
+            number=lines[0].number,
+            shown=quoted(shown),
+        ),
     )
 
 
@@ -169,8 +187,14 @@ def _row(line: Line, headings: list[Heading]) -> RawRow:
     if len(line.cells) != len(headings):
         raise DHError.single(
             (),
-            f"line {line.number} has {len(line.cells)} cells under {len(headings)} columns"
-            f" ({', '.join(heading.text for heading in headings)}); give each column a cell",
+            say(
+                "line {number} has {count} cells under {count_2} columns ({headings});"
+                " give each column a cell",
+                number=line.number,
+                count=len(line.cells),
+                count_2=len(headings),
+                headings=", ".join(heading.text for heading in headings),
+            ),
         )
     return RawRow(
         line.number,
@@ -192,6 +216,12 @@ def _check_index(table: RawTable) -> None:
         if int(number) != expected or int(numbers[0]) > 1:
             raise DHError.single(
                 ("joints", position),
-                f"line {cell.line}, column {cell.column or '1'}: the joint is number {number} where"
-                f" {expected if int(numbers[0]) <= 1 else 1} is due; list every joint in order",
+                say(
+                    "line {line}, column {column}: the joint is number {number} where"
+                    " {expected} is due; list every joint in order",
+                    line=cell.line,
+                    column=cell.column or "1",
+                    number=number,
+                    expected=expected if int(numbers[0]) <= 1 else 1,
+                ),
             )

@@ -14,6 +14,7 @@ from dh_to_urdf.cells.notation import rounding_warnings
 from dh_to_urdf.cells.values import read_values
 from dh_to_urdf.documents.mapping import CONVENTION_ALIASES, DEFAULT_NAME, MAX_ROWS, read_mapping
 from dh_to_urdf.errors import DHError
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.cells import ANGLES, LENGTHS, CellReader
 from dh_to_urdf.pasted.placement_notes import placement_notes
 from dh_to_urdf.pasted.programs.language import is_program
@@ -63,7 +64,7 @@ def read_pasted(
         if convention is not None:
             empty["convention"] = convention
         read_mapping(empty)
-        raise DHError.single((), "the table cannot be read")
+        raise DHError.single((), say("the table cannot be read"))
     listed = [part for part in re.split(r"[,\s]+", columns) if part] if columns else None
     given = read_values(values)
     placements: dict[str, Any]
@@ -75,7 +76,14 @@ def read_pasted(
         text, placements = placement_notes(text)
         raw = table_from_grid(text, meaning, listed)
     if len(raw.rows) > MAX_ROWS:
-        raise DHError.single((), f"the text has {len(raw.rows)} rows; at most {MAX_ROWS} are read")
+        raise DHError.single(
+            (),
+            say(
+                "the text has {count} rows; at most {max_rows} are read",
+                count=len(raw.rows),
+                max_rows=MAX_ROWS,
+            ),
+        )
     cells = CellReader(raw, angle, length, given)
     rows = document_rows(cells, meaning)
     document: dict[str, Any] = {
@@ -101,7 +109,13 @@ def read_pasted(
 def _decoded(text: str | bytes) -> tuple[str, list[str]]:
     """Return a text, and a warning where its bytes are those of Windows."""
     if len(text) > MAX_PASTED_LENGTH:
-        raise DHError.single((), f"the text is longer than {MAX_PASTED_LENGTH} characters")
+        raise DHError.single(
+            (),
+            say(
+                "the text is longer than {max_pasted_length} characters",
+                max_pasted_length=MAX_PASTED_LENGTH,
+            ),
+        )
     if isinstance(text, str):
         return text.lstrip("\ufeff"), []
     try:
@@ -113,5 +127,5 @@ def _decoded(text: str | bytes) -> tuple[str, list[str]]:
     except UnicodeDecodeError:
         found = "\0"
     if _CONTROL.search(found):
-        raise DHError.single((), "the text is not UTF-8; save it as UTF-8")
-    return found, ["the text is not UTF-8 and was read as Windows-1252; save it as UTF-8"]
+        raise DHError.single((), say("the text is not UTF-8; save it as UTF-8"))
+    return found, [say("the text is not UTF-8 and was read as Windows-1252; save it as UTF-8")]

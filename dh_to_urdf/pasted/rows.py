@@ -11,6 +11,7 @@ from dh_to_urdf.documents.checks import NAME
 from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.rows import OWN_LETTERS
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.cells import (
     ABSENT,
     ANY_VARIABLE,
@@ -76,16 +77,23 @@ def _row(cells: CellReader, k: int, row: RawRow, type_: JointType, z_column: str
             cells.add(
                 k,
                 cell,
-                f"{key} of a {type_} joint is ignored by the Robotics Toolbox; write 0 there,"
-                " and the constant as offset",
+                say(
+                    "{key} of a {type} joint is ignored by the Robotics Toolbox; write 0"
+                    " there, and the constant as offset",
+                    key=key,
+                    type=type_,
+                ),
             )
         if key == own and parsed.variable is not None and values is not cells.values:
             cells.add(
                 k,
                 cell,
-                f"{quoted(cell.text)} is the variable of this joint, and values gives it a number;"
-                " a joint variable takes none: leave it out of values, or write the number in"
-                " the cell",
+                say(
+                    "{cell} is the variable of this joint, and values gives it a number; a"
+                    " joint variable takes none: leave it out of values, or write the"
+                    " number in the cell",
+                    cell=quoted(cell.text),
+                ),
             )
             continue
         fault = foreign_variable(parsed, key, key == own, cells.numbers[k], cells.numbers)

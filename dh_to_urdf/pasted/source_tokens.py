@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 from dh_to_urdf.errors import DHError, DHSyntaxError
+from dh_to_urdf.messages import say
 
 MAX_TOKENS, MAX_DEPTH = 40_000, 20
 _NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -57,7 +58,7 @@ def tokens_of(text: str) -> list[Token]:
             tokens.append(Token(kind, found, line, spaced))
             spaced = False
             if len(tokens) > MAX_TOKENS:
-                raise DHError.single((), "the text is too long for a table")
+                raise DHError.single((), say("the text is too long for a table"))
         line += match[0].count("\n")
     return tokens
 
@@ -76,14 +77,21 @@ def closing(tokens: list[Token], start: int) -> int:
         if token.text in _PAIRS:
             stack.append(_PAIRS[token.text])
             if len(stack) > MAX_DEPTH:
-                raise DHSyntaxError.single((), f"line {token.line}: brackets are nested too deeply")
+                raise DHSyntaxError.single(
+                    (), say("line {line}: brackets are nested too deeply", line=token.line)
+                )
         elif stack and token.text in ")]}":
             if token.text != stack.pop():
-                raise DHSyntaxError.single((), f"line {token.line}: {token.text!r} closes nothing")
+                raise DHSyntaxError.single(
+                    (),
+                    say("line {line}: {token!r} closes nothing", line=token.line, token=token.text),
+                )
             if not stack:
                 return index
     opened = tokens[start]
-    raise DHSyntaxError.single((), f"line {opened.line}: {opened.text!r} is never closed")
+    raise DHSyntaxError.single(
+        (), say("line {line}: {opened!r} is never closed", line=opened.line, opened=opened.text)
+    )
 
 
 def text_of(tokens: list[Token]) -> str:

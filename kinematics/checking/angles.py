@@ -7,6 +7,7 @@ from itertools import combinations, product
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.checking.answers import Entries
 from kinematics.checking.comparing import diagnosed
 from kinematics.checking.formulas import Scope
@@ -53,11 +54,11 @@ def check_angles(question: Question, entries: Entries) -> Verdict:
     frame = question.frame or robot.tip_frame
     if entries.shape not in ((3,), (1, 3), (2, 3)):
         raise InvalidAnswer(
-            "answer is not three angles; give [phi, theta, psi], or both solutions in a list",
+            say("answer is not three angles; give [phi, theta, psi], or both solutions in a list"),
             argument="answer",
         )
     if question.q is None:
-        raise InvalidOption("q is missing; give the joint values", argument="q")
+        raise InvalidOption(say("q is missing; give the joint values"), argument="q")
     R = fk(robot, question.q, [frame])[frame][:3, :3]
     right = euler_angles(R, sequence)
     given = constants(entries).reshape(-1, 3) * question.angle
@@ -77,15 +78,15 @@ def check_angles(question: Question, entries: Entries) -> Verdict:
 
     if good and len(given) == 2 and not right.degenerate and _same(given, question.tolerance):
         diagnosis = diagnosed([Explanation((Slip("double_solution", "2", "1"),), 0.0)])
-        note = "this triple is right; the other solution is missing"
+        note = say("this triple is right; the other solution is missing")
         return Verdict(False, worst, (), diagnosis, note, expected)
     if good:
-        note = "only a sum of two angles is determined here" if right.degenerate else ""
-        return Verdict(True, worst, (), (), note, expected)
+        sums = say("only a sum of two angles is determined here") if right.degenerate else ""
+        return Verdict(True, worst, (), (), sums, expected)
     found = _why(question, entries, given, verdicts, right, sequence)
     rights = sum(is_right for _, is_right in verdicts)
-    note = "one of the two triples is right" if rights else _right_angles(verdicts, question)
-    return Verdict(False, worst, errors, diagnosed(found), note, expected)
+    half = say("one of the two triples is right") if rights else _right_angles(verdicts, question)
+    return Verdict(False, worst, errors, diagnosed(found), half, expected)
 
 
 def constants(entries: Entries) -> FloatArray:
@@ -129,7 +130,7 @@ def _right_angles(verdicts: list[tuple[FloatArray, bool]], question: Question) -
     right = [
         place for place, away in zip(_PLACES, errors, strict=True) if away <= question.tolerance
     ]
-    return f"right angles: {', '.join(right)}" if right else ""
+    return say("right angles: {right}", right=", ".join(right)) if right else ""
 
 
 def _why(

@@ -10,6 +10,7 @@ from decimal import Decimal
 import numpy as np
 
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from kinematics.bounds import MAX_VALUE
 from kinematics.checking.formulas import Formula, Scope, parse_formula
 from kinematics.errors import InvalidAnswer
@@ -100,21 +101,24 @@ def _read(
 ) -> tuple[int, ...]:
     if isinstance(answer, (list, tuple)):
         if len(place) >= MAX_NESTING:
-            raise _refusal("is nested too deeply; give a matrix as a list of its rows", place)
+            raise _refusal(say("is nested too deeply; give a matrix as a list of its rows"), place)
         if not answer:
-            raise _refusal("is empty; give its numbers", place)
+            raise _refusal(say("is empty; give its numbers"), place)
         shapes = []
         for k, one in enumerate(answer):
             shapes.append(_read(one, (*place, k), values, budget))
             if shapes[k] != shapes[0]:
                 raise _refusal(
-                    f"has {_size(shapes[k])} where the one before has {_size(shapes[0])}; give"
-                    " rows of equal length",
+                    say(
+                        "has {shape} where the one before has {shape_2}; give rows of equal length",
+                        shape=_size(shapes[k]),
+                        shape_2=_size(shapes[0]),
+                    ),
                     (*place, k),
                 )
         return (len(answer), *shapes[0])
     if len(values) >= MAX_ENTRIES:
-        raise _refusal(f"has more than {MAX_ENTRIES} entries", place)
+        raise _refusal(say("has more than {max_entries} entries", max_entries=MAX_ENTRIES), place)
     values.append(_entry(answer, place, budget))
     return ()
 
@@ -123,18 +127,21 @@ def _entry(answer: object, place: Location, budget: list[int]) -> float | Formul
     if isinstance(answer, str):
         budget[0] -= len(answer)
         if budget[0] < 0:
-            raise _refusal(f"has more than {MAX_CHARACTERS} characters", place)
+            raise _refusal(
+                say("has more than {max_characters} characters", max_characters=MAX_CHARACTERS),
+                place,
+            )
         if not answer.strip():
-            raise _refusal("is an empty text; give a number or a formula", place)
+            raise _refusal(say("is an empty text; give a number or a formula"), place)
         return parse_formula(answer, place)
     if isinstance(answer, bool) or not isinstance(answer, (int, float)):
-        raise _refusal(f"is {quoted(answer)}; give a number or a formula", place)
+        raise _refusal(say("is {answer}; give a number or a formula", answer=quoted(answer)), place)
     try:
         number = float(answer)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number) or abs(number) > MAX_VALUE * 1000:
-        raise _refusal("is too large; give a number within ±1e9", place)
+        raise _refusal(say("is too large; give a number within ±1e9"), place)
     return number + 0.0
 
 
@@ -144,7 +151,7 @@ def _refusal(what: str, place: Location) -> InvalidAnswer:
 
 
 def _size(shape: tuple[int, ...]) -> str:
-    return f"{shape[0]} entries" if shape else "one number"
+    return say("{shape} entries", shape=shape[0]) if shape else say("one number")
 
 
 def decimals_of(number: float) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from dh_to_urdf.messages import say
 from kinematics.checking.angles import check_angles
 from kinematics.checking.answers import Entries, read_entries
 from kinematics.checking.jacobians import check_determinant, check_jacobian
@@ -43,7 +44,12 @@ def check_answer(question: Question, answer: object) -> Verdict:
     tolerance = question.tolerance
     if not (math.isfinite(tolerance) and LEAST_TOLERANCE <= tolerance <= MOST_TOLERANCE):
         raise InvalidOption(
-            f"tolerance is {tolerance:g}; give {LEAST_TOLERANCE:g} to {MOST_TOLERANCE:g}",
+            say(
+                "tolerance is {tolerance:g}; give {least_tolerance:g} to {most_tolerance:g}",
+                tolerance=tolerance,
+                least_tolerance=LEAST_TOLERANCE,
+                most_tolerance=MOST_TOLERANCE,
+            ),
             argument="tolerance",
             value=tolerance,
             lower=LEAST_TOLERANCE,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.messages import say
 from kinematics.checking.answers import FEW, WRITTEN_IN_FULL, Entries, decimals_of
 from kinematics.checking.formulas import Formula
 from kinematics.checking.ground import Ground, ground_of
@@ -125,7 +126,7 @@ def check_entries(question: Question, entries: Entries, measure: Measure) -> Ver
     general = any(uses_joints(one, ground.names) for one in formulas)
     if question.q is None and not formulas:
         raise InvalidAnswer(
-            "q is missing; give the joint values that the answer holds at, or a formula",
+            say("q is missing; give the joint values that the answer holds at, or a formula"),
             argument="q",
         )
     lacking: Slip | None = None

@@ -14,6 +14,7 @@ from typing import NoReturn
 import numpy as np
 
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from kinematics.errors import InvalidAnswer
 from robots.robot import FloatArray
 
@@ -109,7 +110,10 @@ def parse_formula(text: str, location: Location = ()) -> Formula:
     """
     if len(text) > MAX_LENGTH:
         raise InvalidAnswer(
-            f"a formula is longer than {MAX_LENGTH} characters; give a shorter one",
+            say(
+                "a formula is longer than {max_length} characters; give a shorter one",
+                max_length=MAX_LENGTH,
+            ),
             argument="answer",
             index=location,
         )
@@ -140,7 +144,12 @@ class _Parser:
     def formula(self) -> Formula:
         root = self._sum()
         if self.at < len(self.tokens):
-            self._refuse(f"has {quoted(self.tokens[self.at][1], 12)} where nothing can follow")
+            self._refuse(
+                say(
+                    "has {token} where nothing can follow",
+                    token=quoted(self.tokens[self.at][1], 12),
+                )
+            )
         words, numbers = tuple(self.words), tuple(self.numbers)
         return Formula(self.text, words, numbers, self.location, root)
 
@@ -151,8 +160,8 @@ class _Parser:
         while place < len(text):
             match = _TOKEN.match(text, place)
             if match is None:
-                self._refuse(f"has {quoted(text[place : place + 12].strip(), 12)}, which is no part"
-                             " of a formula", place)  # fmt: skip
+                shown = quoted(text[place : place + 12].strip(), 12)
+                self._refuse(say("has {text}, which is no part of a formula", text=shown), place)
             kind = match.lastgroup or ""
             word = match[kind]
             glued = _GLUED.fullmatch(word) if kind == "word" else None
@@ -165,8 +174,11 @@ class _Parser:
 
     def _refuse(self, what: str, place: int | None = None) -> NoReturn:
         raise InvalidAnswer(
-            f"the formula {quoted(self.text, 60)} {what}; write it such as a1*C1 + a2*C12 or"
-            " L1 cos(q1)",
+            say(
+                "the formula {text} {what}; write it such as a1*C1 + a2*C12 or L1 cos(q1)",
+                text=quoted(self.text, 60),
+                what=what,
+            ),
             argument="answer",
             index=self.location,
             value=self.text[:64],
@@ -186,7 +198,7 @@ class _Parser:
     def _sum(self) -> Node:
         self.depth += 1
         if self.depth > MAX_DEPTH:
-            self._refuse(f"is nested more than {MAX_DEPTH} deep")
+            self._refuse(say("is nested more than {max_depth} deep", max_depth=MAX_DEPTH))
         terms = [(1.0, self._product())]
         while sign := self._take("+-"):
             terms.append((1.0 if sign == "+" else -1.0, self._product()))
@@ -224,7 +236,7 @@ class _Parser:
             return found
         exponent = self._exponent()
         if self._take("^"):
-            self._refuse("has a power of a power")
+            self._refuse(say("has a power of a power"))
         return _raised(found, exponent)
 
     def _exponent(self) -> float:
@@ -232,25 +244,25 @@ class _Parser:
         negative = bool(self._take("-"))
         kind, word = self._peek()
         if kind != "number":
-            self._refuse("has an exponent that is no number")
+            self._refuse(say("has an exponent that is no number"))
         self.at += 1
         exponent = float(word)
         if bracket and self._take("/"):
             kind, word = self._peek()
             if kind != "number" or float(word) == 0.0:
-                self._refuse("has an exponent that is no number")
+                self._refuse(say("has an exponent that is no number"))
             self.at += 1
             exponent /= float(word)
         if bracket and not self._take(")"):
-            self._refuse("has an exponent without a closing bracket")
+            self._refuse(say("has an exponent without a closing bracket"))
         if exponent > MAX_EXPONENT:
-            self._refuse(f"has an exponent above {MAX_EXPONENT}")
+            self._refuse(say("has an exponent above {max_exponent}", max_exponent=MAX_EXPONENT))
         return -exponent if negative else exponent
 
     def _factor(self) -> Node:
         kind, word = self._peek()
         if kind == "end":
-            self._refuse("ends too early")
+            self._refuse(say("ends too early"))
         self.at += 1
         if kind == "number":
             return self._number(float(word))
@@ -259,20 +271,20 @@ class _Parser:
         if word == "√":
             self.depth += 1
             if self.depth > MAX_DEPTH:
-                self._refuse(f"is nested more than {MAX_DEPTH} deep")
+                self._refuse(say("is nested more than {max_depth} deep", max_depth=MAX_DEPTH))
             root = _applied("sqrt", self._factor())
             self.depth -= 1
             return root
         if word == "(":
             inner = self._sum()
             if not self._take(")"):
-                self._refuse("lacks a closing bracket")
+                self._refuse(say("lacks a closing bracket"))
             return inner
-        return self._refuse(f"has {quoted(word, 4)} where a value is needed")
+        return self._refuse(say("has {word} where a value is needed", word=quoted(word, 4)))
 
     def _number(self, value: float) -> Node:
         if not np.isfinite(value) or abs(value) > 1e12:
-            self._refuse("has a number beyond ±1e12")
+            self._refuse(say("has a number beyond ±1e12"))
         self.numbers.append(value)
         if self._take("°"):
             return lambda _, unit: np.asarray(np.deg2rad(value) / unit)
@@ -288,8 +300,12 @@ class _Parser:
             found = scope.look_up(word)
             if found is None:
                 raise InvalidAnswer(
-                    f"{quoted(word, 24)} is no name here; known are {', '.join(scope.known)}, and"
-                    " S12, C1 or sin(q1 + q2); say what others are in symbols",
+                    say(
+                        "{word} is no name here; known are {known}, and S12, C1 or sin(q1 +"
+                        " q2); say what others are in symbols",
+                        word=quoted(word, 24),
+                        known=", ".join(scope.known),
+                    ),
                     argument="answer",
                     index=location,
                     value=word[:24],
@@ -311,7 +327,7 @@ class _Parser:
         negative = bool(self._take("-"))
         kind, word = self._peek()
         if kind not in ("number", "word") or word.lower() in FUNCTIONS:
-            self._refuse("has a function without an argument")
+            self._refuse(say("has a function without an argument"))
         argument = self._factor()
         if kind == "number" and self._peek()[0] == "word":
             following = self._peek()[1].lower()

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.messages import say
 from kinematics.checking.answers import Entries
 from kinematics.checking.comparing import Measure, check_entries, diagnosed
 from kinematics.checking.matrices import absolute
@@ -56,8 +57,12 @@ def task_of(question: Question, rows: int) -> Task:
     if rows == 3:
         return TASKS["position"]
     raise UnknownTask(
-        f"say which rows are meant: no usual task of this robot has {rows}; give task, such as xy,"
-        " position or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz",
+        say(
+            "say which rows are meant: no usual task of this robot has {rows}; give"
+            " task, such as xy, position or a mask of six 0 or 1 for vx, vy, vz,"
+            " wx, wy, wz",
+            rows=rows,
+        ),
         argument="task",
         known=tuple(TASKS),
     )
@@ -134,7 +139,7 @@ def check_jacobian(question: Question, entries: Entries) -> Verdict:
     dof, shape = question.robot.dof, entries.shape
     if len(shape) != 2 or dof not in shape:
         raise InvalidAnswer(
-            f"answer is no matrix with {dof} columns, one a joint; give it row by row",
+            say("answer is no matrix with {dof} columns, one a joint; give it row by row", dof=dof),
             argument="answer",
         )
     rows = shape[0] if shape[1] == dof else shape[1]
@@ -143,8 +148,13 @@ def check_jacobian(question: Question, entries: Entries) -> Verdict:
         analytic_map(_orientation(question), question.euler)
     if rows != len(task.rows):
         raise InvalidAnswer(
-            f"answer has {rows} rows; the task {task.name} has {len(task.rows)}"
-            f" ({', '.join(task.row_names)})",
+            say(
+                "answer has {rows} rows; the task {task} has {count} ({row_names})",
+                rows=rows,
+                task=task.name,
+                count=len(task.rows),
+                row_names=", ".join(task.row_names),
+            ),
             argument="answer",
         )
     on_its_side = shape[1] != dof
@@ -190,7 +200,11 @@ def _on_its_side(found: Verdict, shape: tuple[int, ...]) -> Verdict:
     """Return the verdict of a transposed answer: wrong, with what else is wrong in it."""
     slip = Slip("transposed", detail="matrix")
     if found.correct:
-        note = f"right but transposed: {shape[0]} rows of {shape[1]}, one column a joint is asked"
+        note = say(
+            "right but transposed: {shape} rows of {shape_2}, one column a joint is asked",
+            shape=shape[0],
+            shape_2=shape[1],
+        )
         return replace(found, correct=False, diagnosis=_also(slip, ()), note=note)
     errors = tuple(replace(one, index=one.index[::-1]) for one in found.errors)
     return replace(found, errors=errors, diagnosis=_also(slip, found.diagnosis))
@@ -207,11 +221,11 @@ def _matrix_note(wrong: NDArray[np.bool_], task: Task, joints: tuple[str, ...]) 
         if not bad
     ]
     if rows:
-        return f"right rows: {', '.join(rows)}"
+        return say("right rows: {rows}", rows=", ".join(rows))
     columns = [
         name for name, bad in zip(joints, np.atleast_1d(wrong.any(axis=0)), strict=True) if not bad
     ]
-    return f"right columns: {', '.join(columns)}" if columns else ""
+    return say("right columns: {columns}", columns=", ".join(columns)) if columns else ""
 
 
 def check_determinant(question: Question, entries: Entries) -> Verdict:
@@ -222,13 +236,19 @@ def check_determinant(question: Question, entries: Entries) -> Verdict:
         InvalidOption: The Jacobian of the task is not square.
     """
     if entries.shape != ():
-        raise InvalidAnswer("answer is a list; give one number or formula", argument="answer")
+        raise InvalidAnswer(say("answer is a list; give one number or formula"), argument="answer")
     dof = question.robot.dof
     task = task_of(question, dof)
     if len(task.rows) != dof:
         raise InvalidOption(
-            f"the Jacobian of the task {task.name} has {len(task.rows)} rows and {dof} columns,"
-            " and no determinant; give a task with as many rows as the robot has joints",
+            say(
+                "the Jacobian of the task {task} has {count} rows and {dof} columns,"
+                " and no determinant; give a task with as many rows as the robot has"
+                " joints",
+                task=task.name,
+                count=len(task.rows),
+                dof=dof,
+            ),
             argument="task",
         )
     rows = readings_of(question, task)

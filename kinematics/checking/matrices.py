@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.messages import say
 from kinematics.checking.answers import Entries
 from kinematics.checking.comparing import Measure, check_entries, without_base
 from kinematics.checking.question import Quantity, Question
@@ -81,8 +82,11 @@ def _part(
         wanted = _plane_of(question)
     if shape != (len(wanted),):
         raise InvalidAnswer(
-            f"answer has {_shape(shape)}; a pose is 4 rows of 4 (or 3 of 4), a rotation 3 of 3, a"
-            " position 3 numbers",
+            say(
+                "answer has {shape}; a pose is 4 rows of 4 (or 3 of 4), a rotation 3 of"
+                " 3, a position 3 numbers",
+                shape=_shape(shape),
+            ),
             argument="answer",
         )
     columns = list(wanted)
@@ -102,11 +106,11 @@ def _plane_of(question: Question) -> tuple[int, ...]:
 def _pose_note(wrong: NDArray[np.bool_]) -> str:
     rotation, position = wrong[:3, :3].any(), wrong[:3, 3].any()
     if position and not rotation:
-        return "the rotation is right, the position is not"
+        return say("the rotation is right, the position is not")
     if rotation and not position:
-        return "the position is right, the rotation is not"
+        return say("the position is right, the rotation is not")
     if not rotation:
-        return "only the last row is wrong: it is 0 0 0 1"
+        return say("only the last row is wrong: it is 0 0 0 1")
     return ""
 
 
@@ -114,7 +118,7 @@ def _check_links(question: Question, entries: Entries) -> Verdict:
     table = question.robot.table
     if table is None:
         raise InvalidOption(
-            "this robot was made from a URDF and has no D-H table; check T instead",
+            say("this robot was made from a URDF and has no D-H table; check T instead"),
             argument="quantity",
         )
     count, shape = len(table.rows), entries.shape
@@ -122,24 +126,36 @@ def _check_links(question: Question, entries: Entries) -> Verdict:
     index = question.index if question.index is not None else 1 if count == 1 and single else None
     if index is not None and not 1 <= index <= count:
         raise InvalidOption(
-            f"index is {index}; the table has {count} rows, give 1 to {count}",
+            say(
+                "index is {index}; the table has {count} rows, give 1 to {count}",
+                index=index,
+                count=count,
+            ),
             argument="index",
             lower=1,
             upper=count,
         )
     if single and index is None:
         raise InvalidOption(
-            f"index is missing; say which of the {count} matrices this is, or give all of them",
+            say(
+                "index is missing; say which of the {count} matrices this is, or give all of them",
+                count=count,
+            ),
             argument="index",
             lower=1,
             upper=count,
         )
-    number = "one matrix" if index is not None else f"{count} matrices"
+    number = say("one matrix") if index is not None else say("{count} matrices", count=count)
     if (index is None and shape not in ((count, 4, 4), (count, 3, 4))) or (
         index is not None and not single
     ):
         raise InvalidAnswer(
-            f"answer has {_shape(shape)}; give {number} of 4 rows of 4", argument="answer"
+            say(
+                "answer has {shape}; give {number} of 4 rows of 4",
+                shape=_shape(shape),
+                number=number,
+            ),
+            argument="answer",
         )
     if question.quantity is Quantity.T0 and index is not None:
         return _check_product(question, entries, index)
@@ -173,7 +189,7 @@ def _check_all(question: Question, entries: Entries, index: int | None) -> Verdi
     rows = list(range(len(table.rows)))
     if products and rows_to(table, "tool") != rows:
         raise InvalidOption(
-            "the table is a tree; check its products one by one, with index", argument="index"
+            say("the table is a tree; check its products one by one, with index"), argument="index"
         )
     height = entries.shape[-2]
     width = entries.shape[-1]
@@ -199,7 +215,11 @@ def _check_all(question: Question, entries: Entries, index: int | None) -> Verdi
         if index is not None:
             return _pose_note(wrong) if wrong.shape[-1] == 4 else ""
         right = [str(k + 1) for k in range(len(wrong)) if not wrong[k].any()]
-        return f"right: {'T0' if products else 'A'} {', '.join(right)}" if right else ""
+        return (
+            say("right: {which} {right}", which="T0" if products else "A", right=", ".join(right))
+            if right
+            else ""
+        )
 
     measure = Measure(
         values=lambda motion: project(all_of(motion)),
@@ -226,9 +246,14 @@ def _no_table(q: FloatArray) -> FloatArray:
 
 def _shape(shape: tuple[int, ...]) -> str:
     if not shape:
-        return "one entry"
+        return say("one entry")
     if len(shape) == 1:
-        return f"{shape[0]} entries"
+        return say("{shape} entries", shape=shape[0])
     if len(shape) == 2:
-        return f"{shape[0]} rows of {shape[1]}"
-    return f"{shape[0]} matrices of {shape[1]} rows of {shape[2]}"
+        return say("{shape} rows of {shape_2}", shape=shape[0], shape_2=shape[1])
+    return say(
+        "{shape} matrices of {shape_2} rows of {shape_3}",
+        shape=shape[0],
+        shape_2=shape[1],
+        shape_3=shape[2],
+    )

@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.chain import chain_of
 from kinematics.checking.angles import constants
 from kinematics.checking.answers import Entries
@@ -62,17 +63,23 @@ def check_solutions(question: Question, entries: Entries) -> Verdict:
     frame = question.frame or robot.tip_frame
     if entries.shape[-1:] != (robot.dof,) or len(entries.shape) > 2:
         raise InvalidAnswer(
-            f"answer is no list of solutions; give {robot.dof} values, one a joint, or a list of"
-            " such lists",
+            say(
+                "answer is no list of solutions; give {dof} values, one a joint, or a"
+                " list of such lists",
+                dof=robot.dof,
+            ),
             argument="answer",
         )
     if entries.shape[0] > MAX_SOLUTIONS and len(entries.shape) == 2:
-        raise InvalidAnswer(f"answer has more than {MAX_SOLUTIONS} solutions", argument="answer")
+        raise InvalidAnswer(
+            say("answer has more than {max_solutions} solutions", max_solutions=MAX_SOLUTIONS),
+            argument="answer",
+        )
     task = question.task or POSE
     target = question.target
     if target is None:
         if question.q is None:
-            raise InvalidOption("target is missing; give the pose to reach", argument="target")
+            raise InvalidOption(say("target is missing; give the pose to reach"), argument="target")
         target = fk(robot, question.q, [frame])[frame]
     every = len(entries.shape) == 2 if question.every is None else question.every
     unit = np.where(robot.is_revolute, question.angle, question.length)
@@ -241,11 +248,15 @@ def _note(known: IKSolutions, found: list[_Given], *, every: bool) -> str:
     )
     parts = []
     if len(found) > 1 or (every and right):
-        parts.append(f"{right} of {len(found)} given solutions reach the target")
+        parts.append(
+            say(
+                "{right} of {count} given solutions reach the target", right=right, count=len(found)
+            )
+        )
     if beyond:
-        parts.append(f"{beyond} of them beyond the joint limits")
+        parts.append(say("{beyond} of them beyond the joint limits", beyond=beyond))
     if every and not known.complete:
-        parts.append("there may be more solutions than are known")
+        parts.append(say("there may be more solutions than are known"))
     return ", ".join(parts)
 
 

@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.checking.search import Reading
 from kinematics.checking.situation import Motion, Structure
 from kinematics.checking.slips import DEGREE, Slip
@@ -142,7 +143,9 @@ def jacobian_readings(
                 slips = (Slip("other_frame", detail=f"{other.value}", cost=1.2),)
             bases.append((slips, jacobian_values(other)))
     for number in range(1, structure.count + 1):
-        slip = Slip("other_point", f"frame {structure.numbers[number - 1]}", cost=1.2)
+        slip = Slip(
+            "other_point", say("frame {number}", number=structure.numbers[number - 1]), cost=1.2
+        )
         bases.append(((slip,), jacobian_values(reference, number)))
     slip = Slip("axes_of_neighbour_frame", cost=1.1)
     bases.append(((slip,), jacobian_values(reference, neighbours=True)))

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.checking.answers import Entries
 from kinematics.checking.comparing import Measure, check_entries
 from kinematics.checking.jacobians import readings_of, right_values, task_of
@@ -34,11 +35,13 @@ def check_step(question: Question, entries: Entries) -> Verdict:
     """
     robot = question.robot
     if question.delta_x is None:
-        raise InvalidOption("delta_x is missing; give the wanted motion", argument="delta_x")
+        raise InvalidOption(say("delta_x is missing; give the wanted motion"), argument="delta_x")
     if question.q is None:
-        raise InvalidOption("q is missing; give the joint values", argument="q")
+        raise InvalidOption(say("q is missing; give the joint values"), argument="q")
     if entries.shape != (robot.dof,):
-        raise InvalidAnswer(f"answer is not {robot.dof} values, one a joint", argument="answer")
+        raise InvalidAnswer(
+            say("answer is not {dof} values, one a joint", dof=robot.dof), argument="answer"
+        )
     dx = question.delta_x
     task = task_of(question, len(dx))
     right = differential_step(

@@ -15,6 +15,7 @@ from dh_to_urdf.documents.layouts import document
 from dh_to_urdf.errors import Fault, Location
 from dh_to_urdf.extraction.as_written import CellDifference, differences_as_written
 from dh_to_urdf.extraction.comparison_result import Verdict as Comparison
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import DHTable
 from kinematics.checking.comparing import diagnosed
 from kinematics.checking.question import Question
@@ -46,7 +47,7 @@ def check_table(question: Question, answer: object) -> Verdict:
     table = question.robot.table
     if table is None:
         raise InvalidOption(
-            "this robot was made from a URDF and has no D-H table to compare with",
+            say("this robot was made from a URDF and has no D-H table to compare with"),
             argument="quantity",
         )
     given = _read(question, answer, table)
@@ -60,15 +61,15 @@ def check_table(question: Question, answer: object) -> Verdict:
         return Verdict(True, _largest(table, given, question), (), (), "", expected)
     away = _deviation(question, table, given)
     if away is not None and away <= tolerance:
-        note = "equivalent, with other frames: the pose of the tool is the same at every q"
+        note = say("equivalent, with other frames: the pose of the tool is the same at every q")
         return Verdict(True, told(away), (), (), note, expected)
     shown = cells if cells is not None else _cells_converted(table, given, tolerance)
     rows: Location = () if isinstance(answer, list) else ("joints",)
     errors = tuple(_error(cell, question, rows) for cell in shown[:MAX_ERRORS])
     sizes = [one.off_by for one in errors if one.off_by is not None]
     found = _why(question, table, given)
-    note = _note(question, table, given, shown)
-    return Verdict(False, max(sizes, default=None), errors, diagnosed(found), note, expected)
+    why = _note(question, table, given, shown)
+    return Verdict(False, max(sizes, default=None), errors, diagnosed(found), why, expected)
 
 
 def _read(question: Question, answer: object, table: DHTable) -> DHTable:
@@ -77,8 +78,10 @@ def _read(question: Question, answer: object, table: DHTable) -> DHTable:
         answer = {"joints": answer}
     if not isinstance(answer, Mapping):
         raise InvalidAnswer(
-            "answer is no table; give its rows as a list of objects, or a document with convention"
-            " and joints",
+            say(
+                "answer is no table; give its rows as a list of objects, or a document"
+                " with convention and joints"
+            ),
             argument="answer",
         )
     whole = {"convention": table.convention.value, **answer}
@@ -172,18 +175,18 @@ def _deviation(question: Question, table: DHTable, given: DHTable) -> float | No
 
 def _note(question: Question, table: DHTable, given: DHTable, cells: list[CellDifference]) -> str:
     if given.convention is not table.convention:
-        return "compared in the convention of the robot's table"
+        return say("compared in the convention of the robot's table")
     if len(given.rows) == len(table.rows):
         wrong = {cell.joint for cell in cells}
         right = [row.name for k, row in enumerate(table.rows, start=1) if k not in wrong]
         if right:
-            return f"right rows: {', '.join(right)}"
+            return say("right rows: {right}", right=", ".join(right))
     try:
         found = compare(chain_of_robot(question.robot), chain_of_robot(robot_from_table(given)))
     except (DHError, RobotError):
         return ""
     if found.verdict is Comparison.EQUIVALENT:
-        return "the same arm up to base, tool and zeros of its joints"
+        return say("the same arm up to base, tool and zeros of its joints")
     return ""
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.chain import Chain, chain_of
 from kinematics.errors import InvalidOption
 from kinematics.inverse.api import solve_ik
@@ -131,8 +132,10 @@ def _check_swivel(chain: Chain, task: Task, swivel: float) -> None:
     form = closed_form_of(chain.mechanism)
     if form is None or form.kind != "srs" or task.name not in form.tasks:
         raise InvalidOption(
-            "swivel is the angle of an arm of seven joints with a spherical shoulder and wrist, for"
-            " task pose, which this is not; leave it out, and give a seed instead",
+            say(
+                "swivel is the angle of an arm of seven joints with a spherical shoulder and wrist,"
+                " for task pose, which this is not; leave it out, and give a seed instead"
+            ),
             argument="swivel",
             value=swivel,
         )
@@ -259,7 +262,7 @@ def _closed_form(
             family = swivel_family(robot, chain, form, task, target, start, wished)
             for shown in family.representatives:
                 _add(robot, collected, _shown(robot, chain, target, task, shown))
-        description += f"; a one-parameter family, {_where(wished, family)}"
+        description += _where(wished, family)
     motion = None if family is None else family.motion
     return IKSolutions("closed_form", not redundant, description, start, tuple(collected), motion)
 
@@ -267,10 +270,17 @@ def _closed_form(
 def _where(wished: float | None, family: Family | None) -> str:
     """Say at which swivel angles a family of solutions is shown."""
     if wished is not None:
-        return "shown at the swivel angle and, where limits forbid it, at the nearest they allow"
-    more = "" if family is None else ", and of each interval within the limits at its ends, its"
-    shown = f"shown at {SWIVELS} swivel angles"
-    return shown if family is None else f"{shown}{more} middle, and nearest to the seed"
+        return say(
+            "; a one-parameter family, shown at the swivel angle and, where limits forbid it, at"
+            " the nearest they allow"
+        )
+    if family is None:
+        return say("; a one-parameter family, shown at {swivels} swivel angles", swivels=SWIVELS)
+    return say(
+        "; a one-parameter family, shown at {swivels} swivel angles, and of each interval within"
+        " the limits at its ends, its middle, and nearest to the seed",
+        swivels=SWIVELS,
+    )
 
 
 def _algebraic(
@@ -306,12 +316,15 @@ def _algebraic(
         )
     added = fibre.system.added
     description = (
-        f"the polynomial equations of {chain.length} joints"
-        + (f" and {added} more that a solution leaves at 0" if added else "")
-        + f": each of their {answer.degree} complex solutions was followed to the target"
+        say("the polynomial equations of {length} joints", length=chain.length)
+        + (say(" and {added} more that a solution leaves at 0", added=added) if added else "")
+        + say(
+            ": each of their {degree} complex solutions was followed to the target",
+            degree=answer.degree,
+        )
     )
     if not answer.is_complete:
-        description += ", but not all to the end; there may be others"
+        description += say(", but not all to the end; there may be others")
     return IKSolutions("algebraic", answer.is_complete, description, start, tuple(collected))
 
 

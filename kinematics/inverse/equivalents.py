@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.chain import Chain
 from kinematics.errors import InvalidOption
 from kinematics.inverse.damped_step import TURN
@@ -35,8 +36,13 @@ def with_equivalents(robot: Robot, chain: Chain, found: IKSolutions) -> IKSoluti
     count = sum(int(np.prod([len(values) for values in each])) for each in choices)
     if count > MOST:
         raise InvalidOption(
-            f"windings all would list {count} solutions, and at most {MOST} are; leave windings out"
-            " for those nearest to the seed, or narrow the limits of joints of more than a turn",
+            say(
+                "windings all would list {count} solutions, and at most {most} are; leave windings"
+                " out for those nearest to the seed, or narrow the limits of joints of more than a"
+                " turn",
+                count=count,
+                most=MOST,
+            ),
             argument="windings",
             value=count,
         )

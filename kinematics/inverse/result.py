@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from kinematics.bounds import Bounds
 from kinematics.errors import dotted
 from robots.robot import FloatArray
@@ -100,7 +101,13 @@ class IKOptions:
 def _check(value: float, bounds: Bounds, argument: str, index: Location = ()) -> None:
     if value not in bounds:
         raise bounds.refusal(
-            f"{dotted(argument, index)} is {quoted(value)}; give {bounds.lower} to {bounds.upper}",
+            say(
+                "{argument} is {value}; give {lower} to {upper}",
+                argument=dotted(argument, index),
+                value=quoted(value),
+                lower=bounds.lower,
+                upper=bounds.upper,
+            ),
             value,
             argument,
             index,

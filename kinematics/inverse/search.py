@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.chain import Chain
 from kinematics.deadline import checked
 from kinematics.inverse.api import solve_ik
@@ -88,9 +89,12 @@ def search(
         errors = result.position_error, result.orientation_error
         free = tuple(robot.joints[int(k)].name for k in chain.columns[idle])
         collected.append(IKSolution(answer, (), True, *errors, free))
-    description = f"{SEARCH_STARTS} starts of the numeric solver; there may be others"
+    description = say(
+        "{search_starts} starts of the numeric solver; there may be others",
+        search_starts=SEARCH_STARTS,
+    )
     if families:
-        description += (
+        description += say(
             "; the arm has more joints than the task needs: each is one of infinitely many"
         )
     motion = SelfMotion(dimension, None, False, 0, ()) if dimension > 1 else None

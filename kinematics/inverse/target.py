@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import chained, say
 from dh_to_urdf.poses import rigid_transform, rigid_transforms
 from kinematics.bounds import MAX_VALUE
 from kinematics.errors import InvalidTarget
@@ -98,7 +99,9 @@ def target_poses(targets: Targets, task: Task) -> FloatArray:
     ]
     if targets.matrix is not None:
         if given or targets.position is not None:
-            message = f"{targets.called(0)} has a matrix and other fields; give one form"
+            message = say(
+                "{called} has a matrix and other fields; give one form", called=targets.called(0)
+            )
             raise targets.refusal(0, message)
         return _matrices(targets)
     _check_parts(targets, task, given)
@@ -116,31 +119,54 @@ def _check_parts(targets: Targets, task: Task, given: list[str]) -> None:
     """Check that the task finds what it needs, once."""
     name = targets.called(0)
     if len(given) > 1:
-        raise targets.refusal(0, f"{name} has {' and '.join(given)}; give one orientation")
+        raise targets.refusal(
+            0,
+            say(
+                "{name} has {given}; give one orientation",
+                name=name,
+                given=chained(say(" and "), given),
+            ),
+        )
     if task.positions and targets.position is None:
-        message = f"task {task.name} needs a position; give {name}.position or .matrix"
+        message = say(
+            "task {task} needs a position; give {name}.position or .matrix",
+            task=task.name,
+            name=name,
+        )
         raise targets.refusal(0, message, "position", task=task)
     if task.rotations and not given:
         raise targets.refusal(
             0,
-            f"task {task.name} needs an orientation; give {name}.rpy, quaternion_xyzw, euler, phi,"
-            " direction or matrix, or choose task position",
+            say(
+                "task {task} needs an orientation; give {name}.rpy, quaternion_xyzw,"
+                " euler, phi, direction or matrix, or choose task position",
+                task=task.name,
+                name=name,
+            ),
             task=task,
         )
     if targets.phi is not None and task.rotations not in ((), (2,)):
         raise targets.refusal(
             0,
-            f"{name}.phi is an angle about z alone, but task {task.name} needs a whole"
-            " orientation; give rpy, quaternion_xyzw, euler or matrix",
+            say(
+                "{name}.phi is an angle about z alone, but task {task} needs a whole"
+                " orientation; give rpy, quaternion_xyzw, euler or matrix",
+                name=name,
+                task=task.name,
+            ),
             "phi",
             task=task,
         )
     if targets.direction is not None and task.rotations and not task.own_axes:
         raise targets.refusal(
             0,
-            f"{name}.direction leaves the turn about it open, but task {task.name} needs it;"
-            " choose task position_direction or direction, or give rpy, quaternion_xyzw, euler or"
-            " matrix",
+            say(
+                "{name}.direction leaves the turn about it open, but task {task} needs"
+                " it; choose task position_direction or direction, or give rpy,"
+                " quaternion_xyzw, euler or matrix",
+                name=name,
+                task=task.name,
+            ),
             "direction",
             task=task,
         )
@@ -155,7 +181,7 @@ def _matrices(targets: Targets) -> FloatArray:
     if isinstance(given, np.ndarray) and given.shape[1:] != (4, 4):
         argument, *index = (*targets.location, "matrix")
         raise InvalidTarget(
-            "targets are no 4x4 matrices; give shape (n, 4, 4)",
+            say("targets are no 4x4 matrices; give shape (n, 4, 4)"),
             argument=str(argument),
             index=tuple(index),
         )
@@ -184,7 +210,7 @@ def mended(matrices: Sequence[Sequence[Sequence[float]]] | FloatArray, poses: Fl
 def _regular(matrices: Sequence[Sequence[Sequence[float]]] | FloatArray) -> FloatArray:
     array = np.asarray(matrices, dtype=np.float64)
     if array.ndim != 3 or array.shape[1:] != (4, 4):
-        raise ValueError("not 4x4 matrices")
+        raise ValueError(say("not 4x4 matrices"))
     return array
 
 
@@ -192,7 +218,7 @@ def _matrix(targets: Targets, k: int, given: Sequence[Sequence[float]] | FloatAr
     try:
         matrix = rigid_transform(given, printed=True)
     except ValueError as error:
-        raise targets.refusal(k, f"target.matrix {error}", "matrix") from None
+        raise targets.refusal(k, say("target.matrix {error}", error=error), "matrix") from None
     _check_values(targets, k, "matrix", matrix[:3, 3])
     return matrix
 
@@ -207,9 +233,13 @@ def _positions(targets: Targets, task: Task) -> FloatArray:
         if len(row) not in sizes:
             name = targets.called(k, "position")
             wanted = (
-                "3" if sizes == (3,) else f"2, or 3, of which task {task.name} does not look at z"
+                "3"
+                if sizes == (3,)
+                else say("2, or 3, of which task {task} does not look at z", task=task.name)
             )
-            message = f"{name} has {len(row)} values; give {wanted}"
+            message = say(
+                "{name} has {count} values; give {wanted}", name=name, count=len(row), wanted=wanted
+            )
             raise targets.refusal(k, message, "position", task=task, expected=sizes[0])
         rows[k, : len(row)] = row
     _check_rows(targets, "position", rows)
@@ -247,13 +277,20 @@ def _each(
     """Return the rotation of each row of a field, which must have ``size`` values."""
     for k, row in enumerate(given):
         if len(row) != size:
-            message = f"{targets.called(k, name)} has {len(row)} values; give {size}"
+            message = say(
+                "{k} has {count} values; give {size}",
+                k=targets.called(k, name),
+                count=len(row),
+                size=size,
+            )
             raise targets.refusal(k, message, name, expected=size)
     rows = np.asarray(given, dtype=np.float64)
     _check_rows(targets, name, rows)
 
     def refusal(k: int) -> Callable[[str], InvalidTarget]:
-        return lambda why: targets.refusal(k, f"{targets.called(k, name)} {why}", name)
+        return lambda why: targets.refusal(
+            k, say("{k} {why}", k=targets.called(k, name), why=why), name
+        )
 
     return np.array([rotation(refusal(k), row) for k, row in enumerate(rows)])
 
@@ -268,7 +305,7 @@ def _check_rows(targets: Targets, name: str, rows: FloatArray) -> None:
 def _check_values(targets: Targets, k: int, name: str, values: FloatArray) -> None:
     if not (np.abs(values) <= MAX_VALUE).all():
         shown = targets.called(k, name)
-        message = f"{shown} has a value that is not finite or beyond ±1e6"
+        message = say("{shown} has a value that is not finite or beyond ±1e6", shown=shown)
         raise targets.refusal(k, message, name)
 
 
@@ -283,7 +320,7 @@ def _along(refusal: Callable[[str], InvalidTarget], direction: FloatArray) -> Fl
     """Return a rotation whose z axis has a direction."""
     length = float(np.linalg.norm(direction))
     if length < 1e-9:
-        raise refusal("is zero; give the frame's z axis, such as [0, 0, -1]")
+        raise refusal(say("is zero; give the frame's z axis, such as [0, 0, -1]"))
     z = direction / length
     x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
     x /= np.linalg.norm(x)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dh_to_urdf.messages import chained, say
 from kinematics.chain import Chain, chain_of
 from kinematics.inverse.all_solutions import exact_solutions
 from kinematics.inverse.api import solve_ik
@@ -90,11 +91,11 @@ def why_unreached(
         by = Forbidden(Forbids.LIMITS, proved, branches=branches_beyond(robot, found))
         if not proved:
             alone = _position_alone(robot, target, name, task, seed, options)
-            return Reasons((_beyond(robot, found, "of those that were found "), *alone), False, by)
+            return Reasons((_beyond(robot, found, all_known=False), *alone), False, by)
         return Reasons((_beyond(robot, found),), False, by)
-    none = (
-        "no joint values reach the target to 1e-9 m and rad, whatever their limits"
-        f" ({found.description})"
+    none = say(
+        "no joint values reach the target to 1e-9 m and rad, whatever their limits ({description})",
+        description=found.description,
     )
     alone = _position_alone(robot, target, name, task, seed, options)
     return Reasons((none, *alone), False, _missed(robot, target, name, task, seed, options, True))
@@ -150,9 +151,11 @@ def _too_far(
     away = float(np.linalg.norm((target[:3, 3] - chain.placements[0, [3, 7, 11]])[rows]))
     if not rows or away <= chain.reach * (1.0 + 1e-9) + tolerance:
         return None
-    return away - chain.reach, (
-        f"the target is {away:.6g} m from joint 1, and the arm, stretched with all its slides out,"
-        f" is at most {chain.reach:.6g} m long"
+    return away - chain.reach, say(
+        "the target is {away:.6g} m from joint 1, and the arm, stretched with"
+        " all its slides out, is at most {reach:.6g} m long",
+        away=away,
+        reach=chain.reach,
     )
 
 
@@ -166,25 +169,32 @@ def _wrong_orientation(
     R = lines.pose[:3, :3]
     if task.own_axes:
         gap, free = orientation_gap(axes, R[:, 2], target[:3, 2])
-        what = "the frame's z axis to this direction"
+        what = say("the frame's z axis to this direction")
     else:
         gap, free = orientation_gap(axes, None, target[:3, :3] @ R.T)
-        what = "the frame to this orientation"
+        what = say("the frame to this orientation")
     if gap <= tolerance + 1e-6:
         return None
-    least = f"by {np.rad2deg(gap):.6g}° at least"
+    least = say("by {gap:.6g}° at least", gap=np.rad2deg(gap))
     if free == 0:
-        return (
-            gap,
-            f"this structure cannot turn the frame; the target's orientation is missed {least}",
+        return gap, say(
+            "this structure cannot turn the frame; the target's orientation is missed {least}",
+            least=least,
         )
     if free == 1:
         axis = ", ".join(f"{x + 0.0:.6g}" for x in np.where(np.abs(axes[0]) < 1e-12, 0.0, axes[0]))
-        return gap, (
-            f"this structure cannot bring {what}: it turns the frame about ({axis}) only, and"
-            f" misses it {least}"
+        return gap, say(
+            "this structure cannot bring {what}: it turns the frame about ({axis})"
+            " only, and misses it {least}",
+            what=what,
+            axis=axis,
+            least=least,
         )
-    return gap, f"the turning axes of this structure cannot bring {what}: they miss it {least}"
+    return gap, say(
+        "the turning axes of this structure cannot bring {what}: they miss it {least}",
+        what=what,
+        least=least,
+    )
 
 
 def _position_alone(
@@ -203,24 +213,38 @@ def _position_alone(
         robot, target, frame=frame, task=alone, seed=seed, options=options.within(POSITION_SECONDS)
     )
     if found.status is IKStatus.CONVERGED:
-        return (f"the position alone is within reach (task {alone.name})",)
+        return (say("the position alone is within reach (task {alone})", alone=alone.name),)
     if found.status is IKStatus.UNREACHABLE:
-        return ("the position alone is out of reach too",)
-    return ("a search did not find the position alone either, which proves nothing",)
+        return (say("the position alone is out of reach too"),)
+    return (say("a search did not find the position alone either, which proves nothing"),)
 
 
-def _beyond(robot: Robot, found: IKSolutions, some: str = "") -> str:
+def _beyond(robot: Robot, found: IKSolutions, all_known: bool = True) -> str:
     nearest = min(found.solutions, key=lambda one: _excess(robot, one.q))
     parts = []
     for k in np.flatnonzero((nearest.q < robot.lower) | (nearest.q > robot.upper))[:NAMED]:
         value = float(nearest.q[k])
         limit = float(robot.lower[k] if value < robot.lower[k] else robot.upper[k])
         shown, bound = (_value(x, bool(robot.is_revolute[k])) for x in (value, limit))
-        parts.append(f"{robot.joints[k].name} at {shown}, its limit is {bound}")
+        parts.append(
+            say(
+                "{joint} at {shown}, its limit is {bound}",
+                joint=robot.joints[k].name,
+                shown=shown,
+                bound=bound,
+            )
+        )
     count = len(found.solutions)
-    are = "the one solution is" if count == 1 else f"all {count} solutions are"
-    are = f"{some}{are}"
-    return f"{are} beyond the limits; the nearest to them has {'; '.join(parts)}"
+    are = (
+        say("the one solution is") if count == 1 else say("all {count} solutions are", count=count)
+    )
+    if not all_known:
+        are = say("of those that were found {are}", are=are)
+    return say(
+        "{are} beyond the limits; the nearest to them has {parts}",
+        are=are,
+        parts=chained("; ", parts),
+    )
 
 
 def _excess(robot: Robot, q: FloatArray) -> float:
@@ -230,4 +254,6 @@ def _excess(robot: Robot, q: FloatArray) -> float:
 def _value(value: float, is_revolute: bool) -> str:
     if not is_revolute:
         return f"{value + 0.0:.9g} m"
-    return f"{value + 0.0:.9g} rad ({np.rad2deg(value) + 0.0:.7g}°)"
+    return say(
+        "{value:.9g} rad ({value_2:.7g}°)", value=value + 0.0, value_2=np.rad2deg(value) + 0.0
+    )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.messages import say
 from kinematics.chain import Chain, chain_of
 from kinematics.configuration import configuration
 from kinematics.deadline import svd
@@ -88,8 +89,10 @@ def factorization(
     q = configuration(robot, q)
     if chain.is_coupled:
         return _none(
-            "joints of this chain depend on others; factors are known of chains whose joints are"
-            " all free"
+            say(
+                "joints of this chain depend on others; factors are known of chains"
+                " whose joints are all free"
+            )
         )
     axes = relations_of(chain)
     given = np.atleast_2d(q)
@@ -97,15 +100,26 @@ def factorization(
     found = _product(chain, axes, batch, task) if axes is not None else None
     if found is None:
         return _none(
-            f"no factors of {'det J' if chain.length == len(task.rows) else 'the manipulability'}"
-            f" are known for the {chain.length} joints of this chain in task {task.name}"
+            say(
+                "no factors of {value} are known for the {length} joints of this chain"
+                " in task {task}",
+                value=say("det J") if chain.length == len(task.rows) else say("the manipulability"),
+                length=chain.length,
+                task=task.name,
+            )
         )
     structure, constant, factors = found
     J = task_jacobian(robot, batch, task, frame)[:, :, chain.columns]
     square, n = J.shape[1] == J.shape[2], len(given)
     sigma = svd(J, compute_uv=False)
     if np.all(rank_of(sigma[n:]) < sigma.shape[-1]):
-        return _none(f"{structure}, but such that task {task.name} is singular at every q")
+        return _none(
+            say(
+                "{structure}, but such that task {task} is singular at every q",
+                structure=structure,
+                task=task.name,
+            )
+        )
     product = constant * np.prod([factor.value for factor in factors], axis=0)
     measured = np.linalg.det(J) if square else np.prod(sigma, axis=-1)
     if not square:
@@ -114,7 +128,13 @@ def factorization(
     # A determinant near zero is a difference of large products and has their rounding error.
     rounding = 64 * np.finfo(float).eps * np.prod(np.linalg.norm(J, axis=1), axis=-1)
     if np.any(difference > LARGEST_DIFFERENCE * np.abs(measured) + 1e4 * rounding):
-        return _none(f"{structure}, but the product of its factors is not that of task {task.name}")
+        return _none(
+            say(
+                "{structure}, but the product of its factors is not that of task {task}",
+                structure=structure,
+                task=task.name,
+            )
+        )
     exact = difference <= EXACT * np.abs(measured) + rounding
     singular = rank_of(sigma, tolerance) < sigma.shape[-1]
     names = [robot.joints[column].name for column in chain.columns]
@@ -206,11 +226,11 @@ def _product(
         return _srs(chain, axes, q)
     if key == ("position", 3):
         at = posture(chain, q)
-        end = "the frame's origin"
-        return "three joints that place a point", *parts.arm(at, axes, reach, at.p, end)
+        end = say("the frame's origin")
+        return say("three joints that place a point"), *parts.arm(at, axes, reach, at.p, end)
     if key == ("orientation", 3) and axes.is_revolute.all():
-        where = "axes 1, 2 and 3 are directed along one plane"
-        return "three turning joints", *parts.wrist(posture(chain, q), 0, 1, 2, where)
+        where = say("axes 1, 2 and 3 are directed along one plane")
+        return say("three turning joints"), *parts.wrist(posture(chain, q), 0, 1, 2, where)
     return None
 
 
@@ -222,7 +242,7 @@ def _spherical_wrist(
     at = posture(chain, q)
     first, arm = parts.arm(at, axes, reach, at.point(axes.wrist), parts.WRIST_CENTRE)
     last, wrist = parts.wrist(at, 3, 4, 5, parts.in_one_plane(3, 4, 5))
-    return "spherical wrist: axes 4, 5 and 6 meet", first * last, [*arm, *wrist]
+    return say("spherical wrist: axes 4, 5 and 6 meet"), first * last, [*arm, *wrist]
 
 
 def _parallel_axes(
@@ -246,7 +266,7 @@ def _parallel_axes(
     last, others = parts.around_parallel(at, axes.is_revolute, point, meets, reach)
     order = {"shoulder": 0, "elbow": 1}
     factors = sorted([*elbow, *others], key=lambda factor: order.get(factor.name, 2))
-    return "axes 2, 3 and 4 parallel", first * last, factors
+    return say("axes 2, 3 and 4 parallel"), first * last, factors
 
 
 def _srs(
@@ -256,7 +276,7 @@ def _srs(
         return None
     at = posture(chain, q)
     constant, factors = parts.srs(at, axes.shoulder, at.point(axes.wrist))
-    return "spherical shoulder, elbow, spherical wrist", constant, factors
+    return say("spherical shoulder, elbow, spherical wrist"), constant, factors
 
 
 def _flat(
@@ -271,16 +291,16 @@ def _flat(
     if u is None or len(slides) > 1:
         return None
     if kind in ((2, 0, "xy"), (2, 0, "position"), (2, 1, "position")):
-        constant, factors = parts.bend(at, turning[0], turning[1], at.p, "the frame's origin")
+        constant, factors = parts.bend(at, turning[0], turning[1], at.p, say("the frame's origin"))
         constant = constant * np.sign(dot(u, at.z(turning[1])))
-        text = "planar 2R: two parallel axes"
+        text = say("planar 2R: two parallel axes")
     elif kind in ((3, 0, "xy_phi"), (3, 0, "pose"), (3, 1, "xyz_phi"), (3, 1, "pose")):
         constant, factors = parts.three_parallel(at, turning[0], turning[1], turning[2])
-        text = "planar 3R: three parallel axes"
+        text = say("planar 3R: three parallel axes")
     else:
         return None
     if slides:
-        text = "SCARA: turns about and a slide along parallel axes"
+        text = say("SCARA: turns about and a slide along parallel axes")
         # The slide's column moved behind the others, and its row likewise.
         moved = (-1.0) ** (chain.length - 1 - slides[0] + (len(turning) == 3))
         constant = constant * moved * np.sign(at.z(slides[0])[:, 2])

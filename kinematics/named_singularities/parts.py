@@ -13,6 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.messages import say
 from kinematics.named_singularities.posture import (
     Factor,
     Posture,
@@ -28,7 +29,7 @@ from kinematics.named_singularities.relations import Relations
 from robots.robot import FloatArray
 
 Product: TypeAlias = tuple[FloatArray, list[Factor]]
-WRIST_CENTRE = "the wrist centre"
+WRIST_CENTRE = say("the wrist centre")
 
 
 def wrist(at: Posture, i: int, j: int, k: int, where: str) -> Product:
@@ -43,7 +44,12 @@ def wrist(at: Posture, i: int, j: int, k: int, where: str) -> Product:
 
 def in_one_plane(i: int, j: int, k: int) -> str:
     """Say that three axes through one point lie in one plane."""
-    return f"axes {i + 1}, {j + 1} and {k + 1} lie in one plane (or two of them coincide)"
+    return say(
+        "axes {i}, {j} and {k} lie in one plane (or two of them coincide)",
+        i=i + 1,
+        j=j + 1,
+        k=k + 1,
+    )
 
 
 def bend(
@@ -65,7 +71,9 @@ def bend(
     e = between / np.maximum(length, 1e-300)[:, None]
     r = at.from_axis(j, point)
     value = triple(z, e, r)
-    where = f"stretched or folded: {end} is in the plane of axes {i + 1} and {j + 1}"
+    where = say(
+        "stretched or folded: {end} is in the plane of axes {i} and {j}", end=end, i=i + 1, j=j + 1
+    )
     zeros = None if largest is not None else Zeros(j, value, dot(e, r), np.sign(dot(z, zj)))
     bound = at.lever(j, point) if largest is None else largest
     return length, [Factor("elbow", value, bound, "m", (i, j), where, zeros)]
@@ -91,7 +99,7 @@ def arm(at: Posture, axes: Relations, reach: Reach, point: FloatArray, end: str)
         n, sine = _normal(z1, z2)
         offset = np.abs(dot(at.O[:, 1] - at.O[:, 0], n))
         largest = offset + norm(across(at.O[:, 2] - at.O[:, 1], z2)) + at.lever(2, point)
-        where = f"{end} is in the plane through axis 1 along axis 2"
+        where = say("{end} is in the plane through axis 1 along axis 2", end=end)
         value = dot(at.from_axis(0, point), n)
         return -constant * sine, [Factor("shoulder", value, largest, "m", (0, 1), where), *factors]
     if t1 and t2 and axes.parallel[0, 1]:
@@ -101,7 +109,7 @@ def arm(at: Posture, axes: Relations, reach: Reach, point: FloatArray, end: str)
             return constant * dot(z1, z3), factors
         n, sine = _normal(z1, z3)
         value = dot(at.from_axis(2, point), n)
-        where = f"{end} is in the plane through axis 3 along axis 1"
+        where = say("{end} is in the plane through axis 3 along axis 1", end=end)
         forearm = Factor("forearm", value, at.lever(2, point), "m", (2,), where)
         return constant * sine, [*factors, forearm]
     if t1 and t2 and axes.meeting is not None:
@@ -114,7 +122,7 @@ def arm(at: Posture, axes: Relations, reach: Reach, point: FloatArray, end: str)
             largest = largest * reach.from_axis(at, k, 2, point)
     power = int(np.count_nonzero(axes.is_revolute[:3]))
     unit = "1" if power == 0 else "m" if power == 1 else f"m^{power}"
-    where = f"the velocities that joints 1, 2 and 3 give {end} lie in one plane"
+    where = say("the velocities that joints 1, 2 and 3 give {end} lie in one plane", end=end)
     return np.ones_like(value), [Factor("arm", value, largest, unit, (0, 1, 2), where)]
 
 
@@ -124,14 +132,15 @@ def _about_a_point(
     """Return the determinant where axes 1 and 2 meet in a point, not being parallel."""
     a, z3 = point - meeting, at.z(2)
     n, sine = _normal(at.z(0), at.z(1))
-    where = f"{end} is in the plane of axes 1 and 2"
+    where = say("{end} is in the plane of axes 1 and 2", end=end)
     if slides:
         # The slide carries the point along itself: at q = 0 it is as far from the meeting point
         # as along and across the slide together, at every q.
         largest = norm(across(a, z3)) + reach.along(2, dot(a, z3))
-        right_angle = (
-            f"the line from the point where axes 1 and 2 meet to {end} is at right angles to axis 3"
-            " (or the two points coincide)"
+        right_angle = say(
+            "the line from the point where axes 1 and 2 meet to {end} is at right"
+            " angles to axis 3 (or the two points coincide)",
+            end=end,
         )
         return sine, [
             Factor("shoulder", dot(a, n), largest, "m", (0, 1), where),
@@ -142,9 +151,10 @@ def _about_a_point(
     e = between / np.maximum(length, 1e-300)[:, None]
     r = at.from_axis(2, point)
     largest = norm(at.foot(2, point) - meeting) + at.lever(2, point)
-    stretched = (
-        f"stretched or folded: {end} is in the plane of axis 3 and the point where axes"
-        " 1 and 2 meet"
+    stretched = say(
+        "stretched or folded: {end} is in the plane of axis 3 and the point"
+        " where axes 1 and 2 meet",
+        end=end,
     )
     bent = triple(z3, e, r)
     zeros = Zeros(2, bent, dot(e, r), np.ones_like(bent))
@@ -164,9 +174,11 @@ def _normal(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
 def three_parallel(at: Posture, i: int, j: int, k: int) -> Product:
     """Return the determinant of three revolute joints with parallel axes, rows (v_x, v_y, ω_h)."""
     h = at.z(i)
-    constant, (found,) = bend(at, i, j, at.O[:, k], f"axis {k + 1}")
+    constant, (found,) = bend(at, i, j, at.O[:, k], say("axis {k}", k=k + 1))
     signs = np.sign(dot(h, at.z(j))) * np.sign(dot(h, at.z(k)))
-    where = f"stretched or folded: axes {i + 1}, {j + 1} and {k + 1} lie in one plane"
+    where = say(
+        "stretched or folded: axes {i}, {j} and {k} lie in one plane", i=i + 1, j=j + 1, k=k + 1
+    )
     factor = Factor("elbow", found.value, found.largest, "m", (i, j, k), where, found.zeros)
     return constant * signs, [factor]
 
@@ -191,20 +203,20 @@ def around_parallel(
         value = along * triple(h, z5, z6)
         if is_revolute[0]:
             value = value - dot(at.column(4, point, True), h) * triple(h, z1, z6)
-        where = (
-            "no motion of joints 1, 5 and 6 yields every velocity along the parallel axes together"
-            " with every turn across them"
+        where = say(
+            "no motion of joints 1, 5 and 6 yields every velocity along the"
+            " parallel axes together with every turn across them"
         )
-        name, unit = ("shoulder and wrist", "m") if is_revolute[0] else ("wrist", "1")
+        name, unit = (say("shoulder and wrist"), "m") if is_revolute[0] else ("wrist", "1")
         largest = scale + at.lever(4, point) if is_revolute[0] else np.ones_like(value)
         return np.ones_like(value), [Factor(name, value, largest, unit, (0, 4, 5), where)]
-    where = "axes 5 and 6 and the parallel axes 2, 3 and 4 are directed along one plane"
+    where = say("axes 5 and 6 and the parallel axes 2, 3 and 4 are directed along one plane")
     constant, (sine,) = wrist(at, 1, 4, 5, where)
     factors = [Factor("wrist", sine.value, sine.largest, "1", (3, 4, 5), where, sine.zeros)]
     if not is_revolute[0]:
         return constant * along, factors
     n, skew = _normal(z1, h)
-    where = "the point where axes 5 and 6 meet is in the plane through axis 1 along axis 2"
+    where = say("the point where axes 5 and 6 meet is in the plane through axis 1 along axis 2")
     value = dot(at.from_axis(0, point), n)
     return -constant * skew, [Factor("shoulder", value, scale, "m", (0, 1), where), *factors]
 
@@ -238,18 +250,22 @@ def srs(at: Posture, shoulder: FloatArray, centre: FloatArray) -> Product:
             at.lever(3, centre),
             "m",
             (3,),
-            "stretched or folded: the wrist centre is in the plane of axis 4 and"
-            " the shoulder's centre",
+            say(
+                "stretched or folded: the wrist centre is in the plane of axis 4 and"
+                " the shoulder's centre"
+            ),
             zeros,
         ),
         Factor(
-            "shoulder and wrist",
+            say("shoulder and wrist"),
             value,
             3.0 * farthest,
             "m",
             (0, 1, 2, 4, 5, 6),
-            "axes 1, 2 and 3 and the line from shoulder to wrist lie in one plane; or axes 5, 6"
-            " and 7 and that line do; or axes 1, 2 and 3 lie in one plane and axes 5, 6 and 7 in"
-            " another; or shoulder and wrist coincide",
+            say(
+                "axes 1, 2 and 3 and the line from shoulder to wrist lie in one plane;"
+                " or axes 5, 6 and 7 and that line do; or axes 1, 2 and 3 lie in one"
+                " plane and axes 5, 6 and 7 in another; or shoulder and wrist coincide"
+            ),
         ),
     ]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.chain import chain_of
 from kinematics.configuration import configuration
 from kinematics.errors import WrongConfiguration
@@ -68,12 +69,15 @@ def nearest_singularity(
     chain = chain_of(robot, frame)
     q = configuration(robot, q)
     if q.ndim != 1:
-        raise WrongConfiguration("q is a batch; give one q", argument="q", expected=robot.dof)
+        raise WrongConfiguration(say("q is a batch; give one q"), argument="q", expected=robot.dof)
     if not np.abs(q).max() <= LARGEST_VALUE:
         joint = robot.joints[int(np.argmax(np.abs(q)))].name
         raise WrongConfiguration(
-            f"q of joint {joint} is beyond ±1e5, where no singularities are sought; give its value"
-            " within a turn",
+            say(
+                "q of joint {joint} is beyond ±1e5, where no singularities are sought;"
+                " give its value within a turn",
+                joint=joint,
+            ),
             argument="q",
             joint=joint,
             value=float(q[np.argmax(np.abs(q))]),

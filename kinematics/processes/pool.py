@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from dh_to_urdf.messages import say
 from kinematics.deadline import checkpoint, current
 from kinematics.errors import OutOfMemory, WorkersBusy
 from kinematics.processes.process import LOOK, Process
@@ -64,7 +65,7 @@ class ProcessPool:
             WorkersBusy: Too many wait already, or no place was free in time.
             Cancelled: The result is no longer wanted.
         """
-        busy = WorkersBusy("all processes for this work are busy; ask again", 5.0)
+        busy = WorkersBusy(say("all processes for this work are busy; ask again"), 5.0)
         if not self._places.acquire(blocking=False):
             raise busy
         try:
@@ -152,7 +153,7 @@ class Session:
             if outcome.answers or finished or time.monotonic() > deadline:
                 return outcome.answers
             checkpoint()
-        raise WorkersBusy("the process was stopped before it had an answer; ask again", 1.0)
+        raise WorkersBusy(say("the process was stopped before it had an answer; ask again"), 1.0)
 
     def end(self) -> None:
         """Give the process back."""

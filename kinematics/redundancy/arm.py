@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from kinematics.chain import Chain, chain_of
 from kinematics.errors import InvalidOption
 from kinematics.inverse.task_error import task_chain
@@ -59,8 +60,11 @@ class Arm:
         chain = chain_of(robot, frame)
         if chain.length == 0:
             raise InvalidOption(
-                f"no joint moves frame {quoted(frame)} against {robot.base_frame}; give a frame"
-                " further out",
+                say(
+                    "no joint moves frame {frame} against {base_frame}; give a frame further out",
+                    frame=quoted(frame),
+                    base_frame=robot.base_frame,
+                ),
                 argument=argument,
                 index=index,
                 value=frame,

@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption, WrongConfiguration, dotted
 from kinematics.processes.pool import ProcessPool
@@ -54,7 +55,10 @@ class PathTolerance:
             value = getattr(self, name)
             if value not in bounds:
                 raise bounds.refusal(
-                    f"tolerance.{name} is {value:g}; give 1e-9 to 1e3", value, "tolerance", (name,)
+                    say("tolerance.{name} is {value:g}; give 1e-9 to 1e3", name=name, value=value),
+                    value,
+                    "tolerance",
+                    (name,),
                 )
 
 
@@ -97,10 +101,16 @@ class PathProblem:
             values = np.atleast_1d(getattr(self, name))
             if not ((values >= bounds.lower) & (values <= bounds.upper)).all():
                 least = float(values.min())
-                raise bounds.refusal(f"{name} is {least:g}; give 0 to 1e6", least, name)
+                raise bounds.refusal(
+                    say("{name} is {least:g}; give 0 to 1e6", name=name, least=least), least, name
+                )
         if len(self.obstacles) > MAX_OBSTACLES:
             raise InvalidOption(
-                f"there are {len(self.obstacles)} obstacles; give at most {MAX_OBSTACLES}",
+                say(
+                    "there are {count} obstacles; give at most {max_obstacles}",
+                    count=len(self.obstacles),
+                    max_obstacles=MAX_OBSTACLES,
+                ),
                 argument="obstacles",
                 value=len(self.obstacles),
                 lower=0,
@@ -109,8 +119,13 @@ class PathProblem:
         pairs = self.path.samples * len(self.obstacles) * len(self.links)
         if pairs > MAX_PAIRS * 10:
             raise InvalidOption(
-                f"{self.path.samples} samples, {len(self.obstacles)} obstacles and"
-                f" {len(self.links)} links are too many together; give fewer samples or obstacles",
+                say(
+                    "{samples} samples, {count} obstacles and {count_2} links are too many"
+                    " together; give fewer samples or obstacles",
+                    samples=self.path.samples,
+                    count=len(self.obstacles),
+                    count_2=len(self.links),
+                ),
                 argument="samples",
                 value=self.path.samples,
             )
@@ -119,9 +134,15 @@ class PathProblem:
         worst = int(np.argmax(outside))
         if outside[worst] > TOUCH:
             raise WrongConfiguration(
-                f"q of joint {self.arm.names[worst]} is {q[worst]:.6g}, outside its limits"
-                f" [{chain.lower[worst]:.6g}, {chain.upper[worst]:.6g}]"
-                f" {'rad' if chain.is_angle[worst] else 'm'}; start within them",
+                say(
+                    "q of joint {name} is {q:.6g}, outside its limits [{lower:.6g},"
+                    " {upper:.6g}] {which}; start within them",
+                    name=self.arm.names[worst],
+                    q=q[worst],
+                    lower=chain.lower[worst],
+                    upper=chain.upper[worst],
+                    which="rad" if chain.is_angle[worst] else "m",
+                ),
                 argument="q",
                 index=(int(chain.columns[worst]),),
                 joint=self.arm.names[worst],
@@ -289,7 +310,11 @@ class PathOptions:
             return problem.d_safe + 0.1 * problem.scale
         if self.influence <= problem.d_safe:
             raise InvalidOption(
-                f"influence is {self.influence:g}; give more than d_safe, {problem.d_safe:g}",
+                say(
+                    "influence is {influence:g}; give more than d_safe, {d_safe:g}",
+                    influence=self.influence,
+                    d_safe=problem.d_safe,
+                ),
                 argument="influence",
                 value=self.influence,
                 lower=problem.d_safe,
@@ -300,7 +325,13 @@ class PathOptions:
 def _check(value: float | None, bounds: Bounds, argument: str, index: Location = ()) -> None:
     if value is not None and value not in bounds:
         raise bounds.refusal(
-            f"{dotted(argument, index)} is {value:g}; give {bounds.lower:g} to {bounds.upper:g}",
+            say(
+                "{argument} is {value:g}; give {lower:g} to {upper:g}",
+                argument=dotted(argument, index),
+                value=value,
+                lower=bounds.lower,
+                upper=bounds.upper,
+            ),
             value,
             argument,
             index,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from kinematics.bounds import MAX_VALUE, Bounds
 from kinematics.chain import chain_of
 from kinematics.configuration import configuration
@@ -91,9 +92,11 @@ def differential_step(
         InvalidOption: damping is out of range, or both z and secondary tasks are given.
     """
     if damping not in DAMPING:
-        raise DAMPING.refusal(f"damping is {damping:g}; give 0 (none) to 1e3", damping, "damping")
+        raise DAMPING.refusal(
+            say("damping is {damping:g}; give 0 (none) to 1e3", damping=damping), damping, "damping"
+        )
     if z is not None and secondary:
-        raise InvalidOption("give z or secondary tasks, not both", argument="secondary")
+        raise InvalidOption(say("give z or secondary tasks, not both"), argument="secondary")
     q = configuration(robot, q)
     _check_moved(robot, first, "frame")
     for k, task in enumerate(secondary):
@@ -145,8 +148,14 @@ def _checked(one: StepTask, argument: str, index: Location = ()) -> FloatArray:
     rows = one.task.row_names
     if dx.shape != (len(rows),):
         raise WrongConfiguration(
-            f"delta_x has {dx.size} values, but task {one.task.name} has {len(rows)} rows"
-            f" ({', '.join(rows)}); give one a row",
+            say(
+                "delta_x has {size} values, but task {task} has {count} rows ({rows});"
+                " give one a row",
+                size=dx.size,
+                task=one.task.name,
+                count=len(rows),
+                rows=", ".join(rows),
+            ),
             argument=argument,
             index=index,
             expected=len(rows),
@@ -154,7 +163,7 @@ def _checked(one: StepTask, argument: str, index: Location = ()) -> FloatArray:
         )
     if not (np.abs(dx) <= MAX_VALUE).all():
         raise WrongConfiguration(
-            "delta_x has a value that is not finite or beyond ±1e6",
+            say("delta_x has a value that is not finite or beyond ±1e6"),
             argument=argument,
             index=index,
             lower=-MAX_VALUE,
@@ -168,8 +177,11 @@ def _check_moved(robot: Robot, one: StepTask, argument: str, index: Location = (
     robot.frame_id(frame, argument, index)
     if chain_of(robot, frame).length == 0:
         raise InvalidOption(
-            f"no joint moves frame {quoted(frame)} against {robot.base_frame}; give a frame further"
-            " out",
+            say(
+                "no joint moves frame {frame} against {base_frame}; give a frame further out",
+                frame=quoted(frame),
+                base_frame=robot.base_frame,
+            ),
             argument=argument,
             index=index,
             value=frame,
@@ -177,15 +189,19 @@ def _check_moved(robot: Robot, one: StepTask, argument: str, index: Location = (
 
 
 def _refusal(robot: Robot, one: StepTask, rank: int, m: int) -> RankDeficient:
-    text = f"rank(J) = {rank} < {m} here: J† = Jᵀ(JJᵀ)⁻¹ does not exist"
+    text = say("rank(J) = {rank} < {m} here: J† = Jᵀ(JJᵀ)⁻¹ does not exist", rank=rank, m=m)
     others: tuple[str, ...] = ()
     if _possible(robot, one.task, one.frame):
-        text += "; give damping, such as 0.01, for damped least squares, or another q"
+        text += say("; give damping, such as 0.01, for damped least squares, or another q")
     else:
         others = tuple(name for name, task in TASKS.items() if _possible(robot, task, one.frame))
-        choice = f", choose another ({', '.join(others[:4])})" if others else ""
-        text += f"; the task {one.task.name} asks more than this arm can move{choice}"
-        text += ", or give damping"
+        choice = say(", choose another ({others})", others=", ".join(others[:4])) if others else ""
+        text += say(
+            "; the task {task} asks more than this arm can move{choice}",
+            task=one.task.name,
+            choice=choice,
+        )
+        text += say(", or give damping")
     return RankDeficient(text, rank=rank, wanted=m, argument="q", known=others)
 
 

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
+from dh_to_urdf.messages import say
 from kinematics.symbolic.chain import Axis, Chain
 from kinematics.symbolic.jacobian import Column, column
 from kinematics.symbolic.names import Names
@@ -82,7 +83,7 @@ class Views:
                     where = self.chain.frames[axes], self.chain.frames[point]
                     best = score, Sparse(*where, self.rows, matrix, numbers)
         if best is None:
-            raise TooManyTerms("the Jacobian has too many terms in every frame")
+            raise TooManyTerms(say("the Jacobian has too many terms in every frame"))
         return best[1]
 
     def _square(self, axes: int, point: int, used: Sequence[Axis]) -> list[Column] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from dh_to_urdf.messages import say
 from kinematics.symbolic.arrange import expanded, folded
 from kinematics.symbolic.determinant import expansion
 from kinematics.symbolic.expressions import Sum
@@ -52,15 +53,19 @@ def inverse_of(work: Work) -> Inverse:
     rows, note = (task.rows, "") if task is not None else work.square_rows(len(joints))
     found = Inverse(rows, joints)
     if note or len(rows) != len(joints) or not rows:
-        found.note = (
-            f"J has {len(rows)} rows and {len(joints)} columns: give a task of {len(joints)} rows"
-            " for an inverse"
+        found.note = say(
+            "J has {count} rows and {count_2} columns: give a task of {count_2}"
+            " rows for an inverse",
+            count=len(rows),
+            count_2=len(joints),
         )
         return found
     if len(rows) > LARGEST:
-        found.note = (
-            f"the inverse of {len(rows)} rows is long and is not written; give a task of at most"
-            f" {LARGEST} rows, or ask jacobian for its numbers"
+        found.note = say(
+            "the inverse of {count} rows is long and is not written; give a task of"
+            " at most {largest} rows, or ask jacobian for its numbers",
+            count=len(rows),
+            largest=LARGEST,
         )
         return found
     every = work.task_rows() if task is not None else _chosen(work, rows)
@@ -68,7 +73,9 @@ def inverse_of(work: Work) -> Inverse:
     names, size = work.names, len(J)
     found.divisor = combined(expansion(J, names), names)
     if not found.divisor:
-        found.note = "these rows of J are dependent in every configuration: there is no inverse"
+        found.note = say(
+            "these rows of J are dependent in every configuration: there is no inverse"
+        )
         return found
     found.matrix = [
         [combined(_cofactor(J, j, i, work), names) for j in range(size)] for i in range(size)

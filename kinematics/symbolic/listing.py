@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from dh_to_urdf.messages import chained, say
 from kinematics.symbolic.latex import bracketed
 
 WIDTH = 100
@@ -14,18 +15,18 @@ _AXES = {"x": "u", "y": "v", "z": "w"}
 
 def text_listing(answer: Mapping[str, Any]) -> str:
     """Return lines ``X = …``, after the definitions of the short names; valid in Python."""
-    lines = [f"# {line}" for line in _heading(answer)]
+    lines: list[str] = [chained("", ("# ", line)) for line in _heading(answer)]
     lines += [f"{name} = {value!r}" for name, value in answer["values"].items()]
     lines += [f"{name} = {value}" for name, value in answer["definitions"].items()]
     for block in _blocks(answer):
         lines += ["", *block]
-    lines += [f"# {note}" for note in answer["notes"]]
-    return "\n".join(lines) + "\n"
+    lines += [chained("", ("# ", note)) for note in answer["notes"]]
+    return chained("\n", (*lines, ""))
 
 
 def latex_listing(answer: Mapping[str, Any]) -> str:
     r"""Return ``\[ … \]`` for each quantity, after the values of the lengths as a comment."""
-    lines = [f"% {line}" for line in _heading(answer)]
+    lines: list[str] = [chained("", ("% ", line)) for line in _heading(answer)]
     lines += [f"% {name} = {value!r}" for name, value in answer["values"].items()]
     for label, rows in _matrices(answer):
         lines.append(f"\\[ {label} = {bracketed(rows)} \\]")
@@ -37,14 +38,19 @@ def latex_listing(answer: Mapping[str, Any]) -> str:
     if aligned:
         joined = " \\\\\n".join(aligned)
         lines.append(f"\\[ \\begin{{aligned}}\n{joined}\n\\end{{aligned}} \\]")
-    lines += [f"% {note}" for note in answer["notes"]]
-    return "\n".join(lines) + "\n"
+    lines += [chained("", ("% ", note)) for note in answer["notes"]]
+    return chained("\n", (*lines, ""))
 
 
 def _heading(answer: Mapping[str, Any]) -> list[str]:
     joints = ", ".join(f"q{k} = {name}" for k, name in enumerate(answer["columns"], start=1))
     return [
-        f"{answer['frame']} in {answer['base']}, {answer['convention']} convention; rad, m",
+        say(
+            "{frame} in {base}, {convention} convention; rad, m",
+            frame=answer["frame"],
+            base=answer["base"],
+            convention=answer["convention"],
+        ),
         joints,
     ]
 
@@ -59,7 +65,7 @@ def _blocks(answer: Mapping[str, Any]) -> list[list[str]]:
             [
                 f"J_divisor = {inverse['divisor']}",
                 *_matrix_lines("J_adjugate", inverse["matrix"]),
-                "# the inverse of J is J_adjugate / J_divisor",
+                say("# the inverse of J is J_adjugate / J_divisor"),
             ]
         )
     single = [f"{label} = {entry}" for label, entry in _single(answer, latex=False)]

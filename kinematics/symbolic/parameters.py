@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from dh_to_urdf.messages import say
 from dh_to_urdf.poses import Matrix
 from dh_to_urdf.table import Convention, DHTable, JointType
 from kinematics.symbolic.angles import KNOWN, turn_text, twelfths
@@ -54,7 +55,7 @@ def unusual_angles(table: DHTable) -> int:
 
 def nearly_right_angles(table: DHTable) -> list[str]:
     """Describe angles written with few digits, such as 1.5708 for π/2."""
-    found = []
+    found: list[str] = []
     for k, row in enumerate(table.rows, start=1):
         columns = {"alpha": row.alpha, "gamma": row.gamma, "theta": row.theta}
         if row.type.is_revolute:
@@ -63,8 +64,14 @@ def nearly_right_angles(table: DHTable) -> list[str]:
             meant = round(angle / (math.pi / 2)) * math.pi / 2
             if KNOWN < abs(angle - meant) < NEAR:
                 found.append(
-                    f"joint {k}: {column} is {angle!r} and not {turn_text(meant)}; write"
-                    f" {turn_text(meant)} if that is meant, the formulas get shorter"
+                    say(
+                        "joint {k}: {column} is {angle!r} and not {meant}; write {meant} if"
+                        " that is meant, the formulas get shorter",
+                        k=k,
+                        column=column,
+                        angle=angle,
+                        meant=turn_text(meant),
+                    )
                 )
     return found
 

@@ -11,6 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from typing import TypeAlias
 
+from dh_to_urdf.messages import say
+
 Coefficient: TypeAlias = int | Fraction | float
 Monomial: TypeAlias = tuple[tuple[str, int], ...]
 """Symbols with their exponents, sorted by name."""
@@ -32,7 +34,7 @@ class Polynomial:
 
     def __init__(self, terms: Mapping[Monomial, Coefficient]) -> None:
         if len(terms) > MAX_TERMS:
-            raise TooManyTerms(f"an entry has over {MAX_TERMS} terms")
+            raise TooManyTerms(say("an entry has over {max_terms} terms", max_terms=MAX_TERMS))
         self.terms = terms
 
     @classmethod
@@ -81,7 +83,9 @@ class Polynomial:
 
     def __mul__(self, other: Polynomial) -> Polynomial:
         if len(self) * len(other) > MAX_PRODUCTS:
-            raise TooManyTerms(f"a product has over {MAX_PRODUCTS} terms")
+            raise TooManyTerms(
+                say("a product has over {max_products} terms", max_products=MAX_PRODUCTS)
+            )
         return Polynomial.collected(
             (multiplied(one, two), first * second) for one, first in self for two, second in other
         )

@@ -7,6 +7,7 @@ from itertools import combinations
 from math import comb
 from typing import TypeAlias
 
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import DHTable
 from kinematics.symbolic.arrange import expanded, folded, shortest_form
 from kinematics.symbolic.chain import Chain, Steps, chain_of
@@ -86,7 +87,10 @@ class Determinant:
     def notes(self) -> list[str]:
         """Return notes about it, in words."""
         zero = self.minors and all(minor.expression == Sum() for minor in self.minors)
-        return [self.note, "these rows of J are dependent in every configuration" if zero else ""]
+        return [
+            self.note,
+            say("these rows of J are dependent in every configuration") if zero else "",
+        ]
 
     @property
     def found(self) -> bool:
@@ -160,24 +164,29 @@ class Work:
         """Return the determinants to compute."""
         joints = tuple(dict.fromkeys(axis.joint for axis in self.chain.axes))
         if self.request.task is not None and self.request.task.own_axes:
-            note = (
-                f"the determinant is written for rows in base axes, and the task"
-                f" {self.request.task.name} counts turns about the frame's own axes"
+            own = say(
+                "the determinant is written for rows in base axes, and the task {task}"
+                " counts turns about the frame's own axes",
+                task=self.request.task.name,
             )
-            return Determinant(self.request.task.rows, joints, [], note)
+            return Determinant(self.request.task.rows, joints, [], own)
         if self.table.is_coupled:
-            note = "the determinant is written for joints that are all free"
-            return Determinant((), joints, [], note)
+            free = say("the determinant is written for joints that are all free")
+            return Determinant((), joints, [], free)
         rows, note = self.square_rows(len(joints))
         count = comb(len(joints), len(rows)) if 0 < len(rows) <= len(joints) else 0
         if note or not count:
-            return Determinant(rows, joints, [], note or "no joint moves this frame")
+            return Determinant(rows, joints, [], note or say("no joint moves this frame"))
         if count > MAX_MINORS:
-            note = f"det(J Jt) is the sum of the squares of {count} minors; over {MAX_MINORS}"
-            return Determinant(rows, joints, [], f"{note} are not written")
+            note = say(
+                "det(J Jt) is the sum of the squares of {count} minors; over {max_minors}",
+                count=count,
+                max_minors=MAX_MINORS,
+            )
+            return Determinant(rows, joints, [], say("{note} are not written", note=note))
         dropped = combinations(joints, len(joints) - len(rows))
         if count > 1:
-            note = "J is not square: det(J Jt) is the sum of the squares of these minors"
+            note = say("J is not square: det(J Jt) is the sum of the squares of these minors")
         return Determinant(rows, joints, [Minor(without) for without in dropped], note)
 
     def look(self, found: Determinant) -> None:
@@ -227,8 +236,12 @@ class Work:
             rows = self.request.task.rows
             if joints < len(rows):
                 return rows, (
-                    f"the task has {len(rows)} rows and J {joints} columns: give a task of at most"
-                    f" {joints} rows"
+                    say(
+                        "the task has {count} rows and J {joints} columns: give a task of at"
+                        " most {joints} rows",
+                        count=len(rows),
+                        joints=joints,
+                    )
                 )
             return rows, ""
         columns = self.jacobian(self.request.base)
@@ -239,8 +252,12 @@ class Work:
         if len(linear) == joints:
             return linear, ""
         return rows, (
-            f"J has {len(rows)} rows and {joints} columns: give a task of {joints} rows for a"
-            " determinant"
+            say(
+                "J has {count} rows and {joints} columns: give a task of {joints} rows"
+                " for a determinant",
+                count=len(rows),
+                joints=joints,
+            )
         )
 
     def _pose(self) -> Pose:

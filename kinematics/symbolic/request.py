@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from dh_to_urdf.errors import Location, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import DHTable
 from kinematics.errors import InvalidOption
 from kinematics.symbolic.chain import BASE, TOOL, path_to
@@ -93,20 +94,25 @@ def checked(table: DHTable, request: SymbolicRequest) -> SymbolicRequest:
     """
     if not request.quantities:
         raise InvalidOption(
-            f"quantities is empty; name some of {', '.join(Quantity)}, or all",
+            say(
+                "quantities is empty; name some of {quantity}, or all", quantity=", ".join(Quantity)
+            ),
             argument="quantities",
             known=tuple(Quantity),
         )
     if request.parameters not in PARAMETERS:
         raise InvalidOption(
-            f"parameters is {quoted(request.parameters)}; give numeric or symbolic",
+            say(
+                "parameters is {parameters}; give numeric or symbolic",
+                parameters=quoted(request.parameters),
+            ),
             argument="parameters",
             value=request.parameters,
             known=PARAMETERS,
         )
     if not (math.isfinite(request.time_budget) and request.time_budget > 0):
         raise InvalidOption(
-            "time_budget is not above 0; give seconds",
+            say("time_budget is not above 0; give seconds"),
             argument="time_budget",
             value=request.time_budget,
             lower=0.0,
@@ -132,7 +138,11 @@ def quantity_from(name: str, argument: str = "quantities", index: Location = ())
     """
     if name not in list(Quantity):
         raise InvalidOption(
-            f"quantity {quoted(name)} is unknown; {hint(name, tuple(Quantity))}",
+            say(
+                "quantity {name} is unknown; {hint}",
+                name=quoted(name),
+                hint=hint(name, tuple(Quantity)),
+            ),
             argument=argument,
             index=index,
             value=name,
@@ -149,7 +159,9 @@ def notation_from(name: str, argument: str = "format", index: Location = ()) -> 
     """
     if name not in list(Notation):
         raise InvalidOption(
-            f"format is {quoted(name)}; give {', '.join(Notation)}",
+            say(
+                "format is {name}; give {notation}", name=quoted(name), notation=", ".join(Notation)
+            ),
             argument=argument,
             index=index,
             value=name,
@@ -174,7 +186,7 @@ def check_symbols(table: DHTable, request: SymbolicRequest) -> None:
     """
     if len(request.symbols) > MAX_SYMBOLS:
         raise InvalidOption(
-            f"symbols holds over {MAX_SYMBOLS} names",
+            say("symbols holds over {max_symbols} names", max_symbols=MAX_SYMBOLS),
             argument="symbols",
             value=len(request.symbols),
             upper=MAX_SYMBOLS,
@@ -184,9 +196,15 @@ def check_symbols(table: DHTable, request: SymbolicRequest) -> None:
     chosen = dict(request.symbols)
     for default, name in request.symbols:
         if default not in values:
-            known = hint(default, tuple(values)) if values else "every length of the table is 0"
+            known = (
+                hint(default, tuple(values)) if values else say("every length of the table is 0")
+            )
             raise InvalidOption(
-                f"the table has no length {quoted(default)}; {known}",
+                say(
+                    "the table has no length {default}; {known}",
+                    default=quoted(default),
+                    known=known,
+                ),
                 argument="symbols",
                 index=(default,),
                 value=default,
@@ -194,8 +212,12 @@ def check_symbols(table: DHTable, request: SymbolicRequest) -> None:
             )
         if not is_usable(name):
             raise InvalidOption(
-                f"{quoted(name)} cannot name {default}; give letters and a number such as L1"
-                " (C1, S1, q1, t1, x1 and words of Python and C are taken)",
+                say(
+                    "{name} cannot name {default}; give letters and a number such as L1"
+                    " (C1, S1, q1, t1, x1 and words of Python and C are taken)",
+                    name=quoted(name),
+                    default=default,
+                ),
                 argument="symbols",
                 index=(default,),
                 value=name,
@@ -213,8 +235,15 @@ def _check_shared(lengths: Sequence[Length], chosen: Mapping[str, str], symbolic
         other, known = named.setdefault(name, (default, value))
         if known != value:
             raise InvalidOption(
-                f"{name} would name both {other} = {known:g} and {default} = {value:g}; give each"
-                " its own name",
+                say(
+                    "{name} would name both {other} = {known:g} and {default} = {value:g};"
+                    " give each its own name",
+                    name=name,
+                    other=other,
+                    known=known,
+                    default=default,
+                    value=value,
+                ),
                 argument="symbols",
                 index=(default if default in chosen else other,),
                 value=name,

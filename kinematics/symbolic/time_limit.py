@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
+from dh_to_urdf.messages import say
 from kinematics.symbolic.polynomial import TooManyTerms
 
 T = TypeVar("T")
@@ -29,16 +30,16 @@ def limited(seconds: float, call: Callable[[], T]) -> T:
         Unfinished: The time was up, memory was exhausted, or a polynomial exceeded its limit.
     """
     if seconds <= 0:
-        raise Unfinished("out of time")
+        raise Unfinished(say("out of time"))
     try:
         with _alarm(seconds):
             return call()
     except _Alarm:
-        raise Unfinished("out of time") from None
+        raise Unfinished(say("out of time")) from None
     except TooManyTerms as error:
         raise Unfinished(str(error)) from None
     except (MemoryError, RecursionError):
-        raise Unfinished("out of memory") from None
+        raise Unfinished(say("out of memory")) from None
 
 
 @contextmanager

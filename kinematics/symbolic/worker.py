@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from dh_to_urdf.messages import as_data
 
 if TYPE_CHECKING:
     from dh_to_urdf.table import DHTable
@@ -21,8 +23,16 @@ def prepare() -> Callable[[tuple[DHTable, SymbolicRequest]], Iterator[bytes]]:
     def work(task: tuple[DHTable, SymbolicRequest]) -> Iterator[bytes]:
         writing = Writing(*task)
         writing.plain()
-        yield json.dumps(writing.answer()).encode()
+        yield json.dumps(_with_messages(writing.answer())).encode()
         writing.simplify()
-        yield json.dumps(writing.answer()).encode()
+        yield json.dumps(_with_messages(writing.answer())).encode()
 
     return work
+
+
+def _with_messages(answer: dict[str, Any]) -> dict[str, Any]:
+    """Return an answer whose sentences keep what they are made of, through JSON."""
+    answer["notes"] = [as_data(note) for note in answer["notes"]]
+    if "listing" in answer:
+        answer["listing"] = as_data(answer["listing"])
+    return answer

@@ -11,6 +11,7 @@ from collections import OrderedDict
 from importlib.util import find_spec
 from typing import Any
 
+from dh_to_urdf.messages import from_data, say
 from dh_to_urdf.table import DHTable
 from kinematics.deadline import current
 from kinematics.errors import KinematicsError, WorkersBusy
@@ -33,7 +34,7 @@ class SymbolicUnavailable(KinematicsError):
     """SymPy is not installed."""
 
     def __init__(self) -> None:
-        super().__init__("SymPy is not installed here: pip install 'denavit[symbolic]'")
+        super().__init__(say("SymPy is not installed here: pip install 'denavit[symbolic]'"))
 
 
 class SymbolicWorkers:
@@ -75,6 +76,9 @@ class SymbolicWorkers:
         key = _key(table, request)
         line = self._known(key, request.time_budget) or self._made(table, request, key)
         answer: dict[str, Any] = json.loads(line)
+        answer["notes"] = [from_data(note) for note in answer["notes"]]
+        if "listing" in answer:
+            answer["listing"] = from_data(answer["listing"])
         return answer
 
     def _made(self, table: DHTable, request: SymbolicRequest, key: bytes) -> str:
@@ -91,10 +95,10 @@ class SymbolicWorkers:
             lines = session.call((table, request), limits, request.time_budget + GRACE_SECONDS)
         except TaskFailed as failed:
             _LOG.error("symbolic worker: %s", failed)
-            raise WorkersBusy("the symbolic worker failed on this table", 60.0) from None
+            raise WorkersBusy(say("the symbolic worker failed on this table"), 60.0) from None
         if not lines:
             current().check()  # the time of the whole request is up
-            raise WorkersBusy("the symbolic worker had no answer in time; ask again", 1.0)
+            raise WorkersBusy(say("the symbolic worker had no answer in time; ask again"), 1.0)
         return lines[-1].decode()
 
     def _known(self, key: bytes, budget: float) -> str | None:

@@ -6,6 +6,7 @@ import time
 from functools import partial
 from typing import Any
 
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import DHTable
 from kinematics.symbolic.check import Checker
 from kinematics.symbolic.inverse import Inverse, inverse_of, simplify_inverse
@@ -63,7 +64,9 @@ class Writing:
                 else:
                     self.entries.append(limited(left, partial(self._plain, quantity)))
             except Unfinished as reason:
-                self.left_out[quantity] = f"{quantity} is left out: {reason}"
+                self.left_out[quantity] = say(
+                    "{quantity} is left out: {reason}", quantity=quantity, reason=reason
+                )
         if self.request.notation in CODE:
             self._write_code(end - time.monotonic(), share=False)
 
@@ -154,7 +157,9 @@ class Writing:
             for minor in determinant.minors:
                 limited(end - time.monotonic(), partial(self.work.solve, minor))
         except Unfinished as reason:
-            self.left_out[Quantity.DET_JACOBIAN] = f"det_jacobian is not finished: {reason}"
+            self.left_out[Quantity.DET_JACOBIAN] = say(
+                "det_jacobian is not finished: {reason}", reason=reason
+            )
         self.checker.settle_signs(determinant)
 
     def _write_code(self, seconds: float, *, share: bool) -> None:
@@ -183,7 +188,11 @@ class Writing:
         found: dict[str, Any] = {}
         for entries in self.entries:
             if characters(entries, write) > MAX_CHARACTERS:
-                reason = f"{entries.quantity} is left out: over {MAX_CHARACTERS} characters"
+                reason = say(
+                    "{quantity} is left out: over {max_characters} characters",
+                    quantity=entries.quantity,
+                    max_characters=MAX_CHARACTERS,
+                )
                 self.left_out[entries.quantity] = reason
                 found[entries.quantity.value] = None
                 continue

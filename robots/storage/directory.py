@@ -18,6 +18,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
+from dh_to_urdf.messages import say
 from robots.errors import StorageUnavailable
 from robots.storage.durable import storage_errors, sync_directory
 from robots.storage.quarantine import Quarantine
@@ -27,7 +28,7 @@ from robots.storage.write_transaction import WriteTransaction, counted
 
 PATIENCE: Final = 4.0
 """Seconds that a writer waits for the lock; a change takes milliseconds."""
-_BUSY: Final = "another process has been writing robots for too long"
+_BUSY: Final = say("another process has been writing robots for too long")
 _LOCK_FLAGS = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 
 
@@ -60,7 +61,7 @@ class RobotDirectory:
         except (FileNotFoundError, NotADirectoryError):
             return None
         except OSError:
-            raise StorageUnavailable("the stored robots cannot be read now") from None
+            raise StorageUnavailable(say("the stored robots cannot be read now")) from None
 
     def ids(self) -> tuple[str, ...]:
         """Return the ids that have a file, sorted; the same tuple as long as none comes or goes.
@@ -129,7 +130,7 @@ class RobotDirectory:
             try:
                 status = os.fstat(descriptor)
                 if not stat.S_ISREG(status.st_mode):
-                    raise OSError(errno.EINVAL, "the lock is no file")
+                    raise OSError(errno.EINVAL, say("the lock is no file"))
                 _wait_for_lock(descriptor, until)
                 # Not a file that was removed meanwhile: others would lock its successor.
                 with suppress(FileNotFoundError):

@@ -11,6 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
+from dh_to_urdf.messages import say
 from robots.errors import StorageFull, StorageUnavailable
 
 LEFTOVER: Final = ".tmp"
@@ -33,12 +34,12 @@ def storage_errors() -> Iterator[None]:
         if error.errno in _FULL:
             raise StorageFull from None
         if error.errno in _READ_ONLY:
-            fault = "the data directory of the service is not writable"
+            fault = say("the data directory of the service is not writable")
         elif error.errno in _SHORT:
-            fault = "the service has too many files open or too little memory"
+            fault = say("the service has too many files open or too little memory")
         else:
-            name = errno.errorcode.get(error.errno or 0, "an error")
-            fault = f"the data directory of the service cannot be used ({name})"
+            name = errno.errorcode.get(error.errno or 0) or say("an error")
+            fault = say("the data directory of the service cannot be used ({name})", name=name)
         raise StorageUnavailable(fault) from None
 
 

@@ -18,6 +18,7 @@ from typing import Any, Final
 
 from dh_to_urdf import read_mapping
 from dh_to_urdf.documents.writing import table_to_mapping
+from dh_to_urdf.messages import as_data, from_data, say
 from robots.errors import RobotTooLarge, StorageUnavailable
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 
@@ -58,11 +59,11 @@ class UnusableFile(Exception):
 
 
 FAULTS: Final = {
-    "empty": "was found empty",
-    "checksum": "was found damaged (it fails its checksum)",
-    "foreign": "was found to be something else than a file",
-    "size": "was found damaged (it is larger than any robot)",
-    "content": "was found damaged (it holds no robot)",
+    "empty": say("was found empty"),
+    "checksum": say("was found damaged (it fails its checksum)"),
+    "foreign": say("was found to be something else than a file"),
+    "size": say("was found damaged (it is larger than any robot)"),
+    "content": say("was found damaged (it holds no robot)"),
 }
 """Predicate of each reason of a :class:`BrokenFile`."""
 
@@ -95,10 +96,22 @@ def encode(robot: Robot, maker: str | None = None) -> bytes:
         document.update(table=table_to_mapping(robot.table), doubts=list(robot.doubts))
     else:
         document.update(urdf=robot.urdf, base=robot.base_frame, tip=robot.tip_frame)
+    # Beside the English sentences, which any version reads, what they are made of.
+    said = {
+        name: [as_data(one) for one in document.get(name, ())] for name in ("warnings", "doubts")
+    }
+    if any(said.values()):
+        document["messages"] = said
     body = b"\n".join(json.dumps(part, ensure_ascii=False).encode() for part in (head, document))
     content = hashlib.sha256(body).hexdigest().encode() + b"\n" + body
     if len(content) > MAX_FILE_BYTES:
-        raise RobotTooLarge(f"the robot takes {len(content)} bytes; at most {MAX_FILE_BYTES}")
+        raise RobotTooLarge(
+            say(
+                "the robot takes {count} bytes; at most {max_file_bytes}",
+                count=len(content),
+                max_file_bytes=MAX_FILE_BYTES,
+            )
+        )
     return content
 
 
@@ -162,7 +175,7 @@ def decode(content: bytes) -> Robot:
     try:
         return _robot_of(json.loads(head if body is None else body))
     except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
-        raise UnusableFile("holds a robot that this version of the service refuses") from None
+        raise UnusableFile(say("holds a robot that this version of the service refuses")) from None
 
 
 def maker_in(content: bytes) -> str | None:
@@ -174,10 +187,10 @@ def maker_in(content: bytes) -> str | None:
 
 def _unread(path: Path, error: OSError) -> Exception:
     if error.errno in _SHORT_OF or not os.access(path.parent, os.X_OK):
-        return StorageUnavailable("the stored robots cannot be read now")
+        return StorageUnavailable(say("the stored robots cannot be read now"))
     if error.errno in (errno.ELOOP, errno.ENXIO, errno.EISDIR, errno.ENODEV):
         return BrokenFile("foreign")
-    return UnusableFile("cannot be read")
+    return UnusableFile(say("cannot be read"))
 
 
 def _parts(content: bytes) -> tuple[bytes, bytes | None]:
@@ -194,7 +207,7 @@ def _head(line: bytes) -> FileHead:
     try:
         head = json.loads(line)
         if head["format"] != FORMAT:
-            raise UnusableFile("was written by another version of the service")
+            raise UnusableFile(say("was written by another version of the service"))
         return FileHead(str(head["kind"]), str(head["title"]), int(head["dof"]))
     except (LookupError, RecursionError, TypeError, ValueError):
         raise BrokenFile("content") from None
@@ -204,11 +217,12 @@ def _robot_of(document: Any) -> Robot:
     if not isinstance(document, dict):
         raise TypeError("a robot is an object")
     if document.get("format", 1) != 1:
-        raise UnusableFile("was written by another version of the service")
-    warnings = tuple(document["warnings"])
+        raise UnusableFile(say("was written by another version of the service"))
+    said = document.get("messages", document)
+    warnings = tuple(from_data(one) for one in said["warnings"])
     if document["kind"] == "dh":
         table = read_mapping(document["table"])
-        doubts = tuple(document.get("doubts", table.doubts))
+        doubts = tuple(from_data(one) for one in said.get("doubts", table.doubts))
         return robot_from_table(replace(table, warnings=warnings, doubts=doubts))
     return robot_from_urdf(
         document["urdf"], base=document["base"], tip=document["tip"], warnings=warnings

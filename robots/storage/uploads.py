@@ -12,6 +12,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Final, TypeAlias, TypeVar
 
+from dh_to_urdf.messages import say
 from robots.errors import DAMAGED, DamagedRobot, StorageError
 from robots.revisions import ANY
 from robots.storage.directory import RobotDirectory
@@ -32,7 +33,7 @@ from robots.stored_robot import RobotSummary, StoredRobot
 
 T = TypeVar("T")
 UploadMemory: TypeAlias = RobotMemory[tuple[Signature, StoredRobot]]
-_UNKNOWN: Final = "was found damaged"
+_UNKNOWN: Final = say("was found damaged")
 _PATIENCE: Final = 1.0
 """Seconds that a reader waits for the lock to move a broken file."""
 

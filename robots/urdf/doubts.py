@@ -6,14 +6,15 @@ from collections.abc import Sequence
 
 from dh_to_urdf.cells.doubts import Doubts, Remedies
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import chained, say
 from robots.urdf.description import URDFJoint
 from robots.urdf.values import Element
 
 _REMEDIES = Remedies(
-    "a URDF is in rad: write 1.5707963267948966 for 90°",
-    "a URDF is in rad",
-    "a URDF is in m: write 0.3 for 300 mm",
-    "a URDF is in m",
+    say("a URDF is in rad: write 1.5707963267948966 for 90°"),
+    say("a URDF is in rad"),
+    say("a URDF is in m: write 0.3 for 300 mm"),
+    say("a URDF is in m"),
 )
 _TOLD = 3
 """Joints that a warning names."""
@@ -27,18 +28,22 @@ def doubts_of(joints: Sequence[URDFJoint]) -> tuple[str, ...]:
     """
     doubts = Doubts(_REMEDIES)
     for joint in joints:
-        where = f"joint {quoted(joint.name, 64)}"
+        where = say("joint {joint}", joint=quoted(joint.name, 64))
         for name, angle in zip(("roll", "pitch", "yaw"), joint.origin.rpy, strict=True):
-            doubts.angle(angle, f"{name} of {where}")
+            doubts.angle(angle, say("{name} of {where}", name=name, where=where))
         for name, length in zip("xyz", joint.origin.xyz, strict=True):
-            doubts.length(length, f"{name} of {where}")
+            doubts.length(length, say("{name} of {where}", name=name, where=where))
         for name, limit in (("lower", joint.lower), ("upper", joint.upper)):
             if limit is None:
                 continue
             if joint.type == "prismatic":
-                doubts.length(limit, f"{name} limit of {where}", limit=True)
+                doubts.length(
+                    limit, say("{name} limit of {where}", name=name, where=where), limit=True
+                )
             else:
-                doubts.angle(limit, f"{name} limit of {where}", limit=True)
+                doubts.angle(
+                    limit, say("{name} limit of {where}", name=name, where=where), limit=True
+                )
     return doubts.sentences()
 
 
@@ -55,13 +60,24 @@ def limits_left_out(joints: Sequence[URDFJoint], elements: Sequence[Element]) ->
         if joint.type == "continuous" and limit is not None:
             lower, upper = limit.get("lower"), limit.get("upper")
             if (lower, upper) != (None, None) and not _no_range(lower, upper):
-                found.append(f"{quoted(joint.name, 64)} ({lower or 'none'} to {upper or 'none'})")
+                found.append(
+                    say(
+                        "{joint} ({lower} to {upper})",
+                        joint=quoted(joint.name, 64),
+                        lower=lower or say("none"),
+                        upper=upper or say("none"),
+                    )
+                )
     if not found:
         return ()
-    more = f" and {len(found) - _TOLD} more" if len(found) > _TOLD else ""
+    more = say(" and {count} more", count=len(found) - _TOLD) if len(found) > _TOLD else ""
     return (
-        "lower and upper limits of continuous joints are left out, as URDF says:"
-        f" {', '.join(found[:_TOLD])}{more}; make them revolute to keep the limits",
+        say(
+            "lower and upper limits of continuous joints are left out, as URDF"
+            " says: {found}{more}; make them revolute to keep the limits",
+            found=chained(", ", found[:_TOLD]),
+            more=more,
+        ),
     )
 
 

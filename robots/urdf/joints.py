@@ -8,6 +8,7 @@ from collections.abc import Collection
 from lxml import etree
 
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.writer import UNBOUNDED
 from robots.errors import InvalidURDF
 from robots.urdf.description import MOVING_TYPES, Triple, URDFJoint
@@ -36,14 +37,22 @@ def read_joint(element: Element, robot: Element, links: Collection[str]) -> URDF
     Raises:
         InvalidURDF: With the joint's name, what is wrong and what to write.
     """
-    name = name_of(element, "a <joint>")
-    where = f"joint {name!r}"
+    name = name_of(element, say("a <joint>"))
+    where = say("joint {name!r}", name=name)
     if name == "universe":
-        raise InvalidURDF(f"{where}: Pinocchio keeps this name for itself; give it another")
+        raise InvalidURDF(
+            say("{where}: Pinocchio keeps this name for itself; give it another", where=where)
+        )
     type_ = _type(element, where)
     parent, child = (_end(element, role, links, where) for role in ("parent", "child"))
     if parent == child:
-        raise InvalidURDF(f"{where} joins link {parent!r} to itself; a robot is a tree")
+        raise InvalidURDF(
+            say(
+                "{where} joins link {parent!r} to itself; a robot is a tree",
+                where=where,
+                parent=parent,
+            )
+        )
     origin = origin_of(element, where)
     twin = etree.SubElement(robot, "joint", name=name, type=type_)
     etree.SubElement(twin, "parent", link=parent)
@@ -61,16 +70,27 @@ def _type(element: Element, where: str) -> str:
     type_ = element.get("type")
     if type_ in ("floating", "planar"):
         raise InvalidURDF(
-            f"{where}: type {type_} is not supported; write it as revolute and prismatic"
-            " joints, or as fixed"
+            say(
+                "{where}: type {type} is not supported; write it as revolute and"
+                " prismatic joints, or as fixed",
+                where=where,
+                type=type_,
+            )
         )
     if type_ is None:
         raise InvalidURDF(
-            f"{where}: its type is missing; give revolute, prismatic, continuous or fixed"
+            say(
+                "{where}: its type is missing; give revolute, prismatic, continuous or fixed",
+                where=where,
+            )
         )
     if type_ not in (*MOVING_TYPES, "fixed"):
         raise InvalidURDF(
-            f"{where}: its type is {quoted(type_)}; give revolute, prismatic, continuous or fixed"
+            say(
+                "{where}: its type is {type}; give revolute, prismatic, continuous or fixed",
+                where=where,
+                type=quoted(type_),
+            )
         )
     return type_
 
@@ -79,11 +99,18 @@ def _end(element: Element, role: str, links: Collection[str], where: str) -> str
     end = element.find(role)
     link = end.get("link") if end is not None else None
     if link is None:
-        raise InvalidURDF(f"{where}: <{role} link=…> is missing; give it")
+        raise InvalidURDF(
+            say("{where}: <{role} link=…> is missing; give it", where=where, role=role)
+        )
     if link not in links:
         raise InvalidURDF(
-            f"{where}: its {role} link {quoted(link, 64)} does not exist; add a <link> of this"
-            " name, or mend the name"
+            say(
+                "{where}: its {role} link {link} does not exist; add a <link> of this"
+                " name, or mend the name",
+                where=where,
+                role=role,
+                link=quoted(link, 64),
+            )
         )
     return link
 
@@ -95,7 +122,9 @@ def _axis(element: Element, where: str) -> Triple:
     x, y, z = numbers(axis, "xyz", 3, where, "1 0 0")
     norm = math.sqrt(x * x + y * y + z * z)
     if norm < _SHORTEST_AXIS:
-        raise InvalidURDF(f"{where}: its axis is zero; give a direction such as 0 0 1")
+        raise InvalidURDF(
+            say("{where}: its axis is zero; give a direction such as 0 0 1", where=where)
+        )
     if abs(norm - 1.0) <= 1e-15:
         return x, y, z
     return x / norm, y / norm, z / norm
@@ -109,26 +138,45 @@ def _limits(
         if type_ == "continuous":
             return None, None, None, None
         raise InvalidURDF(
-            f"{where}: a {type_} joint needs <limit lower upper effort velocity>; add it"
-            + (", or make the joint continuous" if type_ == "revolute" else "")
+            say(
+                "{where}: a {type} joint needs <limit lower upper effort velocity>; add it",
+                where=where,
+                type=type_,
+            )
+            + (say(", or make the joint continuous") if type_ == "revolute" else "")
         )
     values: dict[str, float] = {}
     for key in ("effort", "velocity"):
         if limit.get(key) is None and type_ != "continuous":
-            raise InvalidURDF(f"{where}: <limit> lacks {key}, which URDF requires; add it")
+            raise InvalidURDF(
+                say(
+                    "{where}: <limit> lacks {key}, which URDF requires; add it",
+                    where=where,
+                    key=key,
+                )
+            )
         if limit.get(key) is not None:
             values[key] = _limit(limit, key, where)
             if values[key] < 0:
                 raise InvalidURDF(
-                    f"{where}: limit {key} {values[key]:g} is negative; give its magnitude"
+                    say(
+                        "{where}: limit {key} {value:g} is negative; give its magnitude",
+                        where=where,
+                        key=key,
+                        value=values[key],
+                    )
                 )
     for key in ("lower", "upper"):
         if limit.get(key) is not None:
             values[key] = _limit(limit, key, where)
         elif type_ != "continuous":
             raise InvalidURDF(
-                f"{where}: <limit> lacks {key} (readers would take 0 and freeze the joint);"
-                " give lower and upper"
+                say(
+                    "{where}: <limit> lacks {key} (readers would take 0 and freeze the"
+                    " joint); give lower and upper",
+                    where=where,
+                    key=key,
+                )
             )
     if type_ == "continuous":
         # URDF: the bounds of a continuous joint have no meaning.
@@ -136,8 +184,12 @@ def _limits(
         values.pop("upper", None)
     elif values["lower"] > values["upper"]:
         raise InvalidURDF(
-            f"{where}: lower limit {values['lower']:g} is above upper {values['upper']:g};"
-            " swap them"
+            say(
+                "{where}: lower limit {value:g} is above upper {value_2:g}; swap them",
+                where=where,
+                value=values["lower"],
+                value_2=values["upper"],
+            )
         )
     if values:
         written = {"effort": UNBOUNDED, "velocity": UNBOUNDED} | values

@@ -8,6 +8,7 @@ import numpy as np
 from lxml import etree
 
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import plural, say
 from robots.errors import InvalidURDF, RobotTooLarge
 from robots.urdf.limits import MAX_MATERIALS, MAX_SHAPES
 from robots.urdf.mesh_names import portable_name
@@ -54,11 +55,15 @@ class LinkReader:
         elements = source.findall("material")
         if len(elements) > MAX_MATERIALS:
             raise RobotTooLarge(
-                f"the robot has {len(elements)} materials; at most {MAX_MATERIALS} are read"
+                say(
+                    "the robot has {count} materials; at most {max_materials} are read",
+                    count=len(elements),
+                    max_materials=MAX_MATERIALS,
+                )
             )
         for element in elements:
-            name = name_of(element, "a <material>")
-            where = f"material {name!r}"
+            name = name_of(element, say("a <material>"))
+            where = say("material {name!r}", name=name)
             if element.find("color") is not None and name not in self.materials:
                 self.materials.add(name)
                 twin = etree.SubElement(self.robot, "material", name=name)
@@ -66,8 +71,8 @@ class LinkReader:
 
     def read(self, element: Element) -> str:
         """Read a link and return its name."""
-        name = name_of(element, "a <link>")
-        where = f"link {name!r}"
+        name = name_of(element, say("a <link>"))
+        where = say("link {name!r}", name=name)
         twin = etree.SubElement(self.robot, "link", name=name)
         inertial = element.find("inertial")
         if inertial is not None:
@@ -82,29 +87,49 @@ class LinkReader:
         found = []
         if self.foreign_meshes:
             found.append(
-                f"meshes of {_some(self.foreign_meshes)} are left out; a mesh is kept whose name is"
-                " package://… or a path below the URDF's own"
+                say(
+                    "meshes of {foreign_meshes} are left out; a mesh is kept whose name is"
+                    " package://… or a path below the URDF's own",
+                    foreign_meshes=_some(self.foreign_meshes),
+                )
             )
         if self.odd_inertias:
             found.append(
-                f"the inertia of {_some(self.odd_inertias)} is not positive semi-definite, so no"
-                " body has it; kinematics does not use it"
+                say(
+                    "the inertia of {odd_inertias} is not positive semi-definite, so no"
+                    " body has it; kinematics does not use it",
+                    odd_inertias=_some(self.odd_inertias),
+                )
             )
         return tuple(found)
 
     def _inertial(self, element: Element, link: Element, name: str, where: str) -> None:
         mass, inertia = element.find("mass"), element.find("inertia")
         if mass is None or inertia is None:
-            raise InvalidURDF(f"{where}: <inertial> needs <mass> and <inertia>; add or remove them")
+            raise InvalidURDF(
+                say(
+                    "{where}: <inertial> needs <mass> and <inertia>; add or remove them",
+                    where=where,
+                )
+            )
         origin = origin_of(element, where)
         value = number(mass, "value", where)
         if value < 0:
-            raise InvalidURDF(f"{where}: mass {value:g} is negative; give the mass in kg")
+            raise InvalidURDF(
+                say(
+                    "{where}: mass {value:g} is negative; give the mass in kg",
+                    where=where,
+                    value=value,
+                )
+            )
         moments = tuple(number(inertia, key, where) for key in _MOMENTS)
         xx, xy, xz, yy, yz, zz = moments
         if min(xx, yy, zz) < -_ROUNDING:
             raise InvalidURDF(
-                f"{where}: a moment of inertia (ixx, iyy or izz) is negative; give it in kg m²"
+                say(
+                    "{where}: a moment of inertia (ixx, iyy or izz) is negative; give it in kg m²",
+                    where=where,
+                )
             )
         principal = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         if principal[0] < -_ROUNDING * max(principal[2], 1.0):
@@ -119,9 +144,21 @@ class LinkReader:
         geometry = element.find("geometry")
         forms = [] if geometry is None else [f for f in geometry if f.tag in (*_SIZES, "mesh")]
         if not forms:
-            raise InvalidURDF(f"{where}: a <{kind}> has no geometry; add it or remove the <{kind}>")
+            raise InvalidURDF(
+                say(
+                    "{where}: a <{kind}> has no geometry; add it or remove the <{kind}>",
+                    where=where,
+                    kind=kind,
+                )
+            )
         if len(forms) > 1:
-            raise InvalidURDF(f"{where}: a <{kind}> has two geometries; write two <{kind}>")
+            raise InvalidURDF(
+                say(
+                    "{where}: a <{kind}> has two geometries; write two <{kind}>",
+                    where=where,
+                    kind=kind,
+                )
+            )
         form = forms[0]
         tag = str(form.tag)
         origin = origin_of(element, where)
@@ -131,7 +168,12 @@ class LinkReader:
             return
         twin = etree.SubElement(link, kind)
         if element.get("name", "").strip():
-            twin.set("name", checked_name(element.get("name", ""), f"{where}: a <{kind}>"))
+            twin.set(
+                "name",
+                checked_name(
+                    element.get("name", ""), say("{where}: a <{kind}>", where=where, kind=kind)
+                ),
+            )
         write_origin(origin, twin)
         etree.SubElement(etree.SubElement(twin, "geometry"), tag, written)
         material = element.find("material")
@@ -142,7 +184,7 @@ class LinkReader:
         """Return the attributes of a mesh; None where its file name is not to be handed on."""
         filename = form.get("filename")
         if filename is None:
-            raise InvalidURDF(f"{where}: filename of <mesh> is missing; give it")
+            raise InvalidURDF(say("{where}: filename of <mesh> is missing; give it", where=where))
         scale = numbers(form, "scale", 3, where, "1 1 1")
         portable = portable_name(filename)
         if portable is None:
@@ -154,13 +196,20 @@ class LinkReader:
         for key, count in _SIZES[tag].items():
             values = numbers(form, key, count, where)
             if min(values) < 0:
-                raise InvalidURDF(f"{where}: {key} of <{tag}> is negative; give its size in m")
+                raise InvalidURDF(
+                    say(
+                        "{where}: {key} of <{tag}> is negative; give its size in m",
+                        where=where,
+                        key=key,
+                        tag=tag,
+                    )
+                )
             written[key] = text_of(values)
         return written
 
     def _material(self, element: Element, visual: Element, where: str) -> None:
         """Return a material that has a colour here or among the declared ones."""
-        name = checked_name(element.get("name", ""), f"{where}: a <material>")
+        name = checked_name(element.get("name", ""), say("{where}: a <material>", where=where))
         if element.find("color") is not None:
             self._color(element, etree.SubElement(visual, "material", name=name), where)
         elif name in self.materials:
@@ -182,16 +231,19 @@ def check_shapes(links: list[Element]) -> None:
     shapes = sum(child.tag in ("visual", "collision") for link in links for child in link)
     if shapes > MAX_SHAPES:
         raise RobotTooLarge(
-            f"the robot has {shapes} visual and collision shapes; at most {MAX_SHAPES} are read"
+            say(
+                "the robot has {shapes} visual and collision shapes; at most {max_shapes} are read",
+                shapes=shapes,
+                max_shapes=MAX_SHAPES,
+            )
         )
 
 
 def _some(names: list[str]) -> str:
     """Return the first few of the links, for a message."""
     unique = tuple(dict.fromkeys(names))
-    more = f" and {len(unique) - 3} more" if len(unique) > 3 else ""
-    return (
-        ("links " if len(unique) > 1 else "link ")
-        + ", ".join(quoted(name) for name in unique[:3])
-        + more
+    more = say(" and {count} more", count=len(unique) - 3) if len(unique) > 3 else ""
+    shown = ", ".join(quoted(name) for name in unique[:3])
+    return plural(
+        "link {names}{more}", "links {names}{more}", count=len(unique), names=shown, more=more
     )

@@ -9,6 +9,7 @@ from lxml import etree
 
 from dh_to_urdf import JointType, Limits
 from dh_to_urdf.couplings import CouplingError, MovingJoint, joint_map
+from dh_to_urdf.messages import say
 from dh_to_urdf.table import Mimic
 from dh_to_urdf.writer import UNBOUNDED
 from robots.errors import InvalidURDF
@@ -40,10 +41,12 @@ def read_mimics(
         if mimic is None:
             found.append(joint)
             continue
-        where = f"joint {joint.name!r}"
+        where = say("joint {joint!r}", joint=joint.name)
         other = mimic.get("joint")
         if other is None:
-            raise InvalidURDF(f"{where}: <mimic> lacks the name of a joint; give joint=…")
+            raise InvalidURDF(
+                say("{where}: <mimic> lacks the name of a joint; give joint=…", where=where)
+            )
         multiplier = number(mimic, "multiplier", where, "1")
         offset = number(mimic, "offset", where, "0")
         if joint.type == "fixed":

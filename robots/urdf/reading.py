@@ -5,6 +5,7 @@ from __future__ import annotations
 from lxml import etree
 
 from dh_to_urdf.look_alikes import look_alikes
+from dh_to_urdf.messages import say
 from robots.errors import InvalidURDF, RobotTooLarge
 from robots.urdf.description import MOVING_TYPES, URDFDescription
 from robots.urdf.doubts import doubts_of, limits_left_out
@@ -36,7 +37,7 @@ def read_urdf(text: str | bytes) -> URDFDescription:
     source = parse(decode(text))
     mended = tidy(source)
     left_out = check_structure(source)
-    name = name_of(source, "the root element")
+    name = name_of(source, say("the root element"))
     link_elements, joint_elements = source.findall("link"), source.findall("joint")
     _check_sizes(link_elements, joint_elements)
     robot = etree.Element("robot", name=name)
@@ -50,7 +51,7 @@ def read_urdf(text: str | bytes) -> URDFDescription:
     root = check_tree(links, joints)
     joints = read_mimics(joints, joint_elements, robot)
     if not any(joint.type != "fixed" for joint in joints):
-        raise InvalidURDF("the robot has no joint that moves; give it one")
+        raise InvalidURDF(say("the robot has no joint that moves; give it one"))
     doubts = doubts_of(joints)
     unused = (
         *mended,
@@ -60,8 +61,8 @@ def read_urdf(text: str | bytes) -> URDFDescription:
     )
     told = (
         *doubts,
-        *look_alikes("joints", [joint.name for joint in joints]),
-        *look_alikes("links", links),
+        *look_alikes(say("joints"), [joint.name for joint in joints]),
+        *look_alikes(say("links"), links),
     )
     return URDFDescription(
         name=name,
@@ -78,14 +79,32 @@ def read_urdf(text: str | bytes) -> URDFDescription:
 def _check_sizes(links: list[Element], joints: list[Element]) -> None:
     """Refuse what is too large, before anything of it is read."""
     if not links:
-        raise InvalidURDF("the robot has no <link>; a URDF has one a body")
+        raise InvalidURDF(say("the robot has no <link>; a URDF has one a body"))
     if len(links) > MAX_LINKS:
-        raise RobotTooLarge(f"the robot has {len(links)} links; at most {MAX_LINKS} are computed")
+        raise RobotTooLarge(
+            say(
+                "the robot has {count} links; at most {max_links} are computed",
+                count=len(links),
+                max_links=MAX_LINKS,
+            )
+        )
     if len(joints) > MAX_LINKS:
-        raise RobotTooLarge(f"the robot has {len(joints)} joints; at most {MAX_LINKS} are computed")
+        raise RobotTooLarge(
+            say(
+                "the robot has {count} joints; at most {max_links} are computed",
+                count=len(joints),
+                max_links=MAX_LINKS,
+            )
+        )
     moving = sum(element.get("type") in MOVING_TYPES for element in joints)
     if moving > MAX_DOF:
-        raise RobotTooLarge(f"the robot has {moving} joints; at most {MAX_DOF} are computed")
+        raise RobotTooLarge(
+            say(
+                "the robot has {moving} joints; at most {max_dof} are computed",
+                moving=moving,
+                max_dof=MAX_DOF,
+            )
+        )
     check_shapes(links)
 
 
@@ -94,8 +113,11 @@ def _written(robot: Element) -> str:
     text = f'<?xml version="1.0"?>\n{etree.tostring(robot, encoding="unicode")}\n'
     if len(text.encode()) > MAX_BYTES:
         raise RobotTooLarge(
-            f"the URDF has over {MAX_BYTES} bytes when its numbers are written out; leave out"
-            " shapes"
+            say(
+                "the URDF has over {max_bytes} bytes when its numbers are written out;"
+                " leave out shapes",
+                max_bytes=MAX_BYTES,
+            )
         )
     return text
 
@@ -104,4 +126,4 @@ def _left_out(kinds: tuple[str, ...]) -> tuple[str, ...]:
     if not kinds:
         return ()
     shown = ", ".join(f"<{kind}>" for kind in kinds[:8]) + (", …" if len(kinds) > 8 else "")
-    return (f"left out, since kinematics does not use it: {shown}",)
+    return (say("left out, since kinematics does not use it: {shown}", shown=shown),)

@@ -14,8 +14,10 @@ from functools import lru_cache
 from lxml import etree
 
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from robots.errors import InvalidURDF
 from robots.urdf.markup import shown_tag
+from robots.urdf.values import label_of
 
 _MANY = 1_000_000
 _CHILDREN: dict[str, dict[str, int]] = {
@@ -48,8 +50,8 @@ _OF_NO_ACCOUNT = ("verbose", "origin", "material", "contact_coefficients")
 _READ = {tag for children in _CHILDREN.values() for tag in children} | {"robot"}
 _MAX_LEFT_OUT = 20
 _NOT_DONE = {
-    "include": "put the elements of that file in its place",
-    "loop_joint": "a robot is a tree; cut its loops",
+    "include": say("put the elements of that file in its place"),
+    "loop_joint": say("a robot is a tree; cut its loops"),
 }
 """Elements without which it would be another robot, and the remedy."""
 _XACRO = "http://www.ros.org/wiki/xacro"
@@ -69,11 +71,14 @@ def check_structure(robot: etree._Element) -> tuple[str, ...]:
     """
     if robot.tag != "robot":
         raise InvalidURDF(
-            f"the root element is <{shown_tag(robot)}>; a URDF starts with <robot name=…>"
-            + (" without a prefix" if str(robot.tag).endswith("}robot") else "")
+            say(
+                "the root element is <{robot}>; a URDF starts with <robot name=…>",
+                robot=shown_tag(robot),
+            )
+            + (say(" without a prefix") if str(robot.tag).endswith("}robot") else "")
         )
     left_out: dict[str, None] = {}
-    for element, where in _walk(robot, "the robot"):
+    for element, where in _walk(robot, say("the robot")):
         tag = str(element.tag)
         known = _CHILDREN.get(tag, {})
         _refuse_text(element, where)
@@ -84,15 +89,26 @@ def check_structure(robot: etree._Element) -> tuple[str, ...]:
             counts[name] = counts.get(name, 0) + 1
             if name in known:
                 if counts[name] > known[name]:
-                    raise InvalidURDF(f"{where} has two <{name}> in <{tag}>; keep one")
+                    raise InvalidURDF(
+                        say(
+                            "{where} has two <{name}> in <{tag}>; keep one",
+                            where=where,
+                            name=name,
+                            tag=tag,
+                        )
+                    )
                 continue
             _check_left_out(child, tag, where)
             if name not in _OF_NO_ACCOUNT:
                 left_out[shown_tag(child)] = None
             if len(left_out) > _MAX_LEFT_OUT:
                 raise InvalidURDF(
-                    f"the URDF has over {_MAX_LEFT_OUT} kinds of elements that are unknown, such as"
-                    f" <{shown_tag(child)}>; remove them"
+                    say(
+                        "the URDF has over {max_left_out} kinds of elements that are unknown,"
+                        " such as <{child}>; remove them",
+                        max_left_out=_MAX_LEFT_OUT,
+                        child=shown_tag(child),
+                    )
                 )
     return tuple(left_out)
 
@@ -108,7 +124,8 @@ def _walk(element: etree._Element, where: str) -> Iterator[tuple[etree._Element,
 
 def _label(element: etree._Element) -> str:
     name = element.get("name")
-    return f"{element.tag} {quoted(name, 64)}" if name is not None else f"a <{element.tag}>"
+    tag = str(element.tag)
+    return label_of(tag, name) if name is not None else say("a <{tag}>", tag=tag)
 
 
 def _refuse_text(element: etree._Element, where: str) -> None:
@@ -116,8 +133,12 @@ def _refuse_text(element: etree._Element, where: str) -> None:
     stray = next((text.strip() for text in texts if text and text.strip()), None)
     if stray is not None:
         raise InvalidURDF(
-            f"{where} holds the text {quoted(stray, 24)} in <{element.tag}>; remove it, or mend"
-            " the tag that it was"
+            say(
+                "{where} holds the text {stray} in <{tag}>; remove it, or mend the tag that it was",
+                where=where,
+                stray=quoted(stray, 24),
+                tag=element.tag,
+            )
         )
 
 
@@ -126,8 +147,13 @@ def _check_attributes(element: etree._Element, where: str) -> None:
     for key in element.keys() if known is not None else ():
         if known is not None and key not in known:
             raise InvalidURDF(
-                f"{where}: <{element.tag}> has an attribute {quoted(str(key))}; known are"
-                f" {', '.join(known)}"
+                say(
+                    "{where}: <{tag}> has an attribute {key}; known are {known}",
+                    where=where,
+                    tag=element.tag,
+                    key=quoted(str(key)),
+                    known=", ".join(known),
+                )
             )
 
 
@@ -139,8 +165,12 @@ def _check_left_out(child: etree._Element, parent: str, where: str) -> None:
     hidden = next(child.iter("link", "joint"), None)
     if hidden is not None:
         raise InvalidURDF(
-            f"{where}: <{shown_tag(child)}> holds a <{hidden.tag}>; put that into <robot>, or"
-            f" remove <{shown_tag(child)}>"
+            say(
+                "{where}: <{child}> holds a <{tag}>; put that into <robot>, or remove <{child}>",
+                where=where,
+                child=shown_tag(child),
+                tag=hidden.tag,
+            )
         )
 
 
@@ -149,20 +179,50 @@ def _check_unknown(child: etree._Element, parent: str, where: str) -> None:
     namespace, _, name = str(child.tag).removeprefix("{").rpartition("}")
     shown = shown_tag(child)
     if namespace.startswith(_XACRO) or namespace.endswith("/xacro"):
-        raise InvalidURDF(f"{where} holds <xacro:{shown}>; expand the xacro file first")
+        raise InvalidURDF(
+            say(
+                "{where} holds <xacro:{shown}>; expand the xacro file first",
+                where=where,
+                shown=shown,
+            )
+        )
     if name.lower() in _NOT_DONE:
-        raise InvalidURDF(f"{where} holds <{shown}>, which is not read: {_NOT_DONE[name.lower()]}")
+        raise InvalidURDF(
+            say(
+                "{where} holds <{shown}>, which is not read: {not_done}",
+                where=where,
+                shown=shown,
+                not_done=_NOT_DONE[name.lower()],
+            )
+        )
     if parent == "geometry":
         raise InvalidURDF(
-            f"{where}: geometry <{shown}> is unknown; use box, cylinder, sphere, capsule or mesh"
+            say(
+                "{where}: geometry <{shown}> is unknown; use box, cylinder, sphere,"
+                " capsule or mesh",
+                where=where,
+                shown=shown,
+            )
         )
     if name.lower() in _READ:
         raise InvalidURDF(
-            f"{where}: <{shown}> cannot stand in <{parent}>; put it in its place or remove it"
+            say(
+                "{where}: <{shown}> cannot stand in <{parent}>; put it in its place or remove it",
+                where=where,
+                shown=shown,
+                parent=parent,
+            )
         )
     meant = _meant(name, parent)
     if meant is not None:
-        raise InvalidURDF(f"{where}: <{shown}> is unknown; did you mean <{meant}>?")
+        raise InvalidURDF(
+            say(
+                "{where}: <{shown}> is unknown; did you mean <{meant}>?",
+                where=where,
+                shown=shown,
+                meant=meant,
+            )
+        )
 
 
 @lru_cache(256)

@@ -6,6 +6,7 @@ import codecs
 import re
 
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from robots.errors import InvalidURDF, RobotTooLarge
 from robots.urdf.limits import MAX_BYTES
 
@@ -54,18 +55,28 @@ def decode(document: str | bytes) -> str:
     """
     size = len(document) if isinstance(document, bytes) else _size(document)
     if size > MAX_BYTES:
-        raise RobotTooLarge(f"the URDF has {size} bytes; at most {MAX_BYTES} are read")
+        raise RobotTooLarge(
+            say(
+                "the URDF has {size} bytes; at most {max_bytes} are read",
+                size=size,
+                max_bytes=MAX_BYTES,
+            )
+        )
     text = document.removeprefix("\ufeff") if isinstance(document, str) else _decoded(document)
     stray = _NO_XML_CHARACTER.search(text)
     if stray is not None:
         line = text.count("\n", 0, stray.start()) + 1
         raise InvalidURDF(
-            f"the text is not well-formed XML: line {line} holds the character"
-            f" U+{ord(stray[0]):04X}, which XML does not have; remove it"
+            say(
+                "the text is not well-formed XML: line {line} holds the character"
+                " U+{stray:04X}, which XML does not have; remove it",
+                line=line,
+                stray=ord(stray[0]),
+            )
         )
     if text.startswith("\ufeff"):
         raise InvalidURDF(
-            "the text is not well-formed XML: it starts with two byte order marks; keep one"
+            say("the text is not well-formed XML: it starts with two byte order marks; keep one")
         )
     text = text.strip(_BLANKS)
     declaration = _DECLARATION.match(text)
@@ -73,11 +84,15 @@ def decode(document: str | bytes) -> str:
         # Line ends instead of the declaration keep the line numbers of errors.
         text = "\n" * declaration[0].count("\n") + text[declaration.end() :]
         if _DECLARED.match(text.lstrip(_BLANKS)):
-            raise InvalidURDF("the text is not well-formed XML: <?xml stands twice; keep the first")
+            raise InvalidURDF(
+                say("the text is not well-formed XML: <?xml stands twice; keep the first")
+            )
     elif _DECLARED.match(text):
-        raise InvalidURDF('the XML declaration is none of XML 1.0; write <?xml version="1.0"?>')
+        raise InvalidURDF(
+            say('the XML declaration is none of XML 1.0; write <?xml version="1.0"?>')
+        )
     if _DOCTYPE.match(text):
-        raise InvalidURDF("the URDF has a DOCTYPE or entities; remove them")
+        raise InvalidURDF(say("the URDF has a DOCTYPE or entities; remove them"))
     return text
 
 
@@ -85,7 +100,7 @@ def _size(text: str) -> int:
     try:
         return len(text.encode()) if len(text) <= MAX_BYTES else len(text)
     except UnicodeEncodeError:
-        raise InvalidURDF("the text holds characters that are no Unicode text") from None
+        raise InvalidURDF(say("the text holds characters that are no Unicode text")) from None
 
 
 def _decoded(document: bytes) -> str:
@@ -93,7 +108,7 @@ def _decoded(document: bytes) -> str:
         ((mark, encoding) for mark, encoding in _BOMS if document.startswith(mark)), (b"", "")
     )
     if encoding is None:
-        raise InvalidURDF("the URDF is UTF-32; save it as UTF-8")
+        raise InvalidURDF(say("the URDF is UTF-32; save it as UTF-8"))
     start = document[len(mark) : len(mark) + 400].decode(encoding or "latin-1", "replace")
     declaration = _DECLARATION.match(start.lstrip(_BLANKS))
     declared = (declaration[1] or declaration[2]) if declaration is not None else None
@@ -104,15 +119,19 @@ def _decoded(document: bytes) -> str:
         known, encoding = set(_ENCODINGS), _ENCODINGS.get(name, "")
     if name not in known:
         raise InvalidURDF(
-            f"the XML declaration says the encoding {quoted(name)}, which"
-            + (" is not that of its byte order mark" if mark else " is not read here")
-            + "; save the URDF as UTF-8"
+            say("the XML declaration says the encoding {name}, which", name=quoted(name))
+            + (say(" is not that of its byte order mark") if mark else say(" is not read here"))
+            + say("; save the URDF as UTF-8")
         )
     try:
         return document[len(mark) :].decode(encoding)
     except UnicodeDecodeError as error:
         line = document.count(b"\n", 0, len(mark) + error.start) + 1
         raise InvalidURDF(
-            f"the text is not well-formed XML: line {line} holds bytes that are not"
-            f" {name.upper()}; save the URDF as UTF-8"
+            say(
+                "the text is not well-formed XML: line {line} holds bytes that are not"
+                " {name}; save the URDF as UTF-8",
+                line=line,
+                name=name.upper(),
+            )
         ) from None

@@ -11,10 +11,11 @@ import difflib
 import re
 
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import chained, say
 from dh_to_urdf.poses import from_xyz_quaternion, to_rpy
 from robots.errors import InvalidURDF
 from robots.urdf.markup import UNDECLARED, shown_tag
-from robots.urdf.values import Element, numbers, text_of
+from robots.urdf.values import Element, label_of, numbers, text_of
 
 _SHAPES = ("box", "cylinder", "sphere", "capsule", "mesh")
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -52,7 +53,8 @@ def tidy(robot: Element) -> tuple[str, ...]:
     prefixes = [p for p, uri in robot.nsmap.items() if p and str(uri).startswith(UNDECLARED)]
     if prefixes:
         shown = ", ".join(f"{prefix}:" for prefix in prefixes[:4])
-        notes[f"the prefix {shown} is not declared; what has it is left out"] = []
+        text = say("the prefix {shown} is not declared; what has it is left out", shown=shown)
+        notes[text] = []
     return tuple(_sentence(text, places) for text, places in notes.items())
 
 
@@ -61,12 +63,12 @@ def _sentence(text: str, places: list[str]) -> str:
     unique = list(dict.fromkeys(places))
     if not unique:
         return text
-    more = f" and {len(unique) - 3} more" if len(unique) > 3 else ""
-    return f"{', '.join(unique[:3])}{more}: {text}"
+    more = say(" and {count} more", count=len(unique) - 3) if len(unique) > 3 else ""
+    return say("{places}{more}: {text}", places=chained(", ", unique[:3]), more=more, text=text)
 
 
 def _label(element: Element) -> str:
-    return f"{element.tag} {quoted(element.get('name', ''), 64)}"
+    return label_of(str(element.tag), element.get("name", ""))
 
 
 def _mend_text(robot: Element, notes: dict[str, list[str]]) -> None:
@@ -78,7 +80,9 @@ def _mend_text(robot: Element, notes: dict[str, list[str]]) -> None:
             text = getattr(holder, key)
             if text and text.strip() and _MARKS.fullmatch(text.strip()):
                 shown = quoted(text.strip(), 24)
-                notes.setdefault(f"the stray text {shown} between tags is left out", [])
+                notes.setdefault(
+                    say("the stray text {shown} between tags is left out", shown=shown), []
+                )
                 setattr(holder, key, None)
 
 
@@ -94,12 +98,14 @@ def _turn_quaternions(robot: Element) -> None:
         holder = parent if parent is not None and parent.get("name") else robot
         where = _label(holder)
         if origin.get("rpy") is not None:
-            raise InvalidURDF(f"{where}: <origin> has rpy and quat_xyzw; keep one")
+            raise InvalidURDF(say("{where}: <origin> has rpy and quat_xyzw; keep one", where=where))
         quaternion = numbers(origin, "quat_xyzw", 4, where)
         try:
             R = from_xyz_quaternion((0.0, 0.0, 0.0), quaternion)[:3, :3]
         except ValueError as error:
-            raise InvalidURDF(f"{where}: quat_xyzw of <origin> {error}") from None
+            raise InvalidURDF(
+                say("{where}: quat_xyzw of <origin> {error}", where=where, error=error)
+            ) from None
         del origin.attrib["quat_xyzw"]
         roll, pitch, yaw = to_rpy(R)
         origin.set("rpy", text_of((roll + 0.0, pitch + 0.0, yaw + 0.0)))
@@ -110,7 +116,11 @@ def _mend_shape(shape: Element, link: Element, where: str, notes: dict[str, list
     if len(materials) > 1:
         for extra in materials[1:]:
             shape.remove(extra)
-        text = f"a <{shape.tag}> has {len(materials)} materials, of which the first is kept"
+        text = say(
+            "a <{tag}> has {count} materials, of which the first is kept",
+            tag=shape.tag,
+            count=len(materials),
+        )
         notes.setdefault(text, []).append(where)
     geometry = shape.find("geometry")
     if geometry is None:
@@ -119,13 +129,16 @@ def _mend_shape(shape: Element, link: Element, where: str, notes: dict[str, list
         scale = (mesh.get("scale") or "").split()
         if len(scale) == 1:
             mesh.set("scale", " ".join(scale * 3))
-            notes.setdefault("a mesh has one scale, which is taken for x, y, z", []).append(where)
+            text = say("a mesh has one scale, which is taken for x, y, z")
+            notes.setdefault(text, []).append(where)
     foreign = [child for child in geometry if child.tag not in _SHAPES and not _is_slip(child)]
     if not foreign:
         return
     for child in foreign:
         geometry.remove(child)
-        text = f"<{shown_tag(child)}> in <geometry> is no shape of URDF and is left out"
+        text = say(
+            "<{child}> in <geometry> is no shape of URDF and is left out", child=shown_tag(child)
+        )
         notes.setdefault(text, []).append(where)
     if not len(geometry):
         link.remove(shape)
@@ -147,7 +160,7 @@ def _mend_inertial(link: Element, where: str, notes: dict[str, list[str]]) -> No
         slips = [] if inertia is None else [k for k in inertia.attrib if k not in _MOMENTS]
         if (mass is None or inertia is None or missing) and not slips:
             link.remove(inertial)
-            text = "its <inertial> is incomplete and is left out; kinematics does not use it"
+            text = say("its <inertial> is incomplete and is left out; kinematics does not use it")
             notes.setdefault(text, []).append(where)
 
 
@@ -156,13 +169,15 @@ def _mend_joint(joint: Element, where: str, notes: dict[str, list[str]]) -> None
     if axis is not None and axis.get("xyz") is not None:
         for key in [key for key in axis.attrib if key != "xyz"]:
             del axis.attrib[key]
-            text = f"the attribute {quoted(str(key))} of <axis> is left out"
+            text = say("the attribute {key} of <axis> is left out", key=quoted(str(key)))
             notes.setdefault(text, []).append(where)
     limit = joint.find("limit")
     found = [] if limit is None else [k for k in limit.attrib if _local(str(k)) in _TIMING]
     if found:
-        names = " and ".join(dict.fromkeys(_local(str(key)) for key in found))
-        text = f"{names} in <limit>: left out; retime takes acceleration with the request"
+        names = chained(say(" and "), dict.fromkeys(_local(str(key)) for key in found))
+        text = say(
+            "{names} in <limit>: left out; retime takes acceleration with the request", names=names
+        )
         notes.setdefault(text, []).append(where)
 
 
@@ -186,10 +201,15 @@ def _cut_floating_root(robot: Element, notes: dict[str, list[str]]) -> None:
             continue
         robot.remove(joint)
         robot.remove(roots[0])
-        notes[
-            f"{_label(joint)} is {type_}, so that the pose of the robot is free: link"
-            f" {quoted(child)} is taken as the base, and link {quoted(parent)} is left out"
-        ] = []
+        text = say(
+            "{joint} is {type}, so that the pose of the robot is free: link {child} is taken as"
+            " the base, and link {parent} is left out",
+            joint=_label(joint),
+            type=type_,
+            child=quoted(child),
+            parent=quoted(parent),
+        )
+        notes[text] = []
         return
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from dh_to_urdf.messages import say
 from robots.errors import InvalidURDF
 from robots.urdf.description import URDFJoint
 
@@ -17,7 +18,9 @@ def check_names(kind: str, names: Sequence[str]) -> None:
     seen: set[str] = set()
     for name in names:
         if name in seen:
-            raise InvalidURDF(f"two {kind}s are called {name!r}; give each its own name")
+            raise InvalidURDF(
+                say("two {kind}s are called {name!r}; give each its own name", kind=kind, name=name)
+            )
         seen.add(name)
 
 
@@ -34,18 +37,32 @@ def check_tree(links: Sequence[str], joints: Sequence[URDFJoint]) -> str:
     for joint in joints:
         if joint.child in above:
             raise InvalidURDF(
-                f"link {joint.child!r} is the child of two joints, {above[joint.child].name!r} and"
-                f" {joint.name!r}; a robot is a tree"
+                say(
+                    "link {child!r} is the child of two joints, {above!r} and {joint!r}; a"
+                    " robot is a tree",
+                    child=joint.child,
+                    above=above[joint.child].name,
+                    joint=joint.name,
+                )
             )
         above[joint.child] = joint
     roots = [link for link in links if link not in above]
     if len(roots) > 1:
         shown = ", ".join(repr(link) for link in roots[:4])
-        raise InvalidURDF(f"the robot has {len(roots)} root links ({shown}); join them by a joint")
+        raise InvalidURDF(
+            say(
+                "the robot has {count} root links ({shown}); join them by a joint",
+                count=len(roots),
+                shown=shown,
+            )
+        )
     if not roots:
         raise InvalidURDF(
-            f"the joints form a loop ({_loop(above, links[0])}), and every link has a parent; a"
-            " robot is a tree with one root"
+            say(
+                "the joints form a loop ({loop}), and every link has a parent; a robot"
+                " is a tree with one root",
+                loop=_loop(above, links[0]),
+            )
         )
     lead: set[str] = {roots[0]}
     for link in links:
@@ -53,8 +70,13 @@ def check_tree(links: Sequence[str], joints: Sequence[URDFJoint]) -> str:
         while link not in lead:
             if link in path:
                 raise InvalidURDF(
-                    f"link {link!r} is not connected to the root {roots[0]!r}: its joints form a"
-                    f" loop ({_loop(above, link)}); a robot is a tree"
+                    say(
+                        "link {link!r} is not connected to the root {root!r}: its joints form a"
+                        " loop ({loop}); a robot is a tree",
+                        link=link,
+                        root=roots[0],
+                        loop=_loop(above, link),
+                    )
                 )
             path.append(link)
             link = above[link].parent

@@ -10,6 +10,7 @@ from lxml import etree
 
 from dh_to_urdf.documents.checks import UNSEEN
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from robots.errors import InvalidURDF
 from robots.urdf.description import Origin
 from robots.urdf.limits import MAX_MAGNITUDE, MAX_NAME, MAX_NUMBER
@@ -22,6 +23,16 @@ _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp", "Zs"})
 """Categories of characters that cannot be seen, turn the text round, end a line or look blank."""
 
 
+def label_of(tag: str, name: str) -> str:
+    """Return what messages call an element with a name, such as "link 'base'"."""
+    shown = quoted(name, 64)
+    if tag == "link":
+        return say("link {name}", name=shown)
+    if tag == "joint":
+        return say("joint {name}", name=shown)
+    return f"{tag} {shown}"
+
+
 def name_of(element: Element, where: str) -> str:
     """Read the ``name`` attribute.
 
@@ -30,7 +41,7 @@ def name_of(element: Element, where: str) -> str:
     """
     name = element.get("name")
     if name is None or not name.strip():
-        raise InvalidURDF(f"{where} has no name attribute; give it one")
+        raise InvalidURDF(say("{where} has no name attribute; give it one", where=where))
     return checked_name(name, where)
 
 
@@ -41,21 +52,40 @@ def checked_name(name: str, where: str) -> str:
         InvalidURDF: With what is wrong with it.
     """
     if len(name) > MAX_NAME:
-        raise InvalidURDF(f"{where} has a name of over {MAX_NAME} characters; shorten it")
+        raise InvalidURDF(
+            say(
+                "{where} has a name of over {max_name} characters; shorten it",
+                where=where,
+                max_name=MAX_NAME,
+            )
+        )
     hidden = any(unicodedata.category(c) in _HIDDEN for c in name if c != " ")
     if hidden or re.search(UNSEEN, name):
         raise InvalidURDF(
-            f"{where} has the name {quoted(name)}, with control characters or others that cannot"
-            " be seen; remove them"
+            say(
+                "{where} has the name {name}, with control characters or others that"
+                " cannot be seen; remove them",
+                where=where,
+                name=quoted(name),
+            )
         )
     if name != name.strip(" "):
         raise InvalidURDF(
-            f"{where} has the name {quoted(name)}, with blanks at its ends; remove them"
+            say(
+                "{where} has the name {name}, with blanks at its ends; remove them",
+                where=where,
+                name=quoted(name),
+            )
         )
     if not unicodedata.is_normalized("NFC", name):
         raise InvalidURDF(
-            f"{where} has the name {quoted(name)}, whose accents are characters of their own; write"
-            " it in composed form (Unicode NFC), so that equal names are equal"
+            say(
+                "{where} has the name {name}, whose accents are characters of their"
+                " own; write it in composed form (Unicode NFC), so that equal names are"
+                " equal",
+                where=where,
+                name=quoted(name),
+            )
         )
     return name
 
@@ -97,20 +127,33 @@ def numbers(
         InvalidURDF: Missing, another count, no finite numbers, or beyond the bound.
     """
     text = element.get(key, default)
-    what = f"{where}: {key} of <{element.tag}>"
+    what = say("{where}: {key} of <{tag}>", where=where, key=key, tag=element.tag)
     if text is None:
-        raise InvalidURDF(f"{what} is missing; give it")
+        raise InvalidURDF(say("{what} is missing; give it", what=what))
     words = _BLANKS.split(text.strip(" \t\r\n")) if len(text) <= count * (MAX_NUMBER + 8) else []
     if len(words) != count or not words[0]:
-        counted = "1 number" if count == 1 else f"{count} numbers separated by blanks"
-        raise InvalidURDF(f"{what} is {quoted(text)}; give {counted}")
+        counted = (
+            "1 number" if count == 1 else say("{count} numbers separated by blanks", count=count)
+        )
+        raise InvalidURDF(
+            say("{what} is {text}; give {counted}", what=what, text=quoted(text), counted=counted)
+        )
     for word in words:
         if len(word) > MAX_NUMBER or _NUMBER.fullmatch(word) is None:
-            remedy = "write a decimal point" if "," in word else "give a finite number"
-            raise InvalidURDF(f"{what} has {quoted(word)}; {remedy}")
+            remedy = say("write a decimal point") if "," in word else say("give a finite number")
+            raise InvalidURDF(
+                say("{what} has {word}; {remedy}", what=what, word=quoted(word), remedy=remedy)
+            )
     values = tuple(float(word) for word in words)
     if max(map(abs, values)) > bound:
-        raise InvalidURDF(f"{what} is {quoted(text)}, beyond ±{bound:g}; check the unit")
+        raise InvalidURDF(
+            say(
+                "{what} is {text}, beyond ±{bound:g}; check the unit",
+                what=what,
+                text=quoted(text),
+                bound=bound,
+            )
+        )
     return values
 
 

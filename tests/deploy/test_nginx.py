@@ -111,7 +111,7 @@ def test_the_docs_and_what_they_load(client):
 
 
 def test_the_guide_and_what_it_links(client):
-    for path in ("/guide", "/guide/operate"):
+    for path in ("/guide", "/guide/operate", "/labs/fr", "/labs/fr/1-sixteen-steps"):
         page = client.get(path)
         links = set(re.findall(r'(?:src|href)="([^"#:]+)["#]', page.text))
         assert len(links) > 8

@@ -15,7 +15,9 @@ from pathlib import Path
 from tests.conftest import unused_port
 
 ROOT = Path(__file__).parents[2]
-PAGES = ("README.md", *sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("docs/*.md")))
+LABS = tuple(sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("labs/**/*.md")))
+DOCS = ("README.md", *sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("docs/*.md")))
+PAGES = (*DOCS, *LABS)
 RUN = ("bash", "python")
 OUTPUT = ("text", "json")
 SECONDS = 300
@@ -72,7 +74,7 @@ def run(block: Block, server: str, folder: Path) -> str:
         if not any(busy in printed for busy in BUSY):
             break
         time.sleep(1)
-    return printed
+    return printed.replace(server.removeprefix("http://"), "localhost:8000")
 
 
 def _printed(command: list[str], environment: dict[str, str], folder: Path) -> str:

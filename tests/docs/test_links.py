@@ -7,7 +7,12 @@ import pytest
 from app.guide.rendering import headings_of
 from tests.docs.blocks import ROOT
 
-DOCUMENTS = (*sorted(ROOT.glob("*.md")), *sorted(ROOT.glob("docs/*.md")), ROOT / "web/README.md")
+DOCUMENTS = (
+    *sorted(ROOT.glob("*.md")),
+    *sorted(ROOT.glob("docs/*.md")),
+    *sorted(ROOT.glob("labs/**/*.md")),
+    ROOT / "web/README.md",
+)
 LINK = re.compile(r"\]\(([^)\s]+)\)|<(http[^>]+)>")
 SERVICE = "http://localhost:8000"
 FOLDERS = "app|kinematics|robots|dh_to_urdf|tests|bench|deploy|docker|docs|web"

@@ -1,7 +1,8 @@
 """What is taken out of an answer before it is recorded or compared, and digests of long bodies.
 
 Left out of the headers: ``date``, ``server``, ``x-request-id``, ``content-length``,
-``transfer-encoding``. Put in the place of what differs from run to run:
+``transfer-encoding``, ``content-language``, and in ``vary`` the language, as answers were recorded
+when they had only one. Put in the place of what differs from run to run:
 
 - the service's own address: ``http://HOST``;
 - ``request_id`` of problems: an empty text;
@@ -31,7 +32,10 @@ import numpy as np
 from tests.recorded.fixture import Answer
 
 LONGEST = 20_000
-DROPPED = {"date", "server", "x-request-id", "content-length", "transfer-encoding"}
+DROPPED = {
+    *("date", "server", "x-request-id", "content-length", "transfer-encoding"),
+    "content-language",
+}
 _NUMBER = r"(?<![A-Za-z0-9_.])-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![A-Za-z0-9_])"
 NUMBER = re.compile(_NUMBER)
 _PLACE = re.compile(rf" *{_NUMBER}")
@@ -59,7 +63,7 @@ def normalised(
     """
     kept = {
         name: value.replace(address, "http://HOST")
-        for name, value in sorted(headers.items())
+        for name, value in sorted(_without_language(headers).items())
         if name not in DROPPED
     }
     kind = headers.get("content-type", "").partition(";")[0]
@@ -78,6 +82,13 @@ def normalised(
     if len(content) <= LONGEST:
         return Answer(status, kept, text), text
     return Answer(status, kept, None, text_digest(text)), text
+
+
+def _without_language(headers: Mapping[str, str]) -> dict[str, str]:
+    """Headers without the language among what an answer varies by."""
+    kept = [one for one in headers.get("vary", "").split(", ") if one != "Accept-Language"]
+    rest = {name: value for name, value in headers.items() if name != "vary"}
+    return {**rest, "vary": ", ".join(kept)} if any(kept) else rest
 
 
 def _steady(kind: str, body: bytes) -> bytes:

@@ -177,6 +177,7 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
       language,
       theme,
       keyButton,
+      h('a', { href: `labs/${choices.language}` }, t.labs),
       h('a', { href: 'guide' }, 'Guide'),
       h('a', { href: 'docs' }, 'API'),
     ),

@@ -14,7 +14,7 @@ export function warningsView({ store }: Page): HTMLElement {
 
 /** An empty list, hidden. */
 export function warningList(): HTMLUListElement {
-  return h('ul', { class: 'warnings', lang: 'en', 'aria-label': t.warnings, hidden: true });
+  return h('ul', { class: 'warnings', 'aria-label': t.warnings, hidden: true });
 }
 
 export function showWarnings(list: HTMLElement, warnings: readonly string[]): void {

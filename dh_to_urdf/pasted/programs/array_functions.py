@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dh_to_urdf.cells.arithmetic import Sum
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import arrays, numbers
 from dh_to_urdf.pasted.programs.arrays import as_array, of_matrix, to_matrix
 from dh_to_urdf.pasted.programs.numbers import as_scalar, real, whole
@@ -50,7 +51,7 @@ def _size(arguments: Sequence[Value]) -> tuple[int, int] | None:
         for element in as_array(value).elements
     ]
     if not 1 <= len(found) <= 2 or any(not 0 <= n <= 64 for n in found):
-        raise Unread("an array of this size is not read")
+        raise Unread(say("an array of this size is not read"))
     return (found[0], found[0]) if len(found) == 1 else (found[0], found[1])
 
 
@@ -64,11 +65,13 @@ def of_arrays(
     """
     keywords = {key: value for key, value in keywords.items() if key not in ("dtype", "copy")}
     if keywords:
-        raise Unread(f"{name} with {next(iter(keywords))} is not read")
+        raise Unread(
+            say("{name} with {keywords} is not read", name=name, keywords=next(iter(keywords)))
+        )
     match name, len(arguments):
         case "array" | "asarray" | "matrix" | "mat" | "Matrix" | "atleast_2d", 1 | 2:
             if len(arguments) == 2 and isinstance(arguments[1], (Items, Array)):
-                raise Unread(f"{name} with two lists is not read")
+                raise Unread(say("{name} with two lists is not read", name=name))
             found = as_array(arguments[0])
             column = name == "Matrix" and found.flat
             rows = tuple((e,) for e in found.elements) if column else found.rows
@@ -83,7 +86,7 @@ def of_arrays(
             if len(arguments) == 1 and not is_matlab and isinstance(arguments[0], Sum):
                 count = whole(arguments[0])
                 if not 0 <= count <= MAX_ITEMS:
-                    raise Unread("an array of this size is not read")
+                    raise Unread(say("an array of this size is not read"))
                 return Array(((number(value),) * count,), flat=True)
             size = _size(arguments)
             assert size is not None
@@ -115,14 +118,14 @@ def of_arrays(
         case "diag", 1:
             elements = as_array(arguments[0]).elements
             if len(elements) > 64:
-                raise Unread("an array of this size is not read")
+                raise Unread(say("an array of this size is not read"))
             return Array(
                 tuple(
                     tuple(e if r == c else Sum() for c in range(len(elements)))
                     for r, e in enumerate(elements)
                 )
             )
-    raise Unread(f"{name} with these arguments is not read")
+    raise Unread(say("{name} with these arguments is not read", name=name))
 
 
 def _has_links(values: Sequence[Value]) -> bool:
@@ -141,11 +144,11 @@ def inverse(value: Value) -> Value:
     """Return the inverse of a pose or of a square matrix."""
     matrix = to_matrix(value)
     if matrix.shape[0] != matrix.shape[1] or matrix.shape[0] > 8:
-        raise Unread("the inverse of this matrix is not read")
+        raise Unread(say("the inverse of this matrix is not read"))
     try:
         found = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:
-        raise Unread("the matrix has no inverse") from None
+        raise Unread(say("the matrix has no inverse")) from None
     if isinstance(value, Pose):
         T = np.eye(4)
         T[:3, :3] = matrix[:3, :3].T
@@ -163,7 +166,7 @@ def of_array_method(
         Unread: It is not read.
     """
     if keywords:
-        raise Unread(f"{name}() with these arguments is not read")
+        raise Unread(say("{name}() with these arguments is not read", name=name))
     match name, len(arguments):
         case "copy" | "astype", _:
             return Array(owner.rows, owner.flat, owner.line, lines=owner.lines)
@@ -176,7 +179,7 @@ def of_array_method(
             return arrays.transposed(owner)
         case "dot", 1:
             return arrays.product(owner, as_array(arguments[0]))
-    raise Unread(f"{name}() of an array is not read")
+    raise Unread(say("{name}() of an array is not read", name=name))
 
 
 def of_lists(
@@ -242,13 +245,13 @@ def of_lists(
             return number(math.trunc(real(first)))
         case "exist", 1 | 2:
             return isinstance(first, str) and any(first in scope for scope in machine.scopes)
-    raise Unread(f"{name} with these arguments is not read")
+    raise Unread(say("{name} with these arguments is not read", name=name))
 
 
 def _range(name: str, bounds: list[int]) -> Value:
     found = range(*bounds)
     if len(found) > MAX_ITEMS:
-        raise Unread("a range of this size is not read")
+        raise Unread(say("a range of this size is not read"))
     if name == "arange":
         return Array((tuple(number(k) for k in found),), flat=True)
     return Items([number(k) for k in found])
@@ -287,7 +290,7 @@ def _folded(name: str, elements: Sequence[Scalar]) -> Scalar:
             total = numbers.combined("+", total, element)
         return total
     if not elements:
-        raise Unread(f"{name} of nothing")
+        raise Unread(say("{name} of nothing", name=name))
     return (max if name == "max" else min)(elements, key=real)
 
 
@@ -306,8 +309,8 @@ def expanded(names: Sequence[str]) -> list[str]:
         letters = stem.rstrip("0123456789")
         first = stem[len(letters) :] or "0"
         if not last.isdecimal() or len(last) > 3 or len(first) > 3:
-            raise Unread("symbols of this form are not read")
+            raise Unread(say("symbols of this form are not read"))
         found += [f"{letters}{k}" for k in range(int(first), int(last))]
     if len(found) > 400:
-        raise Unread("too many symbols")
+        raise Unread(say("too many symbols"))
     return found

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from dh_to_urdf.cells.arithmetic import Sum
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs.numbers import as_scalar, combined, known, real
 from dh_to_urdf.pasted.programs.values import MAX_ITEMS, Array, Items, Pose, Scalar, Unread, Value
 from dh_to_urdf.poses import Matrix
@@ -26,7 +27,7 @@ def as_array(value: Value) -> Array:
         if value.items and all(isinstance(item, (Items, Array)) for item in value.items):
             rows = [as_array(item).elements for item in value.items]
             if any(isinstance(item, Array) and not item.flat for item in value.items):
-                raise Unread("has more than two dimensions")
+                raise Unread(say("has more than two dimensions"))
             return rectangle(rows)
         return Array((tuple(as_scalar(item) for item in value.items),), flat=True)
     return Array(((as_scalar(value),),), flat=True)
@@ -41,10 +42,15 @@ def rectangle(rows: Sequence[Sequence[Scalar]], line: int = 0) -> Array:
     for k, row in enumerate(rows, start=1):
         if len(row) != len(rows[0]):
             raise Unread(
-                f"row {k} of the matrix has {len(row)} elements where row 1 has {len(rows[0])}"
+                say(
+                    "row {k} of the matrix has {count} elements where row 1 has {count_2}",
+                    k=k,
+                    count=len(row),
+                    count_2=len(rows[0]),
+                )
             )
     if sum(len(row) for row in rows) > MAX_ITEMS:
-        raise Unread("is too large")
+        raise Unread(say("is too large"))
     return Array(tuple(tuple(row) for row in rows), line=line)
 
 
@@ -83,7 +89,7 @@ def elementwise(symbol: str, left: Value, right: Value) -> Array:
         return mapped(as_array(left), lambda element: combined(symbol, element, other))
     one, two = as_array(left), as_array(right)
     if one.shape != two.shape or one.flat != two.flat:
-        raise Unread("combines arrays of different shapes")
+        raise Unread(say("combines arrays of different shapes"))
     rows = tuple(
         tuple(combined(symbol, a, b) for a, b in zip(row, others, strict=True))
         for row, others in zip(one.rows, two.rows, strict=True)
@@ -98,9 +104,9 @@ def product(left: Array, right: Array) -> Array:
         Unread: The shapes do not fit, or a number is unknown.
     """
     if left.flat or right.flat or left.shape[1] != right.shape[0]:
-        raise Unread("multiplies matrices whose shapes do not fit")
+        raise Unread(say("multiplies matrices whose shapes do not fit"))
     if left.shape[0] * right.shape[1] > MAX_ITEMS:
-        raise Unread("is too large")
+        raise Unread(say("is too large"))
     return of_matrix(to_matrix(left) @ to_matrix(right))
 
 
@@ -121,7 +127,7 @@ def joined(rows: Sequence[Sequence[Array]], line: int) -> Array:
     for row in rows:
         blocks = [block for block in row if block.elements]
         if len({block.shape[0] for block in blocks}) > 1:
-            raise Unread("joins blocks of different heights")
+            raise Unread(say("joins blocks of different heights"))
         found += [
             tuple(element for part in lines for element in part)
             for lines in zip(*(block.rows for block in blocks), strict=True)
@@ -137,5 +143,5 @@ def flat_numbers(value: Value, size: int | None = None) -> list[Sum]:
     """
     elements = as_array(value).elements
     if size is not None and len(elements) != size:
-        raise Unread(f"is no list of {size} numbers")
+        raise Unread(say("is no list of {size} numbers", size=size))
     return [known(element) for element in elements]

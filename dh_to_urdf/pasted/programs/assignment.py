@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import arrays, attributes, tree
 from dh_to_urdf.pasted.programs.indexing import (
     Key,
@@ -56,7 +57,7 @@ def assign(machine: Statements, target: tree.Expression, value: Value, line: int
             else:
                 _set_python(machine, owner, keys, value, line)
         case _:
-            raise Unread("the target of an assignment is not read")
+            raise Unread(say("the target of an assignment is not read"))
 
 
 def _unpack(
@@ -75,7 +76,7 @@ def _unpack(
         assert isinstance(star, tree.Unary)
         items = (*items[:k], star.operand, *items[k + 1 :])
     if len(values) != len(items):
-        raise Unread("unpacks another number of values")
+        raise Unread(say("unpacks another number of values"))
     for part, item in zip(items, values, strict=True):
         assign(machine, part, item, line)
 
@@ -93,7 +94,9 @@ def _set_property(
     found = machine.evaluate(owner)
     if isinstance(found, Pose):
         if not machine.is_matlab:
-            raise refused(line, f".{name} of a pose is set; make the pose with its numbers")
+            raise refused(
+                line, say(".{name} of a pose is set; make the pose with its numbers", name=name)
+            )
         assign(machine, owner, attributes.with_pose_part(found, name, value), line)
         return
     for robot in machine.titled(value):
@@ -126,7 +129,9 @@ def _set_matlab(
     """Set elements of MATLAB: the list or array is a new one, given to the same place."""
     found = _current(machine, owner)
     if isinstance(found, Items) and found.robot is not None:
-        raise refused(line, "the links of a robot are changed after it was made; change them first")
+        raise refused(
+            line, say("the links of a robot are changed after it was made; change them first")
+        )
     if isinstance(found, (Link, Robot)) and isinstance(owner, tree.Name):
         found = Items([found])
     if isinstance(found, Array) and not found.elements and is_part(value):
@@ -141,14 +146,14 @@ def _set_matlab(
     elif isinstance(found, Array):
         assign(machine, owner, _with(machine, found, nodes, value), line)
     else:
-        raise Unread("an element of a value of this kind is set")
+        raise Unread(say("an element of a value of this kind is set"))
 
 
 def _with(
     machine: Statements, array: Array, nodes: tuple[tree.Expression, ...], value: Value
 ) -> Array:
     if isinstance(value, Items) and machine.is_matlab:
-        raise Unread("an element is set to a list")
+        raise Unread(say("an element is set to a list"))
     keys = machine.keys_of(array, nodes)
     return with_element(array, keys, value, is_matlab=machine.is_matlab)
 
@@ -158,7 +163,7 @@ def _flat(keys: list[Key]) -> Key:
     if len(keys) == 2 and keys[0] in (0, Several((0,))):
         keys = keys[1:]
     if len(keys) != 1:
-        raise Unread("two indices of a list of links")
+        raise Unread(say("two indices of a list of links"))
     return keys[0]
 
 
@@ -173,16 +178,16 @@ def _set_python(
     if isinstance(found, dict) and len(nodes) == 1:
         key = machine.evaluate(nodes[0])
         if not isinstance(key, str):
-            raise Unread("a key of this kind is not read")
+            raise Unread(say("a key of this kind is not read"))
         found[key] = value
         return
     if isinstance(found, (Pose, Robot)):
-        raise refused(line, "an element of a pose or robot is set; make it with its numbers")
+        raise refused(line, say("an element of a pose or robot is set; make it with its numbers"))
     if isinstance(found, Items):
         _set_item(machine, found, nodes, value, line)
         return
     if not isinstance(found, Array):
-        raise Unread("an element of a value of this kind is set")
+        raise Unread(say("an element of a value of this kind is set"))
     made = _with(machine, found, nodes, value)
     _refuse_shared(machine, found, line)
     assign(machine, owner, made, line)
@@ -202,8 +207,10 @@ def _refuse_shared(machine: Statements, array: Array, line: int) -> None:
     if array.view_of is not None or names > 1 or views or held:
         raise refused(
             line,
-            "an array is changed that another variable, or the robot, shares; make it with its"
-            " numbers before it is used",
+            say(
+                "an array is changed that another variable, or the robot, shares; make"
+                " it with its numbers before it is used"
+            ),
         )
 
 
@@ -215,13 +222,15 @@ def _set_item(
     line: int,
 ) -> None:
     if items.robot is not None:
-        raise refused(line, "the links of a robot are changed after it was made; change them first")
+        raise refused(
+            line, say("the links of a robot are changed after it was made; change them first")
+        )
     if items.is_tuple or len(nodes) != 1:
-        raise Unread("an item of this list is set")
+        raise Unread(say("an item of this list is set"))
     (key,) = machine.keys_of(items, nodes)
     if isinstance(key, Several):
         if key.span is None:
-            raise Unread("items of a list are set by a list of positions")
+            raise Unread(say("items of a list are set by a list of positions"))
         items.items[key.span] = machine.iterate(value)
     else:
         items.items[key] = value
@@ -243,13 +252,13 @@ def remove(machine: Statements, target: tree.Expression, line: int) -> None:
         if isinstance(holder, Instance) and not is_part(holder.attributes.get(target.name)):
             holder.attributes.pop(target.name, None)
             return
-        raise refused(line, f".{target.name} is deleted, which is not read")
+        raise refused(line, say(".{target} is deleted, which is not read", target=target.name))
     else:
-        raise Unread("what is deleted is not read")
+        raise Unread(say("what is deleted is not read"))
     found = machine.evaluate(owner)
     if isinstance(found, Items):
         if found.robot is not None:
-            raise refused(line, "the links of a robot are changed after it was made")
+            raise refused(line, say("the links of a robot are changed after it was made"))
         key = _flat(machine.keys_of(found, nodes))
         if machine.is_matlab:
             assign(machine, owner, without_items(found, key), line)
@@ -259,7 +268,7 @@ def remove(machine: Statements, target: tree.Expression, line: int) -> None:
     if isinstance(found, Array) and machine.is_matlab:
         assign(machine, owner, _without(machine, found, nodes), line)
         return
-    raise Unread("an element of a value of this kind is removed")
+    raise Unread(say("an element of a value of this kind is removed"))
 
 
 def _without(machine: Statements, array: Array, nodes: tuple[tree.Expression, ...]) -> Array:
@@ -268,14 +277,14 @@ def _without(machine: Statements, array: Array, nodes: tuple[tree.Expression, ..
     if len(keys) == 1 and rows == 1:
         keys = [Several((0,)), keys[0]]
     if len(keys) != 2:
-        raise Unread("elements of a matrix are removed by one index")
+        raise Unread(say("elements of a matrix are removed by one index"))
     first, second = (set(key.positions) if isinstance(key, Several) else {key} for key in keys)
     if len(first) == rows:
         kept = tuple(tuple(e for c, e in enumerate(row) if c not in second) for row in array.rows)
         return Array(kept, line=array.line)
     if len(second) == columns:
         return Array(tuple(row for r, row in enumerate(array.rows) if r not in first))
-    raise Unread("a part of a matrix is removed")
+    raise Unread(say("a part of a matrix is removed"))
 
 
 def augment(
@@ -287,10 +296,12 @@ def augment(
         if isinstance(before, Items) and not before.is_tuple:
             value = machine.evaluate(node)
             if before.robot is not None:
-                raise refused(line, "the links of a robot are changed after it was made")
+                raise refused(line, say("the links of a robot are changed after it was made"))
             if not isinstance(value, (Items, Array)):
-                why = f" ({value.why})" if isinstance(value, Opaque) else ""
-                raise refused(line, f"a list is extended by a value that is not known{why}")
+                why = say(" ({why})", why=value.why) if isinstance(value, Opaque) else ""
+                raise refused(
+                    line, say("a list is extended by a value that is not known{why}", why=why)
+                )
             before.items += machine.iterate(value)
             return
         if isinstance(before, Array) and not isinstance(target, tree.Index):
@@ -300,6 +311,6 @@ def augment(
         if isinstance(before, Array) and not isinstance(target, tree.Index):
             _refuse_shared(machine, before, line)
         if isinstance(before, Items) and symbol == "*":
-            raise Unread("*= of a list is not read")
+            raise Unread(say("*= of a list is not read"))
     value = machine.evaluate(tree.Binary(line, symbol, target, node))
     assign(machine, target, value, line)

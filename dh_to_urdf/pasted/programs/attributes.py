@@ -8,6 +8,7 @@ import numpy as np
 
 from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import arrays, harmless
 from dh_to_urdf.pasted.programs.bodies import set_body
 from dh_to_urdf.pasted.programs.library import KNOWN
@@ -40,9 +41,9 @@ from dh_to_urdf.pasted.programs.values import (
 if TYPE_CHECKING:
     from dh_to_urdf.pasted.programs.evaluation import Expressions
 
-_SE3_MEMBERS_TEXT = """
-    Rx Ry Rz Tx Ty Tz tx ty tz Trans transl RPY rpy Eul eul AngVec AngleAxis angvec Rt
-"""
+_SE3_MEMBERS_TEXT = (
+    "\n    Rx Ry Rz Tx Ty Tz tx ty tz Trans transl RPY rpy Eul eul AngVec AngleAxis angvec Rt\n"
+)
 _SE3_MEMBERS = frozenset(_SE3_MEMBERS_TEXT.split())
 
 
@@ -88,7 +89,7 @@ def get(machine: Expressions, owner: Value, name: str, line: int, *, called: boo
     if isinstance(owner, Opaque):
         return Method(owner, name) if called else Opaque(owner.why, owner.line)
     if isinstance(owner, UserClass) and not called:
-        return Opaque(f".{name} of a class", line)
+        return Opaque(say(".{name} of a class", name=name), line)
     if isinstance(owner, Items) and machine.is_matlab and is_part(owner) and not called:
         return _of_row(owner, name)
     return Method(owner, name)
@@ -97,7 +98,7 @@ def get(machine: Expressions, owner: Value, name: str, line: int, *, called: boo
 def _of_row(owner: Items, name: str) -> Value:
     """Return ``[L.a]``, the property of each link."""
     if name not in PARAMETERS:
-        raise Unread(f".{name} of several links is not read")
+        raise Unread(say(".{name} of several links is not read", name=name))
     links = [item for item in owner.items if isinstance(item, Link)]
     row = [link.numbers[name].value if name in link.numbers else Sum() for link in links]
     return Array((tuple(row),))
@@ -114,7 +115,7 @@ def _of_instance(
         return Method(owner, name)
     if owner.robot is not None:
         return _of_robot(machine, owner.robot, name, line, called)
-    return Method(owner, name) if called else Opaque(f".{name} is not set", line)
+    return Method(owner, name) if called else Opaque(say(".{name} is not set", name=name), line)
 
 
 def method(of: UserClass, name: str, depth: int = 0) -> UserFunction | None:
@@ -145,7 +146,7 @@ def _of_link(link: Link, name: str, line: int, called: bool) -> Value:
         return number(link.type == "P")
     if name in ("mdh", "flip"):
         return bool(link.modified if name == "mdh" else link.flipped)
-    return Opaque(f".{name} of a link", line)
+    return Opaque(say(".{name} of a link", name=name), line)
 
 
 def _of_robot(machine: Expressions, robot: Robot, name: str, line: int, called: bool) -> Value:
@@ -163,7 +164,7 @@ def _of_robot(machine: Expressions, robot: Robot, name: str, line: int, called: 
         return Method(robot, name)
     if machine.is_matlab and name not in harmless.ROBOT_NOTES:
         return Method(robot, name)
-    return Opaque(f".{name} of a robot", line)
+    return Opaque(say(".{name} of a robot", name=name), line)
 
 
 def _of_pose(pose: Pose, name: str, line: int, *, is_matlab: bool) -> Value:
@@ -179,7 +180,7 @@ def _of_pose(pose: Pose, name: str, line: int, *, is_matlab: bool) -> Value:
         return number(T["xyz".index(name), 3])
     if name in ("inv", "double"):
         return Method(pose, name)
-    return Opaque(f".{name} of a pose", line)
+    return Opaque(say(".{name} of a pose", name=name), line)
 
 
 def _of_array(array: Array, name: str, *, is_matlab: bool) -> Value:
@@ -211,7 +212,9 @@ def put(machine: Expressions, owner: Value, name: str, value: Value, line: int) 
         value = value.robot
     if isinstance(owner, Link):
         if name == "flip" and not machine.is_matlab:
-            raise refused(line, "flip after the link is made turns nothing; give flip=True to it")
+            raise refused(
+                line, say("flip after the link is made turns nothing; give flip=True to it")
+            )
         known = name in harmless.LINK_NOTES or name.lower() in (
             *PARAMETERS,
             "qlim",
@@ -222,7 +225,9 @@ def put(machine: Expressions, owner: Value, name: str, value: Value, line: int) 
             "modified",
         )
         if not known:
-            raise refused(line, f"{quoted(name)} of the link is set, which is not read")
+            raise refused(
+                line, say("{name} of the link is set, which is not read", name=quoted(name))
+            )
         set_link(owner, name, value, line, machine.warnings)
     elif isinstance(owner, Robot):
         if name not in harmless.ROBOT_NOTES or name in ("name",):
@@ -230,7 +235,7 @@ def put(machine: Expressions, owner: Value, name: str, value: Value, line: int) 
     elif isinstance(owner, (Body, Joint, Tree)):
         set_body(owner, name, value, line)
     else:
-        raise Unread(f".{name} of this value is set")
+        raise Unread(say(".{name} of this value is set", name=name))
 
 
 def _put_robot(machine: Expressions, robot: Robot, name: str, value: Value, line: int) -> None:
@@ -259,7 +264,7 @@ def _put_robot(machine: Expressions, robot: Robot, name: str, value: Value, line
         is_matlab = machine.is_matlab
         set_robot(robot, name, value, line, machine.warnings, is_matlab=is_matlab)
     elif is_part(value):
-        raise refused(line, f"{quoted(name)} of the robot is set to a link or robot")
+        raise refused(line, say("{name} of the robot is set to a link or robot", name=quoted(name)))
 
 
 def with_pose_part(pose: Pose, name: str, value: Value) -> Pose:
@@ -274,8 +279,8 @@ def with_pose_part(pose: Pose, name: str, value: Value) -> Pose:
     elif name == "R":
         R = arrays.to_matrix(value)
         if R.shape != (3, 3):
-            raise Unread("a rotation is no 3x3 matrix")
+            raise Unread(say("a rotation is no 3x3 matrix"))
         T[:3, :3] = R
     else:
-        raise Unread(f".{name} of a pose is set")
+        raise Unread(say(".{name} of a pose is set", name=name))
     return Pose(np.asarray(T))

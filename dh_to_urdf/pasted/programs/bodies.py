@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs.arrays import as_array
 from dh_to_urdf.pasted.programs.links import limits_of
 from dh_to_urdf.pasted.programs.refusals import refused
@@ -50,15 +51,18 @@ def make_body(name: str, line: int, arguments: Sequence[Value]) -> Tree | Body |
     texts = [value for value in arguments if isinstance(value, str)]
     if kind == "tree":
         if arguments and not isinstance(arguments[0], str):
-            raise refused(line, "a rigidBodyTree of another robot is not read")
+            raise refused(line, say("a rigidBodyTree of another robot is not read"))
         return Tree(line)
     if not texts:
-        raise refused(line, f"{name} without a name is not read")
+        raise refused(line, say("{name} without a name is not read", name=name))
     if kind == "body":
         return Body(line, texts[0])
     type_ = texts[1] if len(texts) > 1 else "fixed"
     if type_ not in _TYPES:
-        raise refused(line, f"the joint is {quoted(type_)}; revolute, prismatic, fixed are read")
+        raise refused(
+            line,
+            say("the joint is {type}; revolute, prismatic, fixed are read", type=quoted(type_)),
+        )
     return Joint(line, texts[0], type_)
 
 
@@ -77,14 +81,24 @@ def set_body(owner: Body | Joint | Tree, key: str, value: Value, line: int) -> N
     elif isinstance(owner, Joint) and key == "JointAxis":
         _set_axis(owner, value, line)
     elif key not in _NOTES:
-        raise refused(line, f"{quoted(key)} of the {_kind(owner)} is set, which is not read")
+        raise refused(
+            line,
+            say(
+                "{key} of the {owner} is set, which is not read",
+                key=quoted(key),
+                owner=_kind(owner),
+            ),
+        )
 
 
 def _refuse_given(owner: Body | Joint | Tree, line: int) -> None:
     """Refuse to change what a body or a robot has taken: whether it follows is not known."""
     if not isinstance(owner, Tree) and owner.given:
         raise refused(
-            line, f"the {_kind(owner)} is changed after it was given on; change it before"
+            line,
+            say(
+                "the {owner} is changed after it was given on; change it before", owner=_kind(owner)
+            ),
         )
 
 
@@ -94,7 +108,7 @@ def _set_axis(joint: Joint, value: Value, line: int) -> None:
     except Unread:
         axis = []
     if axis not in ([0, 0, 1], [0, 0, -1]):
-        raise refused(line, "JointAxis other than [0 0 1] is no D-H row")
+        raise refused(line, say("JointAxis other than [0 0 1] is no D-H row"))
     joint.flipped = axis[2] == -1
 
 
@@ -113,7 +127,7 @@ def call_on_body(
     if isinstance(owner, Tree) and name == "addBody" and len(arguments) == 2:
         body, parent = arguments
         if not isinstance(body, Body) or not isinstance(parent, str):
-            raise refused(line, "addBody needs a body and the name of its parent")
+            raise refused(line, say("addBody needs a body and the name of its parent"))
         body.given = True
         joint = body.joint and Joint(**vars(body.joint))
         owner.bodies.append((Body(body.line, body.name, joint), parent))
@@ -131,10 +145,12 @@ def _set_row(joint: Joint, arguments: Sequence[Value], line: int) -> None:
     if len(arguments) == 1 and isinstance(arguments[0], (Array, Pose)):
         raise refused(
             line,
-            "setFixedTransform with a matrix is no D-H row; give [a alpha d theta] and 'dh' or"
-            " 'mdh', or upload the robot as URDF",
+            say(
+                "setFixedTransform with a matrix is no D-H row; give [a alpha d theta]"
+                " and 'dh' or 'mdh', or upload the robot as URDF"
+            ),
         )
-    raise refused(line, "setFixedTransform is read as (joint, [a alpha d theta], 'dh')")
+    raise refused(line, say("setFixedTransform is read as (joint, [a alpha d theta], 'dh')"))
 
 
 def robot_of(tree: Tree, joints: Sequence[Joint]) -> Robot:
@@ -162,18 +178,26 @@ def _chain(tree: Tree) -> list[Joint]:
         if (k and parent != expected) or (not k and parent in names):
             raise refused(
                 body.line,
-                f"body {quoted(body.name)} is on {quoted(parent)}; only a serial chain, added in"
-                " its order, is read",
+                say(
+                    "body {body} is on {parent}; only a serial chain, added in its order, is read",
+                    body=quoted(body.name),
+                    parent=quoted(parent),
+                ),
             )
         if body.joint is None:
-            raise refused(body.line, f"body {quoted(body.name)} has no joint of its own")
+            raise refused(
+                body.line, say("body {body} has no joint of its own", body=quoted(body.name))
+            )
         chain.append(body.joint)
     return chain
 
 
 def _link(joint: Joint) -> Link:
     if joint.row is None:
-        raise refused(joint.line, f"joint {quoted(joint.name)} has no D-H row (setFixedTransform)")
+        raise refused(
+            joint.line,
+            say("joint {joint} has no D-H row (setFixedTransform)", joint=quoted(joint.name)),
+        )
     type_ = _TYPES[joint.type]
     link = Link(
         joint.row_line,

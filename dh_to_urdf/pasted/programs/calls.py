@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from dh_to_urdf.cells.arithmetic import Sum, variable_of
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import (
     array_functions,
     bodies,
@@ -88,7 +89,7 @@ def call(
         return _call_unknown(machine, function.name, arguments, keywords, line)
     if isinstance(function, Opaque) and not has_part(arguments, keywords):
         return Opaque(function.why, function.line)
-    raise Unread("a call of a value of this kind is not read")
+    raise Unread(say("a call of a value of this kind is not read"))
 
 
 def _call_unknown(
@@ -102,13 +103,15 @@ def _call_unknown(
     if name == "assignin" and len(arguments) == 3 and isinstance(arguments[1], str):
         return _assign_in(machine, arguments[1], arguments[2], line)
     if name in library.REACHING and not _is_startup(arguments):
-        raise refused(line, f"{name}() may change any variable, and is not read")
+        raise refused(line, say("{name}() may change any variable, and is not read", name=name))
     first = arguments[0] if arguments else None
     if isinstance(first, (Body, Joint, Tree)):
         return call_method(machine, Method(first, name), arguments[1:], keywords, line)
     if has_part(arguments, keywords) and name not in harmless.FUNCTIONS:
-        raise refused(line, f"{name}() takes a link or robot, and what it does is not known")
-    return Opaque(f"{name}() is not read", line)
+        raise refused(
+            line, say("{name}() takes a link or robot, and what it does is not known", name=name)
+        )
+    return Opaque(say("{name}() is not read", name=name), line)
 
 
 def _assign_in(machine: Expressions, name: str, value: Value, line: int) -> Value:
@@ -118,7 +121,7 @@ def _assign_in(machine: Expressions, name: str, value: Value, line: int) -> Valu
         DHError: From a function that a function calls, whose variables are not those meant.
     """
     if len(machine.frames) > 1 or not name.isidentifier():
-        raise refused(line, "assignin() in a function that another one calls is not read")
+        raise refused(line, say("assignin() in a function that another one calls is not read"))
     if isinstance(value, Robot):
         value.title = value.title or name
     machine.workspace[name] = value
@@ -159,19 +162,23 @@ def _call_library(
         return body
     if name in library.OTHER_ROBOTS:
         raise refused(
-            line, f"{name} makes a robot that is no D-H table; upload it as URDF, or as a table"
+            line,
+            say(
+                "{name} makes a robot that is no D-H table; upload it as URDF, or as a table",
+                name=name,
+            ),
         )
     if name == "super":
         frame = machine.frames[-1] if machine.frames else None
         owner = machine.scopes[0].get("self") if frame else None
         if frame is None or not isinstance(owner, Instance):
-            raise Unread("super() is not read here")
+            raise Unread(say("super() is not read here"))
         return Method(owner, "super", frame.of)
     if name in library.COPIES and len(arguments) == 1:
         return _copy(machine, arguments[0], deep=name == "deepcopy" or machine.is_matlab, line=line)
     if name in poses.NAMES:
         if any(isinstance(value, (Opaque, Unresolved)) for value in arguments):
-            raise Unread(f"{name} of a number that is not known")
+            raise Unread(say("{name} of a number that is not known", name=name))
         found = poses.PoseCall(
             name, line, arguments, keywords, machine.is_matlab, machine.angle, machine.warnings
         )
@@ -201,7 +208,7 @@ def _copy(machine: Expressions, value: Value, *, deep: bool, line: int) -> Value
         return robots.copied(value)
     if isinstance(value, Robot):
         if not deep:
-            raise Unread("copy() of a robot shares its links; use deepcopy()")
+            raise Unread(say("copy() of a robot shares its links; use deepcopy()"))
         made = robots.copy_of(value, line)
         machine.robots.append(made)
         return made
@@ -210,7 +217,7 @@ def _copy(machine: Expressions, value: Value, *, deep: bool, line: int) -> Value
             return Items(list(value.items), value.is_tuple)
         return Items([_copy(machine, item, deep=True, line=line) for item in value.items])
     if is_part(value):
-        raise Unread("a copy of this value is not read")
+        raise Unread(say("a copy of this value is not read"))
     return value
 
 
@@ -251,14 +258,16 @@ def call_method(
         if name == "copy":
             return robots.copied(owner)
         if name in harmless.FUNCTIONS:
-            return Opaque(f"{name}() of a link", line)
-        raise refused(line, f"{name}() of a link is not read")
+            return Opaque(say("{name}() of a link", name=name), line)
+        raise refused(line, say("{name}() of a link is not read", name=name))
     if isinstance(owner, (Body, Joint, Tree)):
         if bodies.call_on_body(owner, name, arguments, line):
             return None
         if name in harmless.FUNCTIONS:
-            return Opaque(f"{name}() of a robot", line)
-        raise refused(line, f"{name}() of a rigidBodyTree or of its parts is not read")
+            return Opaque(say("{name}() of a robot", name=name), line)
+        raise refused(
+            line, say("{name}() of a rigidBodyTree or of its parts is not read", name=name)
+        )
     if isinstance(owner, Pose) and name in ("inv", "inverse", "double"):
         if name == "double":
             return array_functions.of_one("double", owner)
@@ -268,8 +277,10 @@ def call_method(
     if isinstance(owner, dict) and name in ("values", "keys", "get", "items"):
         return _of_dictionary(owner, name, arguments)
     if has_part(arguments, keywords):
-        raise refused(line, f"{name}() takes a link or robot, and what it does is not known")
-    return Opaque(f"{name}() is not read", line)
+        raise refused(
+            line, say("{name}() takes a link or robot, and what it does is not known", name=name)
+        )
+    return Opaque(say("{name}() is not read", name=name), line)
 
 
 def _of_dictionary(owner: dict[str, Value], name: str, arguments: list[Value]) -> Value:
@@ -282,4 +293,4 @@ def _of_dictionary(owner: dict[str, Value], name: str, arguments: list[Value]) -
     key = arguments[0] if arguments else None
     if isinstance(key, str) and key in owner:
         return owner[key]
-    raise Unread("a key is not there")
+    raise Unread(say("a key is not there"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dh_to_urdf.cells.arithmetic import Sum
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs.refusals import refused
 from dh_to_urdf.pasted.programs.values import Opaque, Placed, Scalar, Unresolved
 from dh_to_urdf.pasted.raw_table import RawCell
@@ -21,7 +22,15 @@ def raw_cell(placed: Placed, column: str, unit: float | None = None) -> RawCell:
     """
     value, line = placed.value, placed.line
     if isinstance(value, Opaque):
-        raise refused(line, f"{column} is not known ({value.why}, line {value.line})")
+        raise refused(
+            line,
+            say(
+                "{column} is not known ({why}, line {line})",
+                column=column,
+                why=value.why,
+                line=value.line,
+            ),
+        )
     if isinstance(value, Unresolved):
         return RawCell(value.name, column, line, unit)
     return RawCell(text_of(value), column, line, unit, value)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from dh_to_urdf.cells.arithmetic import Sum, variable_of
 from dh_to_urdf.cells.values import Values
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import arrays, attributes, calls, operators, tree
 from dh_to_urdf.pasted.programs.indexing import (
     Key,
@@ -112,7 +113,7 @@ class Expressions:
         """
         self._steps += 1
         if self._steps > MAX_STEPS:
-            raise refused(line, "the program takes too many steps to be read")
+            raise refused(line, say("the program takes too many steps to be read"))
 
     def evaluate(self, node: tree.Expression) -> Value:
         """Return the value of an expression.
@@ -124,7 +125,7 @@ class Expressions:
         self.step(node.line)
         self._nested += 1
         if self._nested > MAX_NESTED:
-            raise refused(node.line, "the program is nested too deeply")
+            raise refused(node.line, say("the program is nested too deeply"))
         try:
             return self._evaluate(node)
         finally:
@@ -164,8 +165,8 @@ class Expressions:
                 return self._comprehension(node)
             case tree.Unread(what="joined str"):
                 if not any(isinstance(part, tree.Apply) for part in tree.nodes_of(node)):
-                    return Opaque("a text with values in it", node.line)
-        raise Unread(f"{getattr(node, 'what', 'an expression')} is not read")
+                    return Opaque(say("a text with values in it"), node.line)
+        raise Unread(say("{node} is not read", node=getattr(node, "what", say("an expression"))))
 
     def _called(self, value: Value, line: int) -> Value:
         """Return what a name of MATLAB stands for: a function without parentheses is called."""
@@ -210,7 +211,7 @@ class Expressions:
             return value
         if isinstance(value, Sum) and value.is_plain:
             return f"{value.plain:g}"
-        raise Unread("a key of this kind is not read")
+        raise Unread(say("a key of this kind is not read"))
 
     def _spread(self, nodes: Sequence[tree.Expression]) -> Iterator[Value]:
         for node in nodes:
@@ -240,7 +241,7 @@ class Expressions:
             return list(value)
         if self.is_matlab and isinstance(value, Sum):
             return [value]
-        raise Unread("what a loop runs through is not known")
+        raise Unread(say("what a loop runs through is not known"))
 
     def truth(self, value: Value) -> bool:
         """Return whether a value counts as true.
@@ -259,17 +260,17 @@ class Expressions:
     def _range(self, node: tree.Slice) -> Value:
         """Return ``first:step:last`` of MATLAB as a row."""
         if node.start is None or node.stop is None or not self.is_matlab:
-            raise Unread("a colon alone is not read here")
+            raise Unread(say("a colon alone is not read here"))
         first, last = real(self.evaluate(node.start)), real(self.evaluate(node.stop))
         step = real(self.evaluate(node.step)) if node.step else 1.0
         if step == 0.0 or (last - first) / step > MAX_ITEMS:
-            raise Unread("a range of this size is not read")
+            raise Unread(say("a range of this size is not read"))
         count = max(0, int((last - first) / step + 1e-10) + 1) if (last - first) / step >= 0 else 0
         return Array((tuple(number(first + k * step) for k in range(count)),))
 
     def _end(self) -> Value:
         if not self._sizes:
-            raise Unread("end is not read here")
+            raise Unread(say("end is not read here"))
         size = self._sizes[-1]
         return number(size[self._position] if self._position < len(size) else 1)
 
@@ -310,7 +311,7 @@ class Expressions:
             for part in (node.start, node.stop, node.step)
         ]
         if parts[2] == 0:
-            raise Unread("a slice has step 0")
+            raise Unread(say("a slice has step 0"))
         span = slice(*parts)
         return Several(tuple(range(size))[span], span)
 
@@ -328,7 +329,7 @@ class Expressions:
         if isinstance(value, dict):
             key = self._key_name(nodes[0])
             if key not in value:
-                raise Unread("a key is not there")
+                raise Unread(say("a key is not there"))
             return value[key]
         if isinstance(value, Robot) and not self.is_matlab:
             value = Items(list(value.links), robot=value)
@@ -337,18 +338,18 @@ class Expressions:
         if isinstance(value, (Link, Robot, bool, Sum)) and self.is_matlab:
             if all(not isinstance(k, Several) and k == 0 for k in self.keys_of(value, nodes)):
                 return value
-            raise Unread("an index beyond 1 of a single value")
+            raise Unread(say("an index beyond 1 of a single value"))
         if isinstance(value, Opaque):
-            raise Unread(f"{value.why} (line {value.line})")
+            raise Unread(say("{why} (line {line})", why=value.why, line=value.line))
         if not isinstance(value, (Items, Array)):
-            raise Unread("an index of a value of this kind is not read")
+            raise Unread(say("an index of a value of this kind is not read"))
         keys = self.keys_of(value, nodes)
         if isinstance(value, Array):
             return array_at(value, keys, is_matlab=self.is_matlab)
         if len(keys) == 2 and self.is_matlab and keys[0] in (0, Several((0,))):
             keys = keys[1:]
         if len(keys) != 1:
-            raise Unread("two indices of a list")
+            raise Unread(say("two indices of a list"))
         return items_at(value, keys[0])
 
     def _apply(self, node: tree.Apply) -> Value:
@@ -383,14 +384,14 @@ class Expressions:
             elif isinstance(part, tree.Unary) and part.symbol == "*":
                 arguments += self.iterate(self.evaluate(part.operand))
             elif isinstance(part, tree.Slice) and part.start is None and self.is_matlab:
-                raise Unread("a colon is no argument")
+                raise Unread(say("a colon is no argument"))
             else:
                 arguments.append(self.copied(self.evaluate(part)))
         for key, value in node.keywords:
             if key == "**":
                 found = self.evaluate(value)
                 if not isinstance(found, dict):
-                    raise Unread("** of a value that is no dictionary")
+                    raise Unread(say("** of a value that is no dictionary"))
                 keywords.update(found)
             else:
                 keywords[key] = self.evaluate(value)
@@ -416,7 +417,7 @@ class Expressions:
             return "".join(str(value) for value in flat)[:600]
         for value in flat:
             if isinstance(value, (str, dict)) or value is None:
-                raise Unread("a matrix of texts and numbers is not read")
+                raise Unread(say("a matrix of texts and numbers is not read"))
         blocks = [[_block(value) for value in row] for row in rows]
         found = arrays.joined(blocks, node.line)
         if len(found.rows) == len(node.rows):
@@ -434,7 +435,7 @@ class Expressions:
             finally:
                 self.scopes.pop(0)
             if len(found) > MAX_ITEMS:
-                raise Unread("a list of this size is not read")
+                raise Unread(say("a list of this size is not read"))
         return Items(found, line=node.line)
 
     def bind(self, target: tree.Expression, value: Value) -> None:
@@ -448,7 +449,7 @@ class Expressions:
                 for part, item in zip(target.items, values, strict=True):
                     self.bind(part, item)
                 return
-        raise Unread("the target of a loop is not read")
+        raise Unread(say("the target of a loop is not read"))
 
 
 def _block(value: Value) -> Array:

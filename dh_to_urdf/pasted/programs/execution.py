@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dh_to_urdf.cells.arithmetic import Sum
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import assignment, harmless, library, robots, tree
 from dh_to_urdf.pasted.programs.evaluation import Expressions
 from dh_to_urdf.pasted.programs.refusals import refused
@@ -68,7 +69,7 @@ class Statements(Expressions):
         except _Returned:
             return
         except _Left as left:
-            raise refused(left.line, f"{left.word} outside a loop") from None
+            raise refused(left.line, say("{left} outside a loop", left=left.word)) from None
 
     def block(self, statements: tuple[tree.Statement, ...]) -> None:
         """Follow statements in their order."""
@@ -87,7 +88,8 @@ class Statements(Expressions):
         """
         if self.touches(statement) and not self._only_looks(statement):
             raise refused(
-                statement.line, f"{why}; this statement touches a link or a robot, and is not read"
+                statement.line,
+                say("{why}; this statement touches a link or a robot, and is not read", why=why),
             )
         self.passed.append((statement.line, why))
         for node in tree.nodes_of(statement):
@@ -190,11 +192,13 @@ class Statements(Expressions):
                 raise _Left(word, statement.line)
             case tree.Unknown(what="global" | "nonlocal" as word):
                 if len(self.frames) > 0:
-                    raise refused(statement.line, f"{word} in a function is not read")
+                    raise refused(
+                        statement.line, say("{word} in a function is not read", word=word)
+                    )
             case tree.Unknown(what="raise"):
-                raise refused(statement.line, "the program stops here with an error")
+                raise refused(statement.line, say("the program stops here with an error"))
             case tree.Unknown(what=what):
-                raise Unread(f"{what} is not read")
+                raise Unread(say("{what} is not read", what=what))
 
     def _class(self, statement: tree.DefineClass) -> None:
         parents = tuple(
@@ -266,8 +270,11 @@ class Statements(Expressions):
         if self.robots or self.links or self.trees:
             raise refused(
                 node.line,
-                f"{node.name} is a script or function that is not in the text; it may change the"
-                " robot",
+                say(
+                    "{node} is a script or function that is not in the text; it may change"
+                    " the robot",
+                    node=node.name,
+                ),
             )
 
     def _delete(self, targets: tuple[tree.Expression, ...]) -> None:
@@ -284,14 +291,14 @@ class Statements(Expressions):
         try:
             truth = self.truth(self.evaluate(statement.test))
         except Unread as error:
-            raise Unread(f"whether this if holds is not known ({error})") from None
+            raise Unread(say("whether this if holds is not known ({error})", error=error)) from None
         self.block(statement.yes if truth else statement.no)
 
     def _loop(self, statement: tree.Loop) -> None:
         try:
             values = self.iterate(self.evaluate(statement.source))
         except Unread as error:
-            raise Unread(f"a loop is not run ({error})") from None
+            raise Unread(say("a loop is not run ({error})", error=error)) from None
         for value in values:
             self.bind(statement.target, value)
             try:
@@ -325,7 +332,9 @@ class Statements(Expressions):
         """
         definition = function.definition
         if len(self.frames) >= MAX_CALLS:
-            raise refused(line, f"{definition.name}() calls itself too deeply")
+            raise refused(
+                line, say("{definition}() calls itself too deeply", definition=definition.name)
+            )
         scope = self._bound(definition, arguments, keywords)
         if self.is_matlab:
             scope["nargout"] = number(wanted)
@@ -340,14 +349,14 @@ class Statements(Expressions):
             if not self.is_matlab:
                 return returned.value
         except _Left as left:
-            raise refused(left.line, f"{left.word} outside a loop") from None
+            raise refused(left.line, say("{left} outside a loop", left=left.word)) from None
         finally:
             self.scopes = outer
             self.frames.pop()
         if not definition.outputs:
             return None
         outputs = [
-            scope.get(name, Opaque(f"output {name} is not set", line))
+            scope.get(name, Opaque(say("output {name} is not set", name=name), line))
             for name in definition.outputs
         ]
         return Items(outputs[:wanted], is_tuple=True) if wanted > 1 else outputs[0]
@@ -358,9 +367,19 @@ class Statements(Expressions):
         """Return the names of a function's arguments with their values."""
         names = [name for name, _ in definition.arguments]
         if not definition.is_plain:
-            raise Unread(f"{definition.name}() takes arguments of a form that is not read")
+            raise Unread(
+                say(
+                    "{definition}() takes arguments of a form that is not read",
+                    definition=definition.name,
+                )
+            )
         if len(arguments) > len(names) or any(key not in names for key in keywords):
-            raise Unread(f"{definition.name}() is called with other arguments than it has")
+            raise Unread(
+                say(
+                    "{definition}() is called with other arguments than it has",
+                    definition=definition.name,
+                )
+            )
         scope: dict[str, Value] = dict(zip(names, arguments, strict=False))
         scope.update(keywords)
         for name, default in definition.arguments:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from dh_to_urdf.cells.arithmetic import Sum
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs.arrays import as_array, rectangle
 from dh_to_urdf.pasted.programs.numbers import as_scalar, whole
 from dh_to_urdf.pasted.programs.values import (
@@ -46,11 +47,11 @@ def matlab_key(value: Value) -> Key:
     if isinstance(value, Array) and (len(value.elements) != 1 or value.shape[0] != 1):
         found = tuple(whole(element) - 1 for element in value.elements)
         if any(position < 0 for position in found):
-            raise Unread("has an index below 1")
+            raise Unread(say("has an index below 1"))
         return Several(found)
     position = whole(value.elements[0] if isinstance(value, Array) else value) - 1
     if not 0 <= position < MAX_ITEMS:
-        raise Unread("has an index out of range")
+        raise Unread(say("has an index out of range"))
     return position
 
 
@@ -62,13 +63,21 @@ def python_key(value: Value, size: int) -> int:
     """
     position = whole(value)
     if position < -size or position >= size:
-        raise Unread(f"has an index {position} where there are {size}")
+        raise Unread(
+            say("has an index {position} where there are {size}", position=position, size=size)
+        )
     return position % size
 
 
 def _one(items: Sequence[Value], position: int) -> Value:
     if position >= len(items):
-        raise Unread(f"has an index {position + 1} where there are {len(items)}")
+        raise Unread(
+            say(
+                "has an index {position} where there are {count}",
+                position=position + 1,
+                count=len(items),
+            )
+        )
     return items[position]
 
 
@@ -103,7 +112,7 @@ def array_at(array: Array, keys: Sequence[Key], *, is_matlab: bool) -> Value:
             return Array((array.rows[key],), flat=True, view_of=array, line=line)
         keys = (key, Several(tuple(range(columns))))
     if len(keys) != 2:
-        raise Unread("has too many indices")
+        raise Unread(say("has too many indices"))
     first, second = keys
     if isinstance(first, int) and isinstance(second, int):
         return _element(array, first, second)
@@ -121,7 +130,14 @@ def array_at(array: Array, keys: Sequence[Key], *, is_matlab: bool) -> Value:
 
 def _element(array: Array, row: int, column: int) -> Scalar:
     if row >= array.shape[0] or column >= array.shape[1]:
-        raise Unread(f"has an index ({row + 1}, {column + 1}) beyond {array.shape}")
+        raise Unread(
+            say(
+                "has an index ({row}, {column}) beyond {shape}",
+                row=row + 1,
+                column=column + 1,
+                shape=array.shape,
+            )
+        )
     return array.rows[row][column]
 
 
@@ -141,7 +157,7 @@ def with_element(array: Array, keys: Sequence[Key], value: Value, *, is_matlab: 
     elif len(keys) == 1 and not is_matlab:
         keys = (keys[0], Several(tuple(range(width))))
     if len(keys) != 2:
-        raise Unread("sets elements by one index of a matrix")
+        raise Unread(say("sets elements by one index of a matrix"))
     lines = keys[0].positions if isinstance(keys[0], Several) else (keys[0],)
     if isinstance(keys[1], Several):
         places = keys[1].positions
@@ -154,7 +170,7 @@ def with_element(array: Array, keys: Sequence[Key], value: Value, *, is_matlab: 
     for k, r in enumerate(lines):
         for m, c in enumerate(places):
             if r >= len(rows) or c >= len(rows[r]):
-                raise Unread("sets an element that is not there")
+                raise Unread(say("sets an element that is not there"))
             rows[r][c] = _part(value, k, m, (len(lines), len(places)))
     found = rectangle(rows)
     return Array(found.rows, array.flat, array.line, lines=array.lines)
@@ -165,7 +181,7 @@ def _grow(rows: list[list[Scalar]], lines: Sequence[int], places: Sequence[int])
     width = max([len(rows[0]) if rows else 0, *(c + 1 for c in places)])
     height = max([len(rows), *(r + 1 for r in lines)])
     if width * height > MAX_ITEMS:
-        raise Unread("is too large")
+        raise Unread(say("is too large"))
     for row in rows:
         row.extend([Sum()] * (width - len(row)))
     rows.extend([Sum()] * width for _ in range(height - len(rows)))
@@ -182,14 +198,14 @@ def _part(value: Value, row: int, column: int, shape: tuple[int, int]) -> Scalar
         return array.elements[row + column]
     if array.shape[0] == 1 and array.shape[1] == shape[1]:
         return array.rows[0][column]
-    raise Unread("sets elements from an array of another shape")
+    raise Unread(say("sets elements from an array of another shape"))
 
 
 def matlab_items_with(items: Items, key: Key, value: Value) -> Items:
     """Return a list with one item set; positions in between stay empty."""
     if isinstance(key, Several):
         if not isinstance(value, Items) or len(value.items) != len(key.positions):
-            raise Unread("sets several links at once from another number of them")
+            raise Unread(say("sets several links at once from another number of them"))
         for position, item in zip(key.positions, value.items, strict=True):
             items = matlab_items_with(items, position, item)
         return items
@@ -205,5 +221,5 @@ def without_items(items: Items, key: Key) -> Items:
     """Return a list without some of its items, as ``L(2) = []`` leaves it."""
     gone = set(key.positions) if isinstance(key, Several) else {key}
     if any(position >= len(items.items) for position in gone):
-        raise Unread("removes an item that is not there")
+        raise Unread(say("removes an item that is not there"))
     return replace(items, items=[v for k, v in enumerate(items.items) if k not in gone])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import attributes, harmless, links, robots
 from dh_to_urdf.pasted.programs.operators import robot_of
 from dh_to_urdf.pasted.programs.refusals import refused
@@ -39,8 +40,8 @@ def call_on_robot(
         machine.robots.append(made)
         return made
     if name in harmless.FUNCTIONS or name in harmless.ROBOT_NOTES:
-        return Opaque(f"{name}() of a robot", line)
-    raise refused(line, f"{name}() of the robot is not read")
+        return Opaque(say("{name}() of a robot", name=name), line)
+    raise refused(line, say("{name}() of the robot is not read", name=name))
 
 
 def call_on_class(
@@ -59,8 +60,15 @@ def call_on_class(
     if owner.name in links.CLASSES and name == "empty":
         return Items([])
     if has_part(arguments, keywords):
-        raise refused(line, f"{owner.name}.{name}() takes a link or robot, and is not read")
-    return Opaque(f"{owner.name}.{name}() is not read", line)
+        raise refused(
+            line,
+            say(
+                "{owner}.{name}() takes a link or robot, and is not read",
+                owner=owner.name,
+                name=name,
+            ),
+        )
+    return Opaque(say("{owner}.{name}() is not read", owner=owner.name, name=name), line)
 
 
 def _init(
@@ -98,7 +106,7 @@ def call_on_instance(
     owner, name = function.owner, function.name
     assert isinstance(owner, Instance)
     if name == "super":
-        raise Unread("super() alone is not read")
+        raise Unread(say("super() alone is not read"))
     if function.of is not None:
         return _call_super(machine, owner, function.of, name, arguments, keywords, line)
     found = attributes.method(owner.of, name)
@@ -110,8 +118,10 @@ def call_on_instance(
         return call_on_robot(machine, owner.robot, name, arguments, line)
     touches = is_part(owner) or has_part(arguments, keywords)
     if touches and name not in harmless.FUNCTIONS:
-        raise refused(line, f"{name}() is not in the text, and what it does is not known")
-    return Opaque(f"{name}() is not read", line)
+        raise refused(
+            line, say("{name}() is not in the text, and what it does is not known", name=name)
+        )
+    return Opaque(say("{name}() is not read", name=name), line)
 
 
 def _call_super(
@@ -131,7 +141,7 @@ def _call_super(
         if isinstance(parent, Function) and parent.name in robots.CLASSES and name == "__init__":
             return _init(machine, owner, arguments, keywords, line)
     if is_part(owner) or has_part(arguments, keywords):
-        raise refused(line, f"super().{name}() is not read")
+        raise refused(line, say("super().{name}() is not read", name=name))
     return None
 
 
@@ -155,7 +165,13 @@ def instantiate(
     if makes_robot(of):
         return _init(machine, instance, arguments, keywords, line) or instance
     if has_part(arguments, keywords):
-        raise refused(line, f"{of.definition.name}() takes a link or robot, and is not read")
+        raise refused(
+            line,
+            say(
+                "{definition}() takes a link or robot, and is not read",
+                definition=of.definition.name,
+            ),
+        )
     return instance
 
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs.arrays import as_array
 from dh_to_urdf.pasted.programs.harmless import LINK_NOTES
 from dh_to_urdf.pasted.programs.numbers import as_scalar, real
@@ -41,8 +42,8 @@ ORDER = ("theta", "d", "a", "alpha", "sigma", "offset")
 """Order of a vector of a link."""
 PARAMETERS = ("theta", "d", "a", "alpha", "offset")
 _NONE = float("nan")
-LEFT_OUT = "masses, inertias and motors of the links are left out"
-KNOWN = "theta, d, a, alpha, offset, qlim, sigma, flip, modified"
+LEFT_OUT = say("masses, inertias and motors of the links are left out")
+KNOWN = say("theta, d, a, alpha, offset, qlim, sigma, flip, modified")
 _POSITIONS = {
     "DHLink": ("d", "alpha", "theta", "a", "sigma", "mdh", "offset", "flip", "qlim"),
     **dict.fromkeys(("RevoluteDH", "RevoluteMDH"), ("d", "a", "alpha", "offset", "qlim", "flip")),
@@ -109,12 +110,16 @@ def make_link(
             continue
         raise refused(
             line,
-            f"{name} has an argument {shown(value)} that is not read; write 'd', 0.3, 'a', 0,"
-            " 'alpha', pi/2 or d=0.3, a=0, alpha=pi/2",
+            say(
+                "{name} has an argument {value} that is not read; write 'd', 0.3, 'a',"
+                " 0, 'alpha', pi/2 or d=0.3, a=0, alpha=pi/2",
+                name=name,
+                value=shown(value),
+            ),
         )
     for key, value in keywords.items():
         if key in by_position[:position]:
-            raise refused(line, f"{key} of the link stands twice; keep one")
+            raise refused(line, say("{key} of the link stands twice; keep one", key=key))
         _set(link, key, value, line, warnings)
         given.add(key)
     return _settled(link, vector)
@@ -127,13 +132,13 @@ def shown(value: Value) -> str:
     if isinstance(value, str):
         return quoted(value)
     if isinstance(value, Opaque):
-        return f"({value.why}, line {value.line})"
-    return f"of kind {type(value).__name__}"
+        return say("({why}, line {line})", why=value.why, line=value.line)
+    return say("of kind {name}", name=type(value).__name__)
 
 
 def _once(given: set[str], key: str, line: int) -> None:
     if key in given and key.lower() in PARAMETERS:
-        raise refused(line, f"{key} of the link stands twice; keep one")
+        raise refused(line, say("{key} of the link stands twice; keep one", key=key))
     given.add(key)
 
 
@@ -146,10 +151,12 @@ def as_vector(value: Value, line: int) -> tuple[Scalar, ...]:
     try:
         array = as_array(value)
     except Unread as error:
-        raise refused(line, f"the vector of the link {error}") from None
+        raise refused(line, say("the vector of the link {error}", error=error)) from None
     elements = array.elements
     if not 4 <= len(elements) <= 6 or 1 not in array.shape:
-        raise refused(line, f"a vector of a link has 4 to 6 numbers: {', '.join(ORDER)}")
+        raise refused(
+            line, say("a vector of a link has 4 to 6 numbers: {order}", order=", ".join(ORDER))
+        )
     return elements
 
 
@@ -200,17 +207,26 @@ def _set(link: Link, key: str, value: Value, line: int, warnings: list[str]) -> 
             link.modified = truth
     elif name == "convention" and isinstance(value, str):
         if value.lower() not in ("standard", "modified"):
-            raise refused(line, f"the convention of the link is {quoted(value)}")
+            raise refused(line, say("the convention of the link is {value}", value=quoted(value)))
         link.modified = value.lower() == "modified"
     elif name in ("jointtype", "type"):
         if not isinstance(value, str) or value.lower()[:1] not in ("r", "p"):
-            raise refused(line, f"the type of the link is {shown(value)}; write 'R' or 'P'")
+            raise refused(
+                line, say("the type of the link is {value}; write 'R' or 'P'", value=shown(value))
+            )
         link.type = value[0].upper()
     elif key in LINK_NOTES:
         if key not in ("name", "number", "parent", "mesh") and LEFT_OUT not in warnings:
             warnings.append(LEFT_OUT)
     else:
-        raise refused(line, f"the link has an unknown parameter {quoted(key)}; known are {KNOWN}")
+        raise refused(
+            line,
+            say(
+                "the link has an unknown parameter {key}; known are {known}",
+                key=quoted(key),
+                known=KNOWN,
+            ),
+        )
 
 
 def _set_number(link: Link, name: str, value: Value, line: int) -> None:
@@ -219,11 +235,21 @@ def _set_number(link: Link, name: str, value: Value, line: int) -> None:
     if isinstance(value, Array) and not value.elements:
         return
     if isinstance(value, Opaque):
-        raise refused(line, f"{name} of the link is not known ({value.why}, line {value.line})")
+        raise refused(
+            line,
+            say(
+                "{name} of the link is not known ({why}, line {line})",
+                name=name,
+                why=value.why,
+                line=value.line,
+            ),
+        )
     try:
         link.numbers[name] = Placed(as_scalar(value), line)
     except Unread:
-        raise refused(line, f"{name} of the link is {shown(value)}; give a number") from None
+        raise refused(
+            line, say("{name} of the link is {value}; give a number", name=name, value=shown(value))
+        ) from None
 
 
 def _sigma(value: Value, line: int) -> str:
@@ -234,7 +260,7 @@ def _sigma(value: Value, line: int) -> str:
     except Unread:
         found = _NONE
     if found not in (0.0, 1.0):
-        raise refused(line, f"sigma is {shown(value)}; give 0 (R) or 1 (P)")
+        raise refused(line, say("sigma is {value}; give 0 (R) or 1 (P)", value=shown(value)))
     return "P" if found else "R"
 
 
@@ -246,7 +272,10 @@ def _truth(value: Value, key: str, line: int) -> bool:
     except Unread:
         found = _NONE
     if found not in (0.0, 1.0):
-        raise refused(line, f"{key} of the link is {shown(value)}; give true or false")
+        raise refused(
+            line,
+            say("{key} of the link is {value}; give true or false", key=key, value=shown(value)),
+        )
     return found == 1.0
 
 
@@ -264,9 +293,16 @@ def limits_of(value: Value, line: int) -> tuple[Placed, Placed] | None:
             lower, upper = elements
             for element in elements:
                 if isinstance(element, Opaque):
-                    raise refused(line, f"qlim is not known ({element.why}, line {element.line})")
+                    raise refused(
+                        line,
+                        say(
+                            "qlim is not known ({why}, line {line})",
+                            why=element.why,
+                            line=element.line,
+                        ),
+                    )
             return Placed(lower, line), Placed(upper, line)
-    raise refused(line, f"qlim is {shown(value)}; write [lower upper]")
+    raise refused(line, say("qlim is {value}; write [lower upper]", value=shown(value)))
 
 
 def _settled(link: Link, vector: bool) -> Link:
@@ -275,7 +311,10 @@ def _settled(link: Link, vector: bool) -> Link:
     if link.type is None and "theta" in numbers and "d" in numbers and not vector:
         raise refused(
             link.line,
-            "the link has theta and d; give the one that is constant, or 'revolute' or 'prismatic'",
+            say(
+                "the link has theta and d; give the one that is constant, or 'revolute'"
+                " or 'prismatic'"
+            ),
         )
     if link.type is None:
         link.type = "P" if "theta" in numbers and "d" not in numbers else "R"

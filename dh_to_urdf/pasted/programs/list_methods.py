@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs.indexing import python_key
 from dh_to_urdf.pasted.programs.numbers import whole
 from dh_to_urdf.pasted.programs.refusals import refused
@@ -22,12 +23,12 @@ def call(
     if name == "copy" and not arguments:
         return Items(list(owner.items), owner.is_tuple)
     if name in ("index", "count"):
-        return Opaque(f"{name}() of a list", line)
+        return Opaque(say("{name}() of a list", name=name), line)
     if owner.is_tuple or keywords:
-        raise Unread(f"{name}() is not read here")
+        raise Unread(say("{name}() is not read here", name=name))
     if owner.robot is not None:
         raise refused(
-            line, "the list of links of a robot is changed after it was made; change it before"
+            line, say("the list of links of a robot is changed after it was made; change it before")
         )
     match name, len(arguments):
         case "append", 1:
@@ -38,12 +39,12 @@ def call(
             owner.items.insert(whole(arguments[0]), arguments[1])
         case "pop", 0 | 1:
             if not owner.items:
-                raise Unread("takes from an empty list")
+                raise Unread(say("takes from an empty list"))
             return owner.items.pop(python_key(arguments[0], len(owner.items)) if arguments else -1)
         case "remove", 1:
             positions = [k for k, item in enumerate(owner.items) if item is arguments[0]]
             if not positions:
-                raise Unread("removes a value that is not in the list")
+                raise Unread(say("removes a value that is not in the list"))
             del owner.items[positions[0]]
         case "reverse", 0:
             owner.items.reverse()
@@ -51,15 +52,19 @@ def call(
             owner.items.clear()
         case _:
             if is_part(owner):
-                raise refused(line, f"{name}() of a list of links is not read")
-            raise Unread(f"{name}() of a list is not read")
+                raise refused(line, say("{name}() of a list of links is not read", name=name))
+            raise Unread(say("{name}() of a list is not read", name=name))
     if len(owner.items) > MAX_ITEMS:
-        raise refused(line, "the list is too long")
+        raise refused(line, say("the list is too long"))
     return None
 
 
 def _several(value: Value, line: int) -> list[Value]:
     if isinstance(value, Items):
         return list(value.items)
-    why = f"({value.why}, line {value.line})" if isinstance(value, Opaque) else "is no list"
-    raise refused(line, f"a list is extended by a value that is not known {why}")
+    why = (
+        say("({why}, line {line})", why=value.why, line=value.line)
+        if isinstance(value, Opaque)
+        else say("is no list")
+    )
+    raise refused(line, say("a list is extended by a value that is not known {why}", why=why))

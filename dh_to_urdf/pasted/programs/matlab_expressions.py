@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import tree
 from dh_to_urdf.pasted.programs.tree import Expression
 from dh_to_urdf.pasted.source_tokens import Token
@@ -45,7 +46,7 @@ class MatlabExpressions:
     def fail(self, what: str, token: Token | None = None) -> DHSyntaxError:
         """Return an error with the line."""
         line = (token or self.token).line
-        return DHSyntaxError.single((), f"line {line}: {what}")
+        return DHSyntaxError.single((), say("line {line}: {what}", line=line, what=what))
 
     def symbol(self, *symbols: str) -> str | None:
         """Take one of these symbols if it is next."""
@@ -60,9 +61,9 @@ class MatlabExpressions:
         self.depth += 1
         self.count += 1
         if self.depth > tree.MAX_DEPTH:
-            raise self.fail("brackets are nested too deeply")
+            raise self.fail(say("brackets are nested too deeply"))
         if self.count > tree.MAX_NODES:
-            raise DHError.single((), "the program is too long for a table")
+            raise DHError.single((), say("the program is too long for a table"))
         found = self._level(0)
         self.depth -= 1
         return found
@@ -128,7 +129,7 @@ class MatlabExpressions:
                 break
             signs += [(line, letter) for letter in sign]
             if len(signs) > tree.MAX_DEPTH:
-                raise self.fail("the signs are nested too deeply")
+                raise self.fail(say("the signs are nested too deeply"))
         found = self._power()
         for line, sign in reversed(signs):
             found = tree.Unary(line, "not" if sign in "~!" else sign, found)
@@ -174,8 +175,8 @@ class MatlabExpressions:
             self.position += 1
             return tree.Attribute(token.line, owner, token.text)
         if token.text == "(":
-            return tree.Unread(token.line, "field by name", (owner, *self._inside("(")))
-        raise self.fail(f"{quoted(token.text)} after a dot")
+            return tree.Unread(token.line, say("field by name"), (owner, *self._inside("(")))
+        raise self.fail(say("{token} after a dot", token=quoted(token.text)))
 
     def _inside(self, opening: str) -> tuple[Expression, ...]:
         """Return the arguments or indices between brackets."""
@@ -196,13 +197,13 @@ class MatlabExpressions:
 
     def _closes(self, closing: str, opened: Token) -> bool:
         if self.token.kind == "end":
-            raise self.fail(f"{opened.text} is never closed", opened)
+            raise self.fail(say("{opened} is never closed", opened=opened.text), opened)
         return self.symbol(closing) is not None
 
     def _unexpected(self, opened: Token) -> DHSyntaxError:
         if self.token.kind == "end":
-            return self.fail(f"{opened.text} is never closed", opened)
-        return self.fail(f"{quoted(self.token.text)} is not expected")
+            return self.fail(say("{opened} is never closed", opened=opened.text), opened)
+        return self.fail(say("{token} is not expected", token=quoted(self.token.text)))
 
     def _argument(self) -> Expression:
         token = self.token
@@ -238,8 +239,8 @@ class MatlabExpressions:
             return self._handle(token)
         self.position -= 1
         if token.kind in ("newline", "end"):
-            raise self.fail("the expression ends too early")
-        raise self.fail(f"{quoted(token.text)} is not expected")
+            raise self.fail(say("the expression ends too early"))
+        raise self.fail(say("{token} is not expected", token=quoted(token.text)))
 
     def _word(self, token: Token) -> Expression:
         if token.text == "end":
@@ -252,8 +253,10 @@ class MatlabExpressions:
         """Return a function handle or an anonymous function, which is not read."""
         if self.token.text == "(":
             arguments = self._inside("(")
-            return tree.Unread(token.line, "anonymous function", (*arguments, self.expression()))
-        return tree.Unread(token.line, "function handle", (self._postfix(),))
+            return tree.Unread(
+                token.line, say("anonymous function"), (*arguments, self.expression())
+            )
+        return tree.Unread(token.line, say("function handle"), (self._postfix(),))
 
     def _matrix(self, opened: Token) -> Expression:
         closing = _CLOSING[opened.text]
@@ -261,7 +264,7 @@ class MatlabExpressions:
         self.in_matrix, self.in_brackets = True, False
         self.depth += 1
         if self.depth > tree.MAX_DEPTH:
-            raise self.fail("brackets are nested too deeply", opened)
+            raise self.fail(say("brackets are nested too deeply"), opened)
         rows: list[tuple[Expression, ...]] = []
         row: list[Expression] = []
         while True:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import tree
 from dh_to_urdf.pasted.programs.harmless import COMMANDS
 from dh_to_urdf.pasted.programs.matlab_expressions import MatlabExpressions
@@ -55,7 +56,7 @@ class _MatlabStatements(MatlabExpressions):
         """Return statements up to ``end`` or another of these words, which is not taken."""
         self.depth += 1
         if self.depth > tree.MAX_DEPTH:
-            raise self.fail("blocks are nested too deeply")
+            raise self.fail(say("blocks are nested too deeply"))
         statements: list[Statement] = []
         while True:
             token = self.token
@@ -129,7 +130,9 @@ class _MatlabStatements(MatlabExpressions):
         if token.text in ("import", "syms", "sym"):
             return tree.Import(token.line, ())
         if token.text not in COMMANDS:
-            raise self.fail(f"{quoted(token.text)} with words after it is not read", token)
+            raise self.fail(
+                say("{token} with words after it is not read", token=quoted(token.text)), token
+            )
         function = tree.Name(token.line, token.text)
         return tree.Evaluate(token.line, tree.Apply(token.line, function, arguments))
 
@@ -161,7 +164,7 @@ class _MatlabStatements(MatlabExpressions):
         """Return what is assigned; ``a = b = c`` is not read."""
         value = self.expression()
         if self.token.kind == "symbol" and self.token.text == "=":
-            raise self.fail("'=' is not expected")
+            raise self.fail(say("'=' is not expected"))
         return value
 
     def _ended(self, statement: Statement) -> Statement:
@@ -170,7 +173,7 @@ class _MatlabStatements(MatlabExpressions):
             return statement
         if token.kind == "word" and token.text in _ENDS:
             return statement
-        raise self.fail(f"{quoted(token.text)} is not expected")
+        raise self.fail(say("{token} is not expected", token=quoted(token.text)))
 
     def _outputs(self) -> tuple[Expression, ...] | None:
         """Return the targets of ``[a, b] = …``; None where that is not what stands here."""
@@ -224,7 +227,7 @@ class _MatlabStatements(MatlabExpressions):
     def _branch_within(self) -> Statement:
         self.depth += 1
         if self.depth > tree.MAX_DEPTH:
-            raise self.fail("blocks are nested too deeply")
+            raise self.fail(say("blocks are nested too deeply"))
         found = self._branch()
         self.depth -= 1
         return found
@@ -235,7 +238,7 @@ class _MatlabStatements(MatlabExpressions):
         bracket = self.symbol("(") is not None
         target = self._postfix_name()
         if not self.symbol("="):
-            raise self.fail("'=' is expected after for")
+            raise self.fail(say("'=' is expected after for"))
         source = self.expression()
         if bracket:
             self.symbol(")")
@@ -246,7 +249,7 @@ class _MatlabStatements(MatlabExpressions):
     def _postfix_name(self) -> Expression:
         token = self.token
         if token.kind != "word":
-            raise self.fail("a name is expected after for")
+            raise self.fail(say("a name is expected after for"))
         self.position += 1
         return tree.Name(token.line, token.text)
 

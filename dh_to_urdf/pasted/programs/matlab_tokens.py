@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from dh_to_urdf.errors import DHError, DHSyntaxError
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs.tree import Comment
 from dh_to_urdf.pasted.source_tokens import MAX_TOKENS, Token
 
@@ -47,7 +48,10 @@ def matlab_tokens(text: str) -> tuple[list[Token], tuple[Comment, ...]]:
         if kind == "symbol" and word in ("'", '"') and not _transposes(tokens, spaced, word, depth):
             quotes = (_SINGLE if word == "'" else _DOUBLE).match(text, position)
             if quotes is None:
-                raise DHSyntaxError.single((), f"line {line}: the text after {word} is not closed")
+                raise DHSyntaxError.single(
+                    (),
+                    say("line {line}: the text after {word} is not closed", line=line, word=word),
+                )
             tokens.append(Token("string", quotes[1].replace(word * 2, word), line, spaced))
             position, spaced = quotes.end(), False
             continue
@@ -64,7 +68,7 @@ def matlab_tokens(text: str) -> tuple[list[Token], tuple[Comment, ...]]:
             tokens.append(Token(kind, word, line, spaced))
             spaced = False
             if len(tokens) > MAX_TOKENS:
-                raise DHError.single((), "the text is too long for a table")
+                raise DHError.single((), say("the text is too long for a table"))
         line += word.count("\n")
     tokens.append(Token("newline", "\n", line, False))
     tokens.append(Token("end", "", line, False))

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from dh_to_urdf.cells.arithmetic import CellError, Sum
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs.values import Opaque, Scalar, Unread, Unresolved, Value
 
 MAX_PLAIN_ANGLE = 2 * math.pi
@@ -23,7 +24,7 @@ def as_scalar(value: Value) -> Scalar:
         return Sum(plain=float(value))
     if isinstance(value, (Sum, Unresolved, Opaque)):
         return value
-    raise Unread("is no number")
+    raise Unread(say("is no number"))
 
 
 def known(value: Value) -> Sum:
@@ -34,7 +35,7 @@ def known(value: Value) -> Sum:
     """
     scalar = as_scalar(value)
     if isinstance(scalar, Unresolved):
-        raise Unread(f"has an unknown name {quoted(scalar.name, 20)}")
+        raise Unread(say("has an unknown name {scalar}", scalar=quoted(scalar.name, 20)))
     if isinstance(scalar, Opaque):
         raise Unread(scalar.why)
     return scalar
@@ -47,7 +48,7 @@ def in_radians(total: Sum) -> float:
         Unread: It holds a joint variable.
     """
     if total.variable is not None:
-        raise Unread("holds a joint variable")
+        raise Unread(say("holds a joint variable"))
     return _finite(total.plain + total.angle + total.length)
 
 
@@ -68,13 +69,13 @@ def whole(value: Value) -> int:
     """
     found = real(value)
     if found != int(found) or abs(found) > 1e6:
-        raise Unread("is no whole number")
+        raise Unread(say("is no whole number"))
     return int(found)
 
 
 def _finite(value: float) -> float:
     if not math.isfinite(value):
-        raise Unread("is not a finite number")
+        raise Unread(say("is not a finite number"))
     return value
 
 
@@ -102,9 +103,9 @@ def combined(symbol: str, left: Scalar, right: Scalar) -> Scalar:
     try:
         result = _OPERATIONS[symbol.removeprefix(".")](left, right)
     except KeyError:
-        raise Unread(f"{quoted(symbol)} is not read") from None
+        raise Unread(say("{symbol} is not read", symbol=quoted(symbol))) from None
     except (CellError, ArithmeticError) as error:
-        words = str(error) if isinstance(error, CellError) else "is not a finite number"
+        words = str(error) if isinstance(error, CellError) else say("is not a finite number")
         raise Unread(words) from None
     _finite(result.plain + result.angle + result.length)
     return result
@@ -121,11 +122,11 @@ def _times(left: Sum, right: Sum) -> Sum:
 def _divided(left: Sum, right: Sum) -> Sum:
     if right.is_plain:
         if right.plain == 0.0:
-            raise CellError("divides by zero")
+            raise CellError(say("divides by zero"))
         return left.divided(right.plain)
     divisor = in_radians(right)
     if divisor == 0.0:
-        raise CellError("divides by zero")
+        raise CellError(say("divides by zero"))
     return Sum(plain=in_radians(left) / divisor)
 
 
@@ -134,7 +135,7 @@ def _power(left: Sum, right: Sum) -> Sum:
         return left
     result = in_radians(left) ** in_radians(right)
     if isinstance(result, complex):
-        raise CellError("is no real number")
+        raise CellError(say("is no real number"))
     return Sum(plain=float(result))
 
 
@@ -154,7 +155,10 @@ def _turned(function: Callable[[float], float]) -> Callable[[Sum], Sum]:
     def of(total: Sum) -> Sum:
         if abs(total.plain) > MAX_PLAIN_ANGLE:
             raise Unread(
-                f"takes the sine or cosine of {total.plain:g} rad; write {total.plain:g}*pi/180"
+                say(
+                    "takes the sine or cosine of {plain:g} rad; write {plain:g}*pi/180",
+                    plain=total.plain,
+                )
             )
         return Sum(plain=function(in_radians(total)))
 
@@ -213,7 +217,7 @@ def function_of(name: str, argument: Scalar) -> Scalar:
     try:
         return FUNCTIONS[name](argument)
     except (ValueError, ArithmeticError):
-        raise Unread(f"takes {name} of a number that has none") from None
+        raise Unread(say("takes {name} of a number that has none", name=name)) from None
 
 
 def atan2(y: Scalar, x: Scalar) -> Scalar:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh_to_urdf.cells.arithmetic import Sum
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import arrays, tree
 from dh_to_urdf.pasted.programs.numbers import as_scalar, combined, negated, real, whole
 from dh_to_urdf.pasted.programs.robots import appended, multiplied
@@ -40,12 +41,12 @@ def unary(machine: Expressions, node: tree.Unary) -> Value:
         return not machine.truth(value)
     if node.symbol == "'":
         if isinstance(value, Pose):
-            raise Unread("the transpose of a pose is not read")
+            raise Unread(say("the transpose of a pose is not read"))
         if isinstance(value, Items) or not isinstance(value, Array):
             return value
         return arrays.transposed(value)
     if node.symbol not in ("-", "+"):
-        raise Unread(f"{node.symbol} is not read")
+        raise Unread(say("{symbol} is not read", symbol=node.symbol))
     if isinstance(value, (Array, Items)):
         return arrays.elementwise("*", number(-1.0 if node.symbol == "-" else 1.0), value)
     scalar = as_scalar(value)
@@ -76,8 +77,8 @@ def binary(machine: Expressions, node: tree.Binary) -> Value:
         if symbol == "+" and isinstance(left, str) and isinstance(right, str):
             return left[:300] + right[:300]
         if isinstance(left, Opaque) or isinstance(right, Opaque):
-            return Opaque("a text with values in it", node.line)
-        raise Unread("this operation on a text is not read")
+            return Opaque(say("a text with values in it"), node.line)
+        raise Unread(say("this operation on a text is not read"))
     lists = isinstance(left, Items) or isinstance(right, Items)
     arrays_too = isinstance(left, Array) or isinstance(right, Array)
     if lists and not machine.is_matlab and not arrays_too:
@@ -85,7 +86,7 @@ def binary(machine: Expressions, node: tree.Binary) -> Value:
     if isinstance(left, (Array, Items)) or isinstance(right, (Array, Items)):
         return _of_arrays(machine, symbol, left, right)
     if symbol == "^" and not machine.is_matlab:
-        raise Unread("^ is no power in Python; write **")
+        raise Unread(say("^ is no power in Python; write **"))
     return combined(symbol, as_scalar(left), as_scalar(right))
 
 
@@ -94,9 +95,9 @@ def _of_arrays(machine: Expressions, symbol: str, left: Value, right: Value) -> 
     if symbol == "@" or (symbol == "*" and machine.is_matlab and one and two):
         return arrays.product(arrays.as_array(left), arrays.as_array(right))
     if machine.is_matlab and symbol in ("^", "\\", "/") and two:
-        raise Unread(f"{symbol} of matrices is not read")
+        raise Unread(say("{symbol} of matrices is not read", symbol=symbol))
     if symbol == "^" and machine.is_matlab:
-        raise Unread("a power of a matrix is not read; write .^")
+        raise Unread(say("a power of a matrix is not read; write .^"))
     return arrays.elementwise(symbol, left, right)
 
 
@@ -115,20 +116,20 @@ def _of_parts(machine: Expressions, symbol: str, left: Value, right: Value, line
         if made is not None:
             machine.robots.append(made)
             return made
-    raise Unread(f"{symbol} of a link or robot is not read")
+    raise Unread(say("{symbol} of a link or robot is not read", symbol=symbol))
 
 
 def _compared(symbol: str, left: Value, right: Value) -> bool:
     if symbol in ("is", "is not"):
         if right is None or isinstance(right, bool):
             if isinstance(left, (Opaque, Unresolved)):
-                raise Unread("compares a value that is not known")
+                raise Unread(say("compares a value that is not known"))
             return (left is right) is (symbol == "is")
-        raise Unread("is between values is not read")
+        raise Unread(say("is between values is not read"))
     if symbol in ("in", "not in"):
         if isinstance(right, (dict, str)) and isinstance(left, str):
             return (left in right) is (symbol == "in")
-        raise Unread("in is not read here")
+        raise Unread(say("in is not read here"))
     if isinstance(left, str) and isinstance(right, str) and symbol in ("==", "!="):
         return (left == right) is (symbol == "==")
     one, two = real(left), real(right)
@@ -154,7 +155,7 @@ def _of_lists(symbol: str, left: Value, right: Value) -> Value:
         items, times = (left, right) if isinstance(left, Items) else (right, left)
         if isinstance(items, Items) and len(items.items) * whole(times) <= MAX_ITEMS:
             return Items(items.items * whole(times), items.is_tuple)
-    raise Unread(f"{symbol} of these lists is not read")
+    raise Unread(say("{symbol} of these lists is not read", symbol=symbol))
 
 
 def _of_poses(symbol: str, left: Value, right: Value, *, is_matlab: bool) -> Value:
@@ -167,7 +168,7 @@ def _of_poses(symbol: str, left: Value, right: Value, *, is_matlab: bool) -> Val
                 return Pose(one @ two)
     if symbol == "/" and isinstance(left, Pose) and isinstance(right, Pose):
         return Pose(left.matrix @ _inverse(right))
-    raise Unread(f"{symbol} of a pose and this value is not read")
+    raise Unread(say("{symbol} of a pose and this value is not read", symbol=symbol))
 
 
 def _inverse(pose: Pose) -> Matrix:

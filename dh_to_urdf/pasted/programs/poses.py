@@ -10,6 +10,7 @@ import numpy as np
 
 from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.errors import DHError, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs.arrays import as_array, flat_numbers, of_matrix, to_matrix
 from dh_to_urdf.pasted.programs.numbers import in_radians, known
 from dh_to_urdf.pasted.programs.values import Array, Items, Pose, Unread, Value
@@ -51,7 +52,9 @@ class PoseCall:
         self.keywords = named
         unknown = [w for w in self.words if w not in _OPTIONS]
         if unknown:
-            raise Unread(f"has an option {quoted(unknown[0])} that is not read")
+            raise Unread(
+                say("has an option {unknown} that is not read", unknown=quoted(unknown[0]))
+            )
 
     def turn(self, total: Sum) -> float:
         """Return an angle in rad.
@@ -68,9 +71,14 @@ class PoseCall:
         if self.angle is None and abs(total.plain) > _TURN:
             raise DHError.single(
                 (),
-                f"line {self.line}: {total.plain:g} in {self.name} has no unit and is no angle in"
-                f" rad as people write them; write {total.plain:g}*pi/180, or give angle=deg"
-                " (or angle=rad if it is meant)",
+                say(
+                    "line {line}: {plain:g} in {name} has no unit and is no angle in rad as"
+                    " people write them; write {plain:g}*pi/180, or give angle=deg (or"
+                    " angle=rad if it is meant)",
+                    line=self.line,
+                    plain=total.plain,
+                    name=self.name,
+                ),
             )
         return in_radians(total)
 
@@ -81,11 +89,16 @@ class PoseCall:
             Unread: Other arguments.
         """
         if self.keywords:
-            raise Unread(f"has an argument {quoted(next(iter(self.keywords)))} that is not read")
+            raise Unread(
+                say(
+                    "has an argument {keywords} that is not read",
+                    keywords=quoted(next(iter(self.keywords))),
+                )
+            )
         if len(self.arguments) == 1 and isinstance(self.arguments[0], (Items, Array)):
             return flat_numbers(self.arguments[0], size)
         if len(self.arguments) != size:
-            raise Unread(f"needs {size} numbers")
+            raise Unread(say("needs {size} numbers", size=size))
         return [known(value) for value in self.arguments]
 
 
@@ -143,9 +156,13 @@ def _roll_pitch_yaw(call: PoseCall) -> Matrix:
     order = {"vehicle": "zyx", "arm": "xyz", "camera": "yxz"}.get(order or "zyx", order or "zyx")
     if call.is_matlab and sum(angle != 0.0 for angle in (roll, pitch, yaw)) > 1:
         call.warnings.append(
-            f"line {call.line}: {call.name} is read as release 10 of the Toolbox does,"
-            " R = Rz(yaw) Ry(pitch) Rx(roll), or Rx(roll) Ry(pitch) Rz(yaw) with 'xyz' (which was"
-            " the default up to release 9)"
+            say(
+                "line {line}: {call} is read as release 10 of the Toolbox does, R ="
+                " Rz(yaw) Ry(pitch) Rx(roll), or Rx(roll) Ry(pitch) Rz(yaw) with 'xyz'"
+                " (which was the default up to release 9)",
+                line=call.line,
+                call=call.name,
+            )
         )
     first, last = (roll, yaw) if call.is_matlab and order == "xyz" else (yaw, roll)
     turns = zip(order, (first, pitch, last), strict=True)
@@ -159,12 +176,12 @@ def _euler(call: PoseCall) -> Matrix:
 
 def _about_vector(call: PoseCall) -> Matrix:
     if len(call.arguments) != 2:
-        raise Unread("needs an angle and a vector")
+        raise Unread(say("needs an angle and a vector"))
     angle = call.turn(known(call.arguments[0]))
     v = np.array([in_radians(n) for n in flat_numbers(call.arguments[1], 3)])
     size = float(np.linalg.norm(v))
     if size == 0.0:
-        raise Unread("turns about a vector of zeros")
+        raise Unread(say("turns about a vector of zeros"))
     x, y, z = v / size
     K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     T = np.eye(4)
@@ -183,11 +200,11 @@ def _rotation_and_translation(call: PoseCall) -> Matrix:
     if "t" in call.keywords:
         call.arguments.append(call.keywords.pop("t"))
     if not 1 <= len(call.arguments) <= 2 or call.keywords:
-        raise Unread("needs a rotation and a translation")
+        raise Unread(say("needs a rotation and a translation"))
     T = np.eye(4)
     R = to_matrix(call.arguments[0])
     if R.shape not in ((3, 3), (4, 4)):
-        raise Unread("needs a rotation, 3x3")
+        raise Unread(say("needs a rotation, 3x3"))
     T[:3, :3] = R[:3, :3]
     if len(call.arguments) == 2:
         T[:3, 3] = [in_radians(n) for n in flat_numbers(call.arguments[1], 3)]

@@ -10,6 +10,7 @@ import tokenize
 from itertools import pairwise
 
 from dh_to_urdf.errors import DHError, DHSyntaxError
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import tree
 from dh_to_urdf.pasted.programs.tree import Comment, Expression, Program, Statement
 
@@ -56,7 +57,7 @@ def read_python(text: str) -> Program:
         DHError: It is nested too deeply or too long.
     """
     if _PREFIXES.search(text) or _RIGHT.search(text):
-        raise DHSyntaxError.single((), "the program is nested too deeply")
+        raise DHSyntaxError.single((), say("the program is nested too deeply"))
     if _PROMPT.match(text.lstrip("\n")):
         text = _PROMPT.sub("", text)
     # Escapes say nothing here, and unknown ones would make the parser warn on stderr.
@@ -64,9 +65,11 @@ def read_python(text: str) -> Program:
     try:
         module = _parsed(text)
     except SyntaxError as error:
-        raise DHSyntaxError.single((), f"line {error.lineno or 1}: {error.msg}") from None
+        raise DHSyntaxError.single(
+            (), say("line {lineno}: {msg}", lineno=error.lineno or 1, msg=error.msg)
+        ) from None
     except (ValueError, MemoryError, RecursionError):
-        raise DHSyntaxError.single((), "the program cannot be parsed") from None
+        raise DHSyntaxError.single((), say("the program cannot be parsed")) from None
     reader = _Reader()
     return Program(reader.block(module.body, 0), _comments(text), is_matlab=False)
 
@@ -103,9 +106,11 @@ class _Reader:
         self.count += 1
         line = getattr(node, "lineno", 1)
         if depth > tree.MAX_DEPTH:
-            raise DHSyntaxError.single((), f"line {line}: the program is nested too deeply")
+            raise DHSyntaxError.single(
+                (), say("line {line}: the program is nested too deeply", line=line)
+            )
         if self.count > tree.MAX_NODES:
-            raise DHError.single((), "the program is too long for a table")
+            raise DHError.single((), say("the program is too long for a table"))
         return int(line)
 
     def block(self, nodes: list[ast.stmt], depth: int) -> tuple[Statement, ...]:
@@ -300,7 +305,7 @@ class _Reader:
             left = left.left
             self._note(left, depth)
         if len(chain) > 2000:
-            raise DHSyntaxError.single((), f"line {line}: the sum is too long")
+            raise DHSyntaxError.single((), say("line {line}: the sum is too long", line=line))
         found = self.expression(left, depth)
         for op, right, at in reversed(chain):
             symbol = _OPERATORS.get(type(op), "?")

@@ -12,6 +12,7 @@ from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.cells.values import Values
 from dh_to_urdf.documents.checks import NAME
 from dh_to_urdf.errors import DHError, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.placement_notes import placement_notes
 from dh_to_urdf.pasted.programs import selection, tables
 from dh_to_urdf.pasted.programs.cells import raw_cell
@@ -76,7 +77,7 @@ def table_from_program(
             found.warnings += machine.warnings
             return found, _notes(machine, program.comments, length)
     except RecursionError:
-        raise DHError.single((), "the program is nested too deeply") from None
+        raise DHError.single((), say("the program is nested too deeply")) from None
     table = RawTable([], typed=True, warnings=list(machine.warnings))
     table.name = _name(robot, table.warnings)
     for link in robot.links:
@@ -96,14 +97,14 @@ def _notes(machine: Statements, comments: Sequence[Comment], length: float) -> d
         value = machine.scopes[-1].get(key)
         if isinstance(value, (Array, Items, Pose, Opaque)):
             if key in found:
-                raise DHError.single((key,), f"{key} stands twice; keep one")
+                raise DHError.single((key,), say("{key} stands twice; keep one", key=key))
             set_robot(robot, key, value, 1, [], is_matlab=machine.is_matlab)
     return found | _placements(robot, length)
 
 
 def _unused_notes(machine: Statements, robot: Robot) -> list[str]:
     """Warn of a variable base or tool that the robot does not get."""
-    warnings = []
+    warnings: list[str] = []
     for key, given in (("base", robot.base), ("tool", robot.tool)):
         value = machine.scopes[-1].get(key)
         try:
@@ -112,8 +113,11 @@ def _unused_notes(machine: Statements, robot: Robot) -> list[str]:
             continue
         if matrix is not None and not np.array_equal(matrix, given):
             warnings.append(
-                f"{key} is a variable of the text that the robot is not given; it is left out"
-                f" (robot.{key} = {key} would give it)"
+                say(
+                    "{key} is a variable of the text that the robot is not given; it is"
+                    " left out (robot.{key} = {key} would give it)",
+                    key=key,
+                )
             )
     return warnings
 
@@ -125,7 +129,9 @@ def _name(robot: Robot, warnings: list[str]) -> str | None:
     name = _FOREIGN.sub("_", robot.name)[:64].strip(" ._-+:")
     if not name or not NAME.fullmatch(name):
         return None
-    warnings.append(f"the name {quoted(robot.name)} is written {quoted(name)}")
+    warnings.append(
+        say("the name {robot} is written {name}", robot=quoted(robot.name), name=quoted(name))
+    )
     return name
 
 
@@ -157,15 +163,25 @@ def _check_convention(convention: Convention, link: Link, robot: Robot) -> None:
     if convention is Convention.KHALIL:
         raise DHError.single(
             ("convention",),
-            f"line {link.line}: links of the Robotics Toolbox are {written}, not khalil; give"
-            f" convention={written}",
+            say(
+                "line {line}: links of the Robotics Toolbox are {written}, not khalil;"
+                " give convention={written}",
+                line=link.line,
+                written=written,
+            ),
         )
     if written is not convention:
-        add = "" if modified else ", or add 'modified' to the link"
+        add = "" if modified else say(", or add 'modified' to the link")
         raise DHError.single(
             ("convention",),
-            f"line {link.line}: the link is {written}, but convention says {convention}; give"
-            f" convention={written}{add}",
+            say(
+                "line {line}: the link is {written}, but convention says {convention};"
+                " give convention={written}{add}",
+                line=link.line,
+                written=written,
+                convention=convention,
+                add=add,
+            ),
         )
 
 
@@ -179,6 +195,8 @@ def _placements(robot: Robot, length: float) -> dict[str, Any]:
         try:
             rigid_transform(T)
         except ValueError as error:
-            raise refused(robot.line, f"{key} of the robot {error}") from None
+            raise refused(
+                robot.line, say("{key} of the robot {error}", key=key, error=error)
+            ) from None
         found[key] = {"matrix": T.tolist()}
     return found

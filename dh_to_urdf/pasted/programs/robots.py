@@ -8,6 +8,7 @@ import numpy as np
 
 from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.errors import quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs.arrays import as_array
 from dh_to_urdf.pasted.programs.harmless import ROBOT_NOTES
 from dh_to_urdf.pasted.programs.links import as_vector, from_vector, limits_of, set_link, shown
@@ -62,7 +63,10 @@ def make_robot(
         elif isinstance(key, str) and waiting:
             options.append((key, waiting.pop(0)))
         else:
-            raise refused(line, f"{name} has an argument {shown(key)} that is not read")
+            raise refused(
+                line,
+                say("{name} has an argument {key} that is not read", name=name, key=shown(key)),
+            )
     links = [value for key, value in options if key in ("links", "L")]
     options = [(key, value) for key, value in options if key not in ("links", "L")]
     first += links
@@ -83,7 +87,7 @@ def _take(robot: Robot, value: Value, line: int, *, is_matlab: bool) -> None:
     """Give a robot its links."""
     if isinstance(value, Array) and value.elements:
         if value.flat:
-            raise refused(line, "a robot is made of a list of links, or of a matrix of them")
+            raise refused(line, say("a robot is made of a list of links, or of a matrix of them"))
         for row in value.rows:
             vector = as_vector(Array((row,)), line)
             robot.links.append(from_vector(vector, value.line or line, robot.modified))
@@ -108,21 +112,23 @@ def _take(robot: Robot, value: Value, line: int, *, is_matlab: bool) -> None:
                 item.used = True
                 robot.links += item.links
             else:
-                raise refused(line, f"the list of links holds a value {_unknown(item)}")
+                raise refused(
+                    line, say("the list of links holds a value {item}", item=_unknown(item))
+                )
     elif not isinstance(value, Array):
-        raise refused(line, f"the robot is made of a value {_unknown(value)}")
+        raise refused(line, say("the robot is made of a value {value}", value=_unknown(value)))
     if len(robot.links) > MAX_LINKS:
-        raise refused(line, "the robot has too many links")
+        raise refused(line, say("the robot has too many links"))
     if not is_matlab and len({id(link) for link in robot.links}) < len(robot.links):
-        raise refused(line, "one link stands twice in the list; make each link of its own")
+        raise refused(line, say("one link stands twice in the list; make each link of its own"))
 
 
 def _unknown(value: Value) -> str:
     if isinstance(value, Opaque):
-        return f"that is not known ({value.why}, line {value.line})"
+        return say("that is not known ({why}, line {line})", why=value.why, line=value.line)
     if value.__class__.__name__ == "Unresolved":
-        return f"{quoted(getattr(value, 'name', ''))} that is not made"
-    return f"that is no link ({shown(value)})"
+        return say("{value} that is not made", value=quoted(getattr(value, "name", "")))
+    return say("that is no link ({value})", value=shown(value))
 
 
 def _join(robot: Robot, others: Sequence[Robot]) -> None:
@@ -198,7 +204,7 @@ def set_robot(
     elif key in ("offset", "qlim") and (is_matlab or key == "qlim"):
         _set_column(robot, key, value, line, warnings, is_matlab=is_matlab)
     elif key not in _NOTES:
-        raise refused(line, f"{quoted(key)} of the robot is set, which is not read")
+        raise refused(line, say("{key} of the robot is set, which is not read", key=quoted(key)))
 
 
 def placement(key: str, value: Value, line: int) -> Matrix:
@@ -210,15 +216,23 @@ def placement(key: str, value: Value, line: int) -> Matrix:
     try:
         matrix = pose_matrix(value)
     except Unread as error:
-        raise refused(line, f"{key} {error}") from None
+        raise refused(line, say("{key} {error}", key=key, error=error)) from None
     if matrix is None and isinstance(value, Array) and not value.elements:
         return np.eye(4)
     if matrix is None:
-        why = f" ({value.why}, line {value.line})" if isinstance(value, Opaque) else ""
+        why = (
+            say(" ({why}, line {line})", why=value.why, line=value.line)
+            if isinstance(value, Opaque)
+            else ""
+        )
         raise refused(
             line,
-            f"{key} is set to a value that is not read{why}; write transl(0, 0, 0.1), SE3(0, 0,"
-            " 0.1) or a 4x4 matrix of numbers",
+            say(
+                "{key} is set to a value that is not read{why}; write transl(0, 0,"
+                " 0.1), SE3(0, 0, 0.1) or a 4x4 matrix of numbers",
+                key=key,
+                why=why,
+            ),
         )
     return matrix
 
@@ -230,17 +244,17 @@ def _set_column(
     try:
         array = as_array(value)
     except Unread as error:
-        raise refused(line, f"{key} of the robot {error}") from None
+        raise refused(line, say("{key} of the robot {error}", key=key, error=error)) from None
     n = len(robot.links)
     if key == "offset":
         if len(array.elements) != n:
-            raise refused(line, f"offset of the robot has not {n} numbers")
+            raise refused(line, say("offset of the robot has not {n} numbers", n=n))
         for link, element in zip(robot.links, array.elements, strict=True):
             set_link(link, "offset", element, line, warnings)
         return
     rows = array.rows if is_matlab else tuple(zip(*array.rows, strict=True))
     if array.flat or array.shape != ((n, 2) if is_matlab else (2, n)):
-        raise refused(line, f"qlim of the robot has not {n} pairs of numbers")
+        raise refused(line, say("qlim of the robot has not {n} pairs of numbers", n=n))
     for link, row in zip(robot.links, rows, strict=True):
         link.limits = limits_of(Array((row,)), line)
 
@@ -254,7 +268,7 @@ def column_of(robot: Robot, key: str, *, is_matlab: bool) -> Value:
     if key == "qlim":
         pairs = [link.limits for link in robot.links]
         if None in pairs:
-            raise Unread("qlim is not given for every link")
+            raise Unread(say("qlim is not given for every link"))
         rows = tuple((pair[0].value, pair[1].value) for pair in pairs if pair)
         return Array(rows if is_matlab else tuple(zip(*rows, strict=True)))
     zero = Placed(Sum(), robot.line)

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from dh_to_urdf.errors import DHError, quoted
+from dh_to_urdf.messages import chained, say
 from dh_to_urdf.pasted.programs import bodies, instances, tree
 from dh_to_urdf.pasted.programs.execution import Statements
 from dh_to_urdf.pasted.programs.library import CONSTRUCTORS
@@ -45,14 +46,26 @@ def robot_of(machine: Statements, name: str | None) -> Robot | None:
     if len(robots) > 1 and name is not None:
         robots = [r for r in robots if name in (r.name, r.title)] or robots
     if len(robots) > 1:
-        shown = ", ".join(f"{_title(robot)} (line {robot.line})" for robot in robots[:6])
+        shown = chained(
+            ", ",
+            (
+                say("{robot} (line {line})", robot=_title(robot), line=robot.line)
+                for robot in robots[:6]
+            ),
+        )
         raise DHError.single(
             (),
-            f"the text makes {len(robots)} robots: {shown}; paste one, or give name= of one",
+            say(
+                "the text makes {count} robots: {shown}; paste one, or give name= of one",
+                count=len(robots),
+                shown=shown,
+            ),
         )
     if robots:
         if not robots[0].links:
-            raise refused(robots[0].line, f"the robot {_title(robots[0])} has no links")
+            raise refused(
+                robots[0].line, say("the robot {robot} has no links", robot=_title(robots[0]))
+            )
         return robots[0]
     links = _links(machine)
     return Robot(links[0].line, links, np.eye(4), np.eye(4)) if links else None
@@ -98,7 +111,10 @@ def _of_definitions(machine: Statements) -> Iterator[Robot]:
         try:
             found = instances.instantiate(machine, value, [], {}, line)
         except Unread as error:
-            raise refused(line, f"class {value.definition.name}: {error}") from None
+            raise refused(
+                line,
+                say("class {definition}: {error}", definition=value.definition.name, error=error),
+            ) from None
         yield from _named(found, value.definition.name)
     if classes:
         return
@@ -110,7 +126,14 @@ def _of_definitions(machine: Statements) -> Iterator[Robot]:
         try:
             found = machine.run_function(function, [], {}, line)
         except Unread as error:
-            raise refused(line, f"function {function.definition.name}: {error}") from None
+            raise refused(
+                line,
+                say(
+                    "function {definition}: {error}",
+                    definition=function.definition.name,
+                    error=error,
+                ),
+            ) from None
         yield from _named(found, function.definition.name)
 
 
@@ -156,8 +179,10 @@ def _links(machine: Statements) -> list[Link]:
             line = stray.line if stray is not None else longest[0].line
             raise refused(
                 line,
-                "the text holds several lists of links and makes no robot; paste the line that"
-                " makes it (SerialLink or DHRobot)",
+                say(
+                    "the text holds several lists of links and makes no robot; paste the"
+                    " line that makes it (SerialLink or DHRobot)"
+                ),
             )
         return longest
     return _in_order(single)
@@ -167,8 +192,20 @@ def _of_list(name: str, value: Items) -> list[Link]:
     found = []
     for k, item in enumerate(value.items, start=1):
         if not isinstance(item, Link):
-            why = f"line {item.line}: {item.why}" if isinstance(item, Opaque) else "it is not made"
-            raise DHError.single((), f"link {k} of {name or 'the list'} is missing; {why}")
+            why = (
+                say("line {line}: {why}", line=item.line, why=item.why)
+                if isinstance(item, Opaque)
+                else say("it is not made")
+            )
+            raise DHError.single(
+                (),
+                say(
+                    "link {k} of {name} is missing; {why}",
+                    k=k,
+                    name=name or say("the list"),
+                    why=why,
+                ),
+            )
         found.append(item)
     return found
 
@@ -183,8 +220,13 @@ def _in_order(single: list[tuple[str, Link]]) -> list[Link]:
     found = sorted((int(match[2]), k) for k, match in enumerate(numbers) if match)
     start = found[0][0]
     if start > 1:
-        raise DHError.single((), f"the links start at {start}; link 1 is missing")
+        raise DHError.single((), say("the links start at {start}; link 1 is missing", start=start))
     for expected, (number, k) in enumerate(found, start=start):
         if number != expected:
-            raise refused(unique[k][1].line, f"link {number} stands where {expected} is due")
+            raise refused(
+                unique[k][1].line,
+                say(
+                    "link {number} stands where {expected} is due", number=number, expected=expected
+                ),
+            )
     return [unique[k][1] for _, k in found]

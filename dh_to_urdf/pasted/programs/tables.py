@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
+from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.grids import MAX_COLUMNS
 from dh_to_urdf.pasted.headings import Heading, heading_problem, read_heading
 from dh_to_urdf.pasted.programs.arrays import as_array
@@ -46,18 +47,25 @@ def table_of(
             return found
         raise DHSyntaxError.single(
             (),
-            "the text holds no table: no link, and no matrix of three columns or more"
+            say("the text holds no table: no link, and no matrix of three columns or more")
             + _passed(machine),
         )
     if len(several) > 1:
         raise DHError.single(
-            (), f"the text holds {len(several)} matrices; paste the one with the table"
+            (),
+            say(
+                "the text holds {count} matrices; paste the one with the table", count=len(several)
+            ),
         )
     ((name, array),) = several
     beside = next((n for n, _ in arrays if "offset" in n.lower() and n != name), None)
     if beside is not None:
         raise DHError.single(
-            (), f"{quoted(beside)} beside the matrix is not read; write it as a column offset"
+            (),
+            say(
+                "{beside} beside the matrix is not read; write it as a column offset",
+                beside=quoted(beside),
+            ),
         )
     return _of_matrix(array, comments, convention, columns)
 
@@ -87,9 +95,9 @@ def _passed(machine: Statements) -> str:
     """Return why the first statement with a matrix was passed over."""
     for line, why in machine.passed:
         if "matrix" in why:
-            return f" (line {line}: {why})"
+            return say(" (line {line}: {why})", line=line, why=why)
     for line, why in machine.passed[:1]:
-        return f" (line {line}: {why})"
+        return say(" (line {line}: {why})", line=line, why=why)
     return ""
 
 
@@ -100,7 +108,9 @@ def _of_matrix(
     columns: Sequence[str] | None,
 ) -> RawTable:
     if array.shape[1] > MAX_COLUMNS:
-        raise DHError.single((), f"a row has over {MAX_COLUMNS} elements")
+        raise DHError.single(
+            (), say("a row has over {max_columns} elements", max_columns=MAX_COLUMNS)
+        )
     headings = _headings(comments, convention, columns)
     problem, warning = heading_problem(headings, convention.value)
     if problem:
@@ -111,8 +121,15 @@ def _of_matrix(
         if len(row) != len(headings):
             raise DHError.single(
                 ("joints", k),
-                f"row {k + 1} of the matrix (line {line}) has {len(row)} elements under"
-                f" {len(headings)} columns ({', '.join(h.text for h in headings)})",
+                say(
+                    "row {k} of the matrix (line {line}) has {count} elements under"
+                    " {count_2} columns ({headings})",
+                    k=k + 1,
+                    line=line,
+                    count=len(row),
+                    count_2=len(headings),
+                    headings=", ".join(h.text for h in headings),
+                ),
             )
         cells = {
             heading.key: raw_cell(Placed(element, line), heading.text, heading.unit)
@@ -136,11 +153,13 @@ def _headings(
         words = [word for word in re.split(r"[\s,|;&]+", text) if word]
         found = [read_heading(word, khalil=khalil) for word in words]
         if len(words) >= 3 and all(found):
-            return headings_of(words, convention, f"line {comment.line}")
+            return headings_of(words, convention, say("line {line}", line=comment.line))
     raise DHError.single(
         (),
-        "the matrix names no columns; write them in a comment above it, such as"
-        " % theta d a alpha, or give columns=theta,d,a,alpha",
+        say(
+            "the matrix names no columns; write them in a comment above it, such as"
+            " % theta d a alpha, or give columns=theta,d,a,alpha"
+        ),
     )
 
 
@@ -153,7 +172,15 @@ def _of_lists(arrays: Sequence[tuple[str, Array]], convention: Convention) -> Ra
         if not key or 1 not in array.shape:
             continue
         if key in found:
-            raise DHError.single((), f"{found[key][0]} and {name} both look like the column {key}")
+            raise DHError.single(
+                (),
+                say(
+                    "{found} and {name} both look like the column {key}",
+                    found=found[key][0],
+                    name=name,
+                    key=key,
+                ),
+            )
         found[key] = (name, array)
     x_column = "d" if convention is Convention.KHALIL else "a"
     if "alpha" not in found or x_column not in found:
@@ -161,7 +188,9 @@ def _of_lists(arrays: Sequence[tuple[str, Array]], convention: Convention) -> Ra
     sizes = {len(array.elements) for _, array in found.values()}
     if len(sizes) > 1:
         shown = ", ".join(f"{name} {len(a.elements)}" for name, a in found.values())
-        raise DHError.single((), f"the lists of the columns differ in length: {shown}")
+        raise DHError.single(
+            (), say("the lists of the columns differ in length: {shown}", shown=shown)
+        )
     table = RawTable([])
     for k in range(sizes.pop()):
         cells = {
@@ -183,7 +212,7 @@ def _of_dictionary(machine: Statements, convention: Convention) -> RawTable | No
             if len(keys) >= 4:
                 tables.append((value, keys))
     if len(tables) > 1:
-        raise DHError.single((), f"the text holds {len(tables)} tables; paste one")
+        raise DHError.single((), say("the text holds {count} tables; paste one", count=len(tables)))
     if not tables:
         return None
     values, keys = tables[0]
@@ -195,12 +224,16 @@ def _of_dictionary(machine: Statements, convention: Convention) -> RawTable | No
         return None
     before = first["alpha"] == 0
     if first["a"] != first["alpha"] or first["d"] != 1 or first[own] != 1:
-        raise DHError.single((), "the numbers of alpha, a, d and q do not count up from the first")
+        raise DHError.single(
+            (), say("the numbers of alpha, a, d and q do not count up from the first")
+        )
     if before and convention is Convention.STANDARD:
         raise DHError.single(
             ("convention",),
-            "alpha0 and a0 are of the modified convention, but convention says standard; give"
-            " convention=modified",
+            say(
+                "alpha0 and a0 are of the modified convention, but convention says"
+                " standard; give convention=modified"
+            ),
         )
     table = RawTable([])
     for k in range(1, sum(match[1] == own for match in keys.values()) + 1):
@@ -214,12 +247,12 @@ def _of_dictionary(machine: Statements, convention: Convention) -> RawTable | No
             found = next((n for n in (name, name[:-1]) if n in values), None)
             matching = [n for n in keys if n.replace("_", "") == name]
             if not matching:
-                raise DHError.single((), f"{name} is not in the table")
+                raise DHError.single((), say("{name} is not in the table", name=name))
             del found
             element = values[matching[0]]
             try:
                 cells[key] = raw_cell(Placed(as_array(element).elements[0], 1), matching[0])
             except (Unread, IndexError):
-                raise DHError.single((), f"{name} is no number") from None
+                raise DHError.single((), say("{name} is no number", name=name)) from None
         table.rows.append(RawRow(k, cells))
     return table

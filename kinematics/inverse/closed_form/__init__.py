@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.messages import say
 from kinematics.chain import Chain
 from kinematics.inverse.closed_form import parallel_axes, planar, spherical_wrist, srs
 from kinematics.inverse.closed_form.candidates import SAME, Candidates, FormConstants
@@ -93,7 +94,14 @@ def solutions(
         ValueError: The closed form does not solve the task.
     """
     if task.name not in form.tasks:
-        raise ValueError(f"{form.kind} solves {', '.join(form.tasks)}, not {task.name}")
+        raise ValueError(
+            say(
+                "{kind} solves {tasks}, not {task}",
+                kind=form.kind,
+                tasks=", ".join(form.tasks),
+                task=task.name,
+            )
+        )
     count, most = chain.length, form.most + 1
     found = Candidates(
         np.empty((most, count)),
@@ -136,5 +144,5 @@ def swivel_of(form: ClosedForm, q: FloatArray) -> float:
         q: In the chain's order, shape (7,), rad.
     """
     if form.kind != "srs":
-        raise ValueError(f"{form.kind} has no swivel angle")
+        raise ValueError(say("{kind} has no swivel angle", kind=form.kind))
     return float(srs.swivel_of(form.constants, np.ascontiguousarray(q, dtype=np.float64)))

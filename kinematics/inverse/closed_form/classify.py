@@ -33,6 +33,7 @@ from typing import Literal
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.chain import Chain
 from kinematics.inverse.closed_form import parallel_axes, planar, spherical_wrist, srs
 from kinematics.inverse.closed_form.geometry import ANGLE, LENGTH, AxisLines, axis_lines
@@ -135,12 +136,12 @@ def _flat(lines: AxisLines, turning: int) -> ClosedForm | None:
     elbow = (_ELBOW,)
     if slides:
         tasks = ("pose", "xyz_phi") if upright else ("pose",)
-        text = "SCARA: three turns and a slide about and along parallel axes"
+        text = say("SCARA: three turns and a slide about and along parallel axes")
         return ClosedForm("scara", constants, text, tasks, elbow, planar.MOST)
     if turning == 3:
-        text = "planar 3R: three parallel axes"
+        text = say("planar 3R: three parallel axes")
         return ClosedForm("planar_3r", constants, text, ("xy_phi",), elbow, planar.MOST)
-    text = "planar 2R: two parallel axes"
+    text = say("planar 2R: two parallel axes")
     return ClosedForm("planar_2r", constants, text, ("xy", "position"), elbow, planar.MOST)
 
 
@@ -182,7 +183,7 @@ def _spherical_wrist(lines: AxisLines) -> ClosedForm | None:
     return ClosedForm(
         "spherical_wrist",
         constants,
-        f"spherical wrist; {text}",
+        say("spherical wrist; {text}", text=text),
         ("pose",),
         (*_ARMS[variant], flip),
         spherical_wrist.MOST,
@@ -204,7 +205,7 @@ def _first_three(
             p,
             p,
             lines.foot(2, p),
-            "axes 1 and 2 meet, joint 3 slides",
+            say("axes 1 and 2 meet, joint 3 slides"),
         )
     if lines.lever(2, wrist) <= small:
         return None
@@ -213,17 +214,23 @@ def _first_three(
         p3 = lines.foot(2, p2)
         if np.linalg.norm(p3 - p2) <= small:
             return None
-        return spherical_wrist.ELBOW, p1, p2, p3, "axes 2 and 3 parallel"
+        return spherical_wrist.ELBOW, p1, p2, p3, say("axes 2 and 3 parallel")
     if lines.parallel(0, 1):
         if lines.parallel(1, 2) or np.linalg.norm(p2 - p1) <= small:
             return None
-        return spherical_wrist.COLUMN, p1, p2, lines.foot(2, p2), "axes 1 and 2 parallel"
+        return spherical_wrist.COLUMN, p1, p2, lines.foot(2, p2), say("axes 1 and 2 parallel")
     p = lines.meeting_point(0, 1)
     if p is not None:
         if lines.lever(2, p) <= small:
             return None
-        return spherical_wrist.SHOULDER, p, p, lines.foot(2, p), "axes 1 and 2 meet"
-    return spherical_wrist.GENERAL, p1, p2, lines.foot(2, p2), "axes 1, 2 and 3 in general position"
+        return spherical_wrist.SHOULDER, p, p, lines.foot(2, p), say("axes 1 and 2 meet")
+    return (
+        spherical_wrist.GENERAL,
+        p1,
+        p2,
+        lines.foot(2, p2),
+        say("axes 1, 2 and 3 in general position"),
+    )
 
 
 def _parallel_axes(lines: AxisLines) -> ClosedForm | None:
@@ -261,7 +268,11 @@ def _parallel_axes(lines: AxisLines) -> ClosedForm | None:
             wrist_axes,
         )
     )
-    text = "axes 2, 3 and 4 parallel, axes 5 and 6 " + ("meeting" if meets else "apart")
+    text = (
+        say("axes 2, 3 and 4 parallel, axes 5 and 6 meeting")
+        if meets
+        else say("axes 2, 3 and 4 parallel, axes 5 and 6 apart")
+    )
     return ClosedForm(
         "parallel_axes",
         constants,
@@ -298,5 +309,5 @@ def _srs(lines: AxisLines) -> ClosedForm | None:
         )
     )
     sign = _SIGN
-    text = "spherical shoulder, elbow, spherical wrist"
+    text = say("spherical shoulder, elbow, spherical wrist")
     return ClosedForm("srs", constants, text, ("pose",), (sign, sign, sign), srs.MOST)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from dh_to_urdf.messages import plural, say
 from kinematics.chain import Chain
 from kinematics.inverse.closed_form import ClosedForm, swivel_of
 from kinematics.inverse.self_motion.curve import Curve, Stop, on_circle
@@ -177,11 +178,14 @@ def joint_family(
             for curve in curves
         ]
     name = chain.names[joint]
-    description = (
-        f"one joint more than the task needs: {_count(len(curves))} of solutions, {len(told)}"
-        f" {'piece' if len(told) == 1 else 'pieces'} within the limits, followed from the solutions"
-        f" at {len(values)} values of {name}; each is shown where it is nearest to the seed, and at"
-        " its middle"
+    description = say(
+        "one joint more than the task needs: {curves} of solutions, {pieces} within the limits,"
+        " followed from the solutions at {values} values of {joint}; each is shown where it is"
+        " nearest to the seed, and at its middle",
+        curves=plural("{count} curve", "{count} curves", count=len(curves)),
+        pieces=plural("{count} piece", "{count} pieces", count=len(told)),
+        values=len(values),
+        joint=name,
     )
     motion_told = SelfMotion(1, name, False, len(curves), _ordered(told, start))
     return Family(motion_told, tuple(representatives), description)
@@ -205,10 +209,6 @@ def _values(curve: Curve, joint: int) -> Parameter:
         return np.array([float(curve.at(u)[joint] + shift[joint]) for u in places])
 
     return at
-
-
-def _count(curves: int) -> str:
-    return "1 curve" if curves == 1 else f"{curves} curves"
 
 
 def _posture(form: ClosedForm, branch: SwivelCurve) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from dh_to_urdf.messages import say
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.bounding import BoundingCapsule, bounding_capsule
 from kinematics.redundancy.clearance.distances import pair_distance
@@ -103,13 +104,13 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
         M = inverse[carrier]
         a, b = (M[:3, :3] @ p + M[:3, 3] for p in (a, b))
         rows.append(carried(carrier, a, b, capsule.radius))
-        names.append(f"link {shape.link}")
+        names.append(say("link {link}", link=shape.link))
         segments.append(-1)
         parts.append(_part(arm, carrier, shape, capsule))
     meshes = {carriers[s.link] for s in shapes if s.kind == "mesh"}
     for k in range(arm.chain.length):
         if k in meshes or k not in known:
-            name = f"segment {k + 1}"
+            name = say("segment {k}", k=k + 1)
             for row, segment in zip(bones.rows, bones.segments, strict=True):
                 if segment != k:
                     continue
@@ -135,8 +136,13 @@ def too_near(geometry: LinkGeometry, obstacles: FloatArray, d_safe: float) -> tu
             d = pair_distance(capsule[:3].copy(), capsule[3:6].copy(), obstacle, out) - capsule[6]
             if d < d_safe:
                 found.append(
-                    f"link {name}, which no joint of the arm moves, is {d:.4g} m from obstacle {k};"
-                    " it is not counted"
+                    say(
+                        "link {name}, which no joint of the arm moves, is {d:.4g} m from"
+                        " obstacle {k}; it is not counted",
+                        name=name,
+                        d=d,
+                        k=k,
+                    )
                 )
     return tuple(found[:NAMED])
 
@@ -182,27 +188,43 @@ def _ancestors(model: pin.Model, joint: int) -> frozenset[int]:
 def _warnings(
     arm: Arm, shapes: Sequence[Shape], carriers: dict[str, int], radii: FloatArray
 ) -> tuple[str, ...]:
-    way = "between joint origins"
+    way = say("between joint origins")
     if arm.robot.table is not None and not arm.chain.is_revolute.all():
-        way = "along z and x of the table's frames"
-    instead = f"the segments {way}, up to the frame {arm.frame}, stand for it, with link_radius"
+        way = say("along z and x of the table's frames")
+    instead = say(
+        "the segments {way}, up to the frame {frame}, stand for it, with link_radius",
+        way=way,
+        frame=arm.frame,
+    )
     if arm.robot.kind == "dh":
-        return (f"a D-H table has no shapes; {instead}",)
+        return (say("a D-H table has no shapes; {instead}", instead=instead),)
     moved = [shape for shape in shapes if carriers[shape.link] >= 0]
     meshes = list(dict.fromkeys(s.link for s in moved if s.kind == "mesh"))
     found = []
     if meshes:
-        found.append(f"meshes are not read, those of {_listed(meshes)}; {instead}")
+        found.append(
+            say(
+                "meshes are not read, those of {meshes}; {instead}",
+                meshes=_listed(meshes),
+                instead=instead,
+            )
+        )
     bare = sorted(set(range(arm.chain.length)) - {carriers[shape.link] for shape in moved})
     if bare:
         joints = _listed([arm.chain.names[k] for k in bare])
-        found.append(f"nothing that moves with {joints} alone has a shape; {instead}")
+        found.append(
+            say(
+                "nothing that moves with {joints} alone has a shape; {instead}",
+                joints=joints,
+                instead=instead,
+            )
+        )
     kept = {carriers[s.link] for s in moved if s.kind == "mesh"} | set(bare)
     if kept and max(radii[arm.chain.leaders[k]] for k in kept) == 0.0:
-        found.append("link_radius is 0: these segments are lines without thickness; give one")
+        found.append(say("link_radius is 0: these segments are lines without thickness; give one"))
     return tuple(found)
 
 
 def _listed(names: Sequence[str]) -> str:
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    more = say(" and {count} more", count=len(names) - NAMED) if len(names) > NAMED else ""
     return ", ".join(names[:NAMED]) + more

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.link_points import OFFSET, RADIUS, TURNED, WHOLE
 from kinematics.redundancy.clearance.polyline import (
@@ -60,7 +61,7 @@ def skeleton(arm: Arm, radii: FloatArray | float) -> Links:
     rows = np.array([_row(arm, poses, piece, float(radii[piece.link])) for piece in pieces])
     rows[1:, WHOLE] = rows[1:, RADIUS] > rows[:-1, RADIUS]
     links = tuple(piece.link for piece in pieces)
-    return Links(rows, tuple(f"link {k + 1}" for k in links), links)
+    return Links(rows, tuple(say("link {k}", k=k + 1) for k in links), links)
 
 
 def _row(arm: Arm, poses: list[FloatArray], piece: Piece, radius: float) -> FloatArray:

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.bounds import MAX_VALUE, Bounds
 from kinematics.errors import InvalidOption
 from robots.robot import FloatArray
@@ -91,7 +92,7 @@ def _fill(row: FloatArray, obstacle: Obstacle, where: _Place) -> None:
     elif isinstance(obstacle, CircleObstacle):
         row[0] = CIRCLE
         flat = 2 if len(obstacle.center) < 3 else 3
-        row[1 : 1 + flat] = _vector(obstacle.center, "center", where, flat, "2 or 3")
+        row[1 : 1 + flat] = _vector(obstacle.center, "center", where, flat, say("2 or 3"))
         row[4] = _length(obstacle.radius, "radius", where)
     elif isinstance(obstacle, Capsule):
         row[0], row[1:4] = CAPSULE, _vector(obstacle.start, "start", where)
@@ -102,7 +103,7 @@ def _fill(row: FloatArray, obstacle: Obstacle, where: _Place) -> None:
         length = np.linalg.norm(normal)
         if not length > 1e-9:
             raise InvalidOption(
-                "the normal is zero; give a direction",
+                say("the normal is zero; give a direction"),
                 argument=where[0],
                 index=(where[1], "normal"),
             )
@@ -113,7 +114,7 @@ def _fill(row: FloatArray, obstacle: Obstacle, where: _Place) -> None:
         size = _vector(obstacle.size, "size", where)
         if not size.min() > 0:
             raise InvalidOption(
-                "the size has a value that is not positive; give lengths of edges",
+                say("the size has a value that is not positive; give lengths of edges"),
                 value=float(size.min()),
                 lower=0.0,
                 argument=where[0],
@@ -129,13 +130,18 @@ def _vector(
 ) -> FloatArray:
     if len(values) != size:
         raise InvalidOption(
-            f"{name} has {len(values)} values; give {sizes or size}",
+            say(
+                "{name} has {count} values; give {sizes}",
+                name=name,
+                count=len(values),
+                sizes=sizes or size,
+            ),
             argument=where[0],
             index=(where[1], name),
         )
     if not all(-MAX_VALUE <= value <= MAX_VALUE for value in values):
         raise InvalidOption(
-            f"{name} has a value that is not finite or beyond ±1e6",
+            say("{name} has a value that is not finite or beyond ±1e6", name=name),
             lower=-MAX_VALUE,
             upper=MAX_VALUE,
             argument=where[0],
@@ -147,5 +153,10 @@ def _vector(
 def _length(value: float, name: str, where: _Place) -> float:
     if value not in RADIUS:
         argument, number = where
-        raise RADIUS.refusal(f"{name} is {value:g}; give 0 to 1e6", value, argument, (number, name))
+        raise RADIUS.refusal(
+            say("{name} is {value:g}; give 0 to 1e6", name=name, value=value),
+            value,
+            argument,
+            (number, name),
+        )
     return value

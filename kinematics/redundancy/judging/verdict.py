@@ -7,6 +7,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from dh_to_urdf.messages import chained, say
 from kinematics.inverse import IKStatus
 from kinematics.redundancy.clearance.sweep import RESOLUTION
 from kinematics.redundancy.measure import Measures, clearances_at, nearest_part
@@ -26,9 +27,9 @@ STUCK = 1e-6
 """Motion, rad or m, below which an arm has not left its start."""
 REACH_SECONDS = 0.2
 REACH_RESTARTS = 100
-AS_QP = (
-    "; these are the samples of qp: the program of the whole path found none that hold further, or"
-    " had too little time"
+AS_QP = say(
+    "; these are the samples of qp: the program of the whole path found"
+    " none that hold further, or had too little time"
 )
 
 
@@ -104,10 +105,10 @@ def judge(
     if stop is not None and stop.reason is StopReason.AS_QP:
         told, stop = AS_QP, None
     if not violations:
-        return Verdict(True, None, f"the path is followed{told}", (), 1.0, None)
+        return Verdict(True, None, say("the path is followed{told}", told=told), (), 1.0, None)
     tracked = 1.0 if first_lost is None else float(problem.path.r[max(0, first_lost - 1)])
     reason, message = _reason(problem, Q, measures, stop, constrained, violations, first_lost)
-    return Verdict(False, reason, f"{message}{told}", violations, tracked, first_lost)
+    return Verdict(False, reason, chained("", (message, told)), violations, tracked, first_lost)
 
 
 def violated_at(problem: PathProblem, measures: Measures) -> list[tuple[str, ...]]:
@@ -153,15 +154,30 @@ def _reason(
     m, name = problem.arm.m, problem.arm.task.name
     if stop is not None and stop.reason is StopReason.TIME:
         return Reason.TIMEOUT, (
-            f"the time was over before sample {stop.sample}; ask for fewer samples"
+            say(
+                "the time was over before sample {sample}; ask for fewer samples",
+                sample=stop.sample,
+            )
         )
     if stop is not None and stop.reason is StopReason.RANK:
-        way = "use damped, or leave the start with perturb" if stop.sample <= 1 else "use damped"
+        way = (
+            say("use damped, or leave the start with perturb")
+            if stop.sample <= 1
+            else say("use damped")
+        )
         if m > problem.arm.K or (rank < m and _never(problem)):
-            way = f"task {name} has {m} rows, more than this arm can move; choose xy or another"
-        message = (
-            f"refused: rank(J) = {stop.rank} < {m} before sample {stop.sample}, J† = Jᵀ(JJᵀ)⁻¹"
-            f" does not exist; {way}"
+            way = say(
+                "task {name} has {m} rows, more than this arm can move; choose xy or another",
+                name=name,
+                m=m,
+            )
+        message = say(
+            "refused: rank(J) = {rank} < {m} before sample {sample}, J† = Jᵀ(JJᵀ)⁻¹"
+            " does not exist; {way}",
+            rank=stop.rank,
+            m=m,
+            sample=stop.sample,
+            way=way,
         )
         return (Reason.SINGULAR_START if stop.sample <= 1 else Reason.SINGULAR), message
     moved = float(np.abs(Q - Q[0]).max())
@@ -169,29 +185,54 @@ def _reason(
         stuck = first_lost < len(Q) and np.abs(Q[first_lost] - Q[0]).max() < STUCK
         if rank < m and stuck and _reached(problem, first_lost) is IKStatus.CONVERGED:
             return Reason.SINGULAR_START, (
-                f"rank(J) = {rank} < {m} at the start, and no step leads towards sample"
-                f" {first_lost}: the arm moved by {moved:.2g}; leave the start with perturb,"
-                " such as 0.05"
+                say(
+                    "rank(J) = {rank} < {m} at the start, and no step leads towards sample"
+                    " {first_lost}: the arm moved by {moved:.2g}; leave the start with"
+                    " perturb, such as 0.05",
+                    rank=rank,
+                    m=m,
+                    first_lost=first_lost,
+                    moved=moved,
+                )
             )
         away = _unreachable(problem, first_lost)
         jumped = not constrained and measures.largest_step > JUMP
-        beyond = "" if away is None else f"; {away}"
+        beyond = "" if away is None else say("; {away}", away=away)
         if stop is not None:
             unit = "rad" if problem.arm.chain.is_revolute[stop.joint] else "m"
             return Reason.DIVERGED, (
-                f"the steps grew after sample {first_lost}: joint"
-                f" {problem.arm.names[stop.joint]} would move by {stop.motion:.3g} {unit} to sample"
-                f" {stop.sample}, out of its branch; use damped, or qp{beyond}"
+                say(
+                    "the steps grew after sample {first_lost}: joint {name} would move by"
+                    " {motion:.3g} {unit} to sample {sample}, out of its branch; use"
+                    " damped, or qp{beyond}",
+                    first_lost=first_lost,
+                    name=problem.arm.names[stop.joint],
+                    motion=stop.motion,
+                    unit=unit,
+                    sample=stop.sample,
+                    beyond=beyond,
+                )
             )
         if jumped and measures.off_path(problem.tolerance)[-1]:
             return Reason.DIVERGED, (
-                f"the steps grew after sample {first_lost}, up to"
-                f" {measures.largest_step:.3g} rad or m in one{beyond}"
+                say(
+                    "the steps grew after sample {first_lost}, up to {largest_step:.3g} rad"
+                    " or m in one{beyond}",
+                    first_lost=first_lost,
+                    largest_step=measures.largest_step,
+                    beyond=beyond,
+                )
             )
         if away is not None:
             return Reason.UNREACHABLE, (
-                f"{away}; the path is lost {_where(problem, measures, first_lost)} (tolerance"
-                f" {_allowed(problem)}); the end is missed by {_missed(measures)}"
+                say(
+                    "{away}; the path is lost {where} (tolerance {problem}); the end is"
+                    " missed by {missed}",
+                    away=away,
+                    where=_where(problem, measures, first_lost),
+                    problem=_allowed(problem),
+                    missed=_missed(measures),
+                )
             )
     if constrained:
         return Reason.INFEASIBLE, _conflict(problem, Q, measures, violations, first_lost)
@@ -203,9 +244,14 @@ def _reason(
         return Reason.LIMITS, _limits(problem, Q)
     if first_lost is not None:
         return Reason.TRACKING, (
-            f"the error is over the tolerance, {_allowed(problem)},"
-            f" {_where(problem, measures, first_lost)}, up to {_largest(measures)}; the end is"
-            f" missed by {_missed(measures)}"
+            say(
+                "the error is over the tolerance, {problem}, {where}, up to {measures};"
+                " the end is missed by {missed}",
+                problem=_allowed(problem),
+                where=_where(problem, measures, first_lost),
+                measures=_largest(measures),
+                missed=_missed(measures),
+            )
         )
     return Reason.VELOCITY, _velocity(problem, Q)
 
@@ -234,9 +280,11 @@ def _unreachable(problem: PathProblem, first_lost: int) -> str | None:
     for sample in (first_lost, problem.path.samples - 1):
         status = _reached(problem, sample)
         if status is IKStatus.UNREACHABLE:
-            return f"sample {sample} is out of reach within the limits"
+            return say("sample {sample} is out of reach within the limits", sample=sample)
         if status is not IKStatus.CONVERGED:
-            return f"no q within the limits was found that reaches sample {sample}"
+            return say(
+                "no q within the limits was found that reaches sample {sample}", sample=sample
+            )
     return None
 
 
@@ -245,8 +293,13 @@ def _where(problem: PathProblem, measures: Measures, first_lost: int) -> str:
     lost, N = measures.off_path(problem.tolerance), problem.path.samples
     count = int(lost.sum()) + N - len(lost)
     if first_lost + count == N:
-        return f"from sample {first_lost} on"
-    return f"at {count} of {N} samples, the first of them {first_lost}"
+        return say("from sample {first_lost} on", first_lost=first_lost)
+    return say(
+        "at {count} of {n} samples, the first of them {first_lost}",
+        count=count,
+        n=N,
+        first_lost=first_lost,
+    )
 
 
 def _largest(measures: Measures) -> str:
@@ -265,7 +318,7 @@ def _missed(measures: Measures) -> str:
 def _errors(position: float, orientation: float) -> str:
     """Write errors; those that are rounding are zero."""
     m, rad = (0.0 if value < ROUNDING else value for value in (position, orientation))
-    return f"{m:.4g} m, {rad:.4g} rad"
+    return say("{m:.4g} m, {rad:.4g} rad", m=m, rad=rad)
 
 
 def _conflict(
@@ -276,15 +329,22 @@ def _conflict(
     first_lost: int | None,
 ) -> str:
     if measures.clearance[0] < problem.d_safe:
-        return f"the start itself is too near: {_clearance(problem, Q, measures)}"
-    parts = []
+        return say(
+            "the start itself is too near: {clearance}", clearance=_clearance(problem, Q, measures)
+        )
+    parts: list[str] = []
     if first_lost is not None:
         parts.append(
-            f"{_both(problem, first_lost)} within reach, but the path is lost"
-            f" {_where(problem, measures, first_lost)}: the targets were not met within the"
-            f" tolerance, {_allowed(problem)}, together with limits, speeds and"
-            f" clearance{_held(problem, Q, measures, first_lost)}; the end is missed by"
-            f" {_missed(measures)}"
+            say(
+                "{both} within reach, but the path is lost {where}: the targets were"
+                " not met within the tolerance, {problem}, together with limits, speeds"
+                " and clearance{held}; the end is missed by {missed}",
+                both=_both(problem, first_lost),
+                where=_where(problem, measures, first_lost),
+                problem=_allowed(problem),
+                held=_held(problem, Q, measures, first_lost),
+                missed=_missed(measures),
+            )
         )
     if "clearance" in violations:
         parts.append(_clearance(problem, Q, measures))
@@ -292,7 +352,7 @@ def _conflict(
         parts.append(_limits(problem, Q))
     if "velocity" in violations:
         parts.append(_velocity(problem, Q))
-    return "; ".join(parts)
+    return chained("; ", parts)
 
 
 def _held(problem: PathProblem, Q: FloatArray, measures: Measures, first_lost: int) -> str:
@@ -302,39 +362,50 @@ def _held(problem: PathProblem, Q: FloatArray, measures: Measures, first_lost: i
     holds = []
     if measures.clearance[at] < problem.d_safe + HELD_BACK * problem.scale:
         link, obstacle = measures.nearest[at]
-        holds.append(f"{problem.links.names[link]} by obstacle {obstacle}")
+        holds.append(
+            say("{name} by obstacle {obstacle}", name=problem.links.names[link], obstacle=obstacle)
+        )
     margin = np.minimum(Q[at] - chain.lower, chain.upper - Q[at])
-    holds += [f"{names[k]} at its limit" for k in np.flatnonzero(margin < TOUCH)]
+    holds += [say("{name} at its limit", name=names[k]) for k in np.flatnonzero(margin < TOUCH)]
     if at:
         step = np.abs(Q[at] - Q[at - 1])
         fast = step > problem.most_per_step * (1 - TOUCH)
-        holds += [f"{names[k]} by its speed" for k in np.flatnonzero(fast)]
+        holds += [say("{name} by its speed", name=names[k]) for k in np.flatnonzero(fast)]
         far = ~fast & (step > problem.near_step * (1 - TOUCH))
-        holds += [f"{names[k]} by its branch" for k in np.flatnonzero(far)]
-    return f" (held: {', '.join(holds[:4])})" if holds else ""
+        holds += [say("{name} by its branch", name=names[k]) for k in np.flatnonzero(far)]
+    return say(" (held: {holds})", holds=chained(", ", holds[:4])) if holds else ""
 
 
 def _clearance(problem: PathProblem, Q: FloatArray, measures: Measures) -> str:
     """Describe the least clearance, at a sample or swept between two, and where it is."""
     at = int(np.argmin(measures.clearance))
     link, obstacle = measures.nearest[at]
-    where = f"about sample {at}"
+    where = say("about sample {at}", at=at)
     if measures.swept.min(initial=np.inf) < measures.clearance[at] - 2 * RESOLUTION:
         at = int(np.argmin(measures.swept))
         part = nearest_part(problem, Q[at], Q[at + 1])
         _, nearest = clearances_at(problem, (Q[at] + part * (Q[at + 1] - Q[at]))[None])
         link, obstacle = nearest[0]
-        where = f"between samples {at} and {at + 1}"
-    return (
-        f"the clearance falls to {measures.min_swept:.4g} m (d_safe is {problem.d_safe:g}),"
-        f" {problem.links.names[link]} to obstacle {obstacle} {where}"
+        where = say("between samples {at} and {at_2}", at=at, at_2=at + 1)
+    return say(
+        "the clearance falls to {min_swept:.4g} m (d_safe is {d_safe:g}),"
+        " {name} to obstacle {obstacle} {where}",
+        min_swept=measures.min_swept,
+        d_safe=problem.d_safe,
+        name=problem.links.names[link],
+        obstacle=obstacle,
+        where=where,
     )
 
 
 def _both(problem: PathProblem, first_lost: int) -> str:
     """Name the samples whose targets were found to be within reach."""
     last = problem.path.samples - 1
-    return f"sample {last} is" if first_lost == last else f"samples {first_lost} and {last} are"
+    return (
+        say("sample {last} is", last=last)
+        if first_lost == last
+        else say("samples {first_lost} and {last} are", first_lost=first_lost, last=last)
+    )
 
 
 def _limits(problem: PathProblem, Q: FloatArray) -> str:
@@ -342,16 +413,23 @@ def _limits(problem: PathProblem, Q: FloatArray) -> str:
     outside = np.maximum(chain.lower - Q, Q - chain.upper)
     at, joint = np.unravel_index(int(np.argmax(outside)), outside.shape)
     unit = "rad" if chain.is_angle[joint] else "m"
-    return (
-        f"joint {problem.arm.names[joint]} is {outside[at, joint]:.4g} {unit} outside its limits"
-        f" at sample {at}"
+    return say(
+        "joint {name} is {outside:.4g} {unit} outside its limits at sample {at}",
+        name=problem.arm.names[joint],
+        outside=outside[at, joint],
+        unit=unit,
+        at=at,
     )
 
 
 def _velocity(problem: PathProblem, Q: FloatArray) -> str:
     ratio = np.abs(np.diff(Q, axis=0)) / problem.most_per_step
     at, joint = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
-    return (
-        f"joint {problem.arm.names[joint]} would be {ratio[at, joint]:.3g} times as fast as it may"
-        f" be before sample {at + 1}; give at least tf {problem.path.t[-1] * ratio.max():.4g}"
+    return say(
+        "joint {name} would be {ratio:.3g} times as fast as it may be before"
+        " sample {at}; give at least tf {t:.4g}",
+        name=problem.arm.names[joint],
+        ratio=ratio[at, joint],
+        at=at + 1,
+        t=problem.path.t[-1] * ratio.max(),
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.methods import (
     damped,
@@ -63,7 +64,11 @@ def method_from(name: str, argument: str = "method", index: Location = ()) -> Me
     """
     if name not in METHODS:
         raise InvalidOption(
-            f"method {name[:32]!r} is unknown; {hint(name, tuple(METHODS))}",
+            say(
+                "method {name!r} is unknown; {hint}",
+                name=name[:32],
+                hint=hint(name, tuple(METHODS)),
+            ),
             argument=argument,
             index=index,
             value=name,

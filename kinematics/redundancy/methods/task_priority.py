@@ -10,6 +10,7 @@ from collections.abc import Generator
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.errors import InvalidOption
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.methods.damped import EXACT
@@ -29,7 +30,7 @@ def follow(
     """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     if not options.secondary:
         raise InvalidOption(
-            "task_priority needs a second task; give secondary: [{frame, task, target}]",
+            say("task_priority needs a second task; give secondary: [{{frame, task, target}}]"),
             argument="secondary",
         )
     arm = problem.arm

@@ -16,6 +16,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from dh_to_urdf.messages import say
 from kinematics.deadline import Deadline, current
 from kinematics.errors import InvalidOption, MethodUnavailable, OutOfMemory
 from kinematics.inverse import IKStatus
@@ -56,8 +57,10 @@ def follow(
     """Follow a path; see :class:`kinematics.redundancy.methods.Method`."""
     if find_spec("casadi") is None:
         raise MethodUnavailable(
-            "whole_path needs CasADi, which is not installed; pip install 'denavit[whole-path]',"
-            " or use qp",
+            say(
+                "whole_path needs CasADi, which is not installed; pip install"
+                " 'denavit[whole-path]', or use qp"
+            ),
             package="casadi",
             extra="whole-path",
             argument="method",
@@ -67,9 +70,14 @@ def follow(
     size = len(Q) * (arm.K + len(problem.links) * len(problem.obstacles))
     if size > MOST:
         raise InvalidOption(
-            f"{len(Q)} samples are too many for one program with {arm.K} joints and"
-            f" {len(problem.obstacles)} obstacles; give at most"
-            f" {MOST // (size // len(Q))}, or use qp",
+            say(
+                "{count} samples are too many for one program with {k} joints and"
+                " {count_2} obstacles; give at most {most}, or use qp",
+                count=len(Q),
+                k=arm.K,
+                count_2=len(problem.obstacles),
+                most=MOST // (size // len(Q)),
+            ),
             argument="samples",
             value=len(Q),
             upper=MOST // (size // len(Q)),

@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from dh_to_urdf.errors import Location
+from dh_to_urdf.messages import say
 from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption
 from kinematics.inverse.task_error import twist_error
@@ -40,11 +41,17 @@ class Sampling:
     def __post_init__(self) -> None:
         duration, count = self.BOUNDS["tf"], self.BOUNDS["samples"]
         if self.tf not in duration:
-            raise duration.refusal(f"tf is {self.tf:g}; give seconds, 1e-6 to 1e6", self.tf, "tf")
+            raise duration.refusal(
+                say("tf is {tf:g}; give seconds, 1e-6 to 1e6", tf=self.tf), self.tf, "tf"
+            )
         if self.samples not in count:
             raise count.refusal(
-                f"samples is {self.samples}; give {count.lower} to {count.upper}, the start"
-                " included",
+                say(
+                    "samples is {samples}; give {lower} to {upper}, the start included",
+                    samples=self.samples,
+                    lower=count.lower,
+                    upper=count.upper,
+                ),
                 self.samples,
                 "samples",
             )
@@ -70,14 +77,18 @@ class Circle:
         turns = self.BOUNDS["turns"]
         if self.turns == 0 or self.turns not in turns:
             raise turns.refusal(
-                f"circle.turns is {self.turns:g}; give up to ±{turns.upper:g}, not 0",
+                say(
+                    "circle.turns is {turns:g}; give up to ±{upper:g}, not 0",
+                    turns=self.turns,
+                    upper=turns.upper,
+                ),
                 self.turns,
                 "circle",
                 ("turns",),
             )
         if not np.linalg.norm(self.normal) > 1e-9:
             raise InvalidOption(
-                "circle.normal is zero; give a direction", argument="circle", index=("normal",)
+                say("circle.normal is zero; give a direction"), argument="circle", index=("normal",)
             )
 
 
@@ -134,8 +145,12 @@ def polyline(
     intervals = sampling.samples - 1
     if len(poses) > intervals:
         raise InvalidOption(
-            f"samples is {sampling.samples} for {len(poses)} waypoints; give at least"
-            f" {len(poses) + 1}",
+            say(
+                "samples is {samples} for {count} waypoints; give at least {count_2}",
+                samples=sampling.samples,
+                count=len(poses),
+                count_2=len(poses) + 1,
+            ),
             argument="samples",
             value=sampling.samples,
             lower=len(poses) + 1,
@@ -195,7 +210,10 @@ def circle(
     n = about.normal / np.linalg.norm(about.normal)
     if len(task.positions) < 2:
         raise InvalidOption(
-            f"a circle needs two positions, but the task is {task.name}; choose xy or position",
+            say(
+                "a circle needs two positions, but the task is {task}; choose xy or position",
+                task=task.name,
+            ),
             argument="task",
             value=task.name,
             known=("xy", "position"),
@@ -204,7 +222,10 @@ def circle(
         (missing,) = {0, 1, 2} - set(task.positions)
         if abs(abs(n[missing]) - 1) > 1e-9:
             raise InvalidOption(
-                f"the circle leaves the plane of the task {task.name}; give the normal across it",
+                say(
+                    "the circle leaves the plane of the task {task}; give the normal across it",
+                    task=task.name,
+                ),
                 argument=argument,
                 index=index,
             )
@@ -214,7 +235,7 @@ def circle(
     radius = np.linalg.norm(arm)
     if not radius > 1e-9:
         raise InvalidOption(
-            "the start lies on the circle's axis; give a center elsewhere",
+            say("the start lies on the circle's axis; give a center elsewhere"),
             argument=argument,
             index=("center",),
         )

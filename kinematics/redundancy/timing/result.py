@@ -7,6 +7,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from dh_to_urdf.messages import chained, say
 from kinematics.redundancy.clearance.sweep import RESOLUTION
 from kinematics.redundancy.follow import PathResult
 from kinematics.redundancy.measure import error_vectors, swept_between
@@ -298,7 +299,7 @@ def _standing(result: PathResult, velocity: FloatArray, acceleration: FloatArray
     return Retimed(
         RetimeStatus.NO_MOTION,
         not violations,
-        "the arm does not move: there is nothing to time",
+        say("the arm does not move: there is nothing to time"),
         violations,
         0.0,
         np.zeros(1),
@@ -350,8 +351,12 @@ def _warnings(result: PathResult, velocity: FloatArray) -> tuple[str, ...]:
     if not free:
         return ()
     return (
-        f"no speed limit is known of {', '.join(free[:8])}{' …' if len(free) > 8 else ''}: only"
-        " acceleration holds them back; give retime.velocity",
+        say(
+            "no speed limit is known of {free}{which}: only acceleration holds them"
+            " back; give retime.velocity",
+            free=", ".join(free[:8]),
+            which=" …" if len(free) > 8 else "",
+        ),
     )
 
 
@@ -366,14 +371,31 @@ def _message(
 ) -> str:
     problem = result.problem
     if not violations:
-        return f"the path takes {duration:.4g} s, with tf it took {problem.path.t[-1]:g} s"
+        return say(
+            "the path takes {duration:.4g} s, with tf it took {t:g} s",
+            duration=duration,
+            t=problem.path.t[-1],
+        )
     words = {
-        "tracking": f"it deviates from the task path by {position:.4g} m, {orientation:.4g} rad",
-        "limits": f"a joint is {-margin:.4g} rad or m outside its limits",
-        "clearance": f"the clearance falls to {clearance:.4g} m (d_safe is {problem.d_safe:g})",
-        "velocity": "a joint is too fast",
-        "acceleration": "a joint accelerates too much",
-        "completeness": "the path that was followed does not reach its end",
+        "tracking": say(
+            "it deviates from the task path by {position:.4g} m, {orientation:.4g} rad",
+            position=position,
+            orientation=orientation,
+        ),
+        "limits": say("a joint is {margin:.4g} rad or m outside its limits", margin=-margin),
+        "clearance": say(
+            "the clearance falls to {clearance:.4g} m (d_safe is {d_safe:g})",
+            clearance=clearance,
+            d_safe=problem.d_safe,
+        ),
+        "velocity": say("a joint is too fast"),
+        "acceleration": say("a joint accelerates too much"),
+        "completeness": say("the path that was followed does not reach its end"),
     }
-    remedy = "; ask for more samples, or margin" if result.verdict.success else ""
-    return f"timed to {duration:.4g} s, but {'; '.join(words[v] for v in violations)}{remedy}"
+    remedy = say("; ask for more samples, or margin") if result.verdict.success else ""
+    return say(
+        "timed to {duration:.4g} s, but {violations}{remedy}",
+        duration=duration,
+        violations=chained("; ", (words[v] for v in violations)),
+        remedy=remedy,
+    )

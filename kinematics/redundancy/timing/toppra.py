@@ -18,6 +18,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from dh_to_urdf.messages import say
 from kinematics.bounds import Bounds
 from kinematics.errors import InvalidOption, MethodUnavailable
 from kinematics.redundancy.path.geometry import Sampling
@@ -33,9 +34,10 @@ STILL = 1e-7
 """Motion, rad or m, below which there is nothing to time."""
 
 
-UNTIMED = (
-    "no timing from rest to rest was found within these limits: the path turns back or bends"
-    " sharply between samples; ask for more samples, or another method"
+UNTIMED = say(
+    "no timing from rest to rest was found within these limits: the path"
+    " turns back or bends sharply between samples; ask for more samples, or"
+    " another method"
 )
 
 
@@ -64,7 +66,12 @@ class RetimeOptions:
             low, high = self.BOUNDS[name].lower, self.BOUNDS[name].upper
             if values is not None and not ((values >= low) & (values <= high)).all():
                 raise InvalidOption(
-                    f"retime.{name} is not within {low:g} to {high:g} for every joint",
+                    say(
+                        "retime.{name} is not within {low:g} to {high:g} for every joint",
+                        name=name,
+                        low=low,
+                        high=high,
+                    ),
                     argument="retime",
                     index=(name,),
                     lower=low,
@@ -73,7 +80,12 @@ class RetimeOptions:
         count = self.BOUNDS["samples"]
         if self.samples not in count:
             raise count.refusal(
-                f"retime.samples is {self.samples}; give {count.lower} to {count.upper}",
+                say(
+                    "retime.samples is {samples}; give {lower} to {upper}",
+                    samples=self.samples,
+                    lower=count.lower,
+                    upper=count.upper,
+                ),
                 self.samples,
                 "retime",
                 ("samples",),
@@ -222,7 +234,7 @@ def fastest(spline: Spline, velocity: FloatArray, acceleration: FloatArray) -> T
         return UNTIMED
     rate = np.asarray(found, dtype=np.float64) / unit
     if not np.isfinite(rate).all() or not (rate[1:] + rate[:-1] > 0).all() or (rate < 0).any():
-        return "no timing was found: the motion would come to a stop on its way"
+        return say("no timing was found: the motion would come to a stop on its way")
     return Timing(spline, rate)
 
 
@@ -252,8 +264,10 @@ def _toppra() -> Any:
             import toppra.constraint
     except ImportError:
         raise MethodUnavailable(
-            "retime needs toppra, which is not installed; pip install 'denavit[retiming]', or"
-            " leave retime out",
+            say(
+                "retime needs toppra, which is not installed; pip install"
+                " 'denavit[retiming]', or leave retime out"
+            ),
             package="toppra",
             extra="retiming",
             argument="retime",

@@ -47,6 +47,7 @@ def test_named_origins_may_use_the_api_also_where_it_is_refused(serve):
         "/openapi.json",
         "/health/live",
         "/guide",
+        "/labs/fr/4-jacobian",
         "/v1/robots",
         FK + "&format=text",
     ],

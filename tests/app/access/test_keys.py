@@ -57,7 +57,7 @@ def test_keys_open_what_their_scope_says(serve, tmp_path):
         put = client.put("/v1/robots/a", json=TABLE, headers=bearer(writer))
         assert put.status_code == 201
         assert client.delete("/v1/robots/a", headers=bearer(writer)).status_code == 204
-        pages = ("/docs", "/openapi.json", "/guide", "/guide/settings", "/guide/guide.css")
+        pages = ("/docs", "/openapi.json", "/guide", "/guide/settings", "/labs/en", "/labs/fr")
         for path in ("/", "/health/live", "/health/ready", *pages):
             assert client.get(path).status_code == 200, path
         document = client.get("/openapi.json").json()

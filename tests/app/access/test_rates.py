@@ -39,7 +39,8 @@ def test_pages_and_their_parts_are_not_counted(serve):
         page = client.get("/", headers={"Accept": "text/html"})
         parts = re.findall(r"assets/[\w.-]+", page.text)
         assert parts
-        for path in (*parts * 3, "docs", "docs-assets/swagger-ui.css", "guide", "guide/api"):
+        pages = ("docs", "docs-assets/swagger-ui.css", "guide", "guide/api", "labs/fr")
+        for path in (*parts * 3, *pages):
             answer = client.get(f"/{path}")
             assert answer.status_code == 200, path
             assert "ratelimit-limit" not in answer.headers

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 
 import numpy as np
 import pytest
@@ -133,6 +134,24 @@ def test_a_choice_is_a_solution(client, poses, choice):
     np.testing.assert_allclose(reached(client, answer["q"]), poses[1], atol=1e-6)
     body["choose"] = "best"
     assert client.post("/v1/robots/panda/ik", json=body).status_code == 422
+
+
+@pytest.mark.parametrize("form", ["text", "csv", "latex"])
+@pytest.mark.parametrize(("language", "word"), [("en", "self_motion"), ("fr", "mouvement interne")])
+def test_self_motions_are_told_in_every_form_and_language(client, form, language, word):
+    q = [0.3, 0.6, -0.4, 1.2, 0.5, -0.7, 0.2]
+    matrix = client.post("/v1/robots/iiwa14/fk", json={"q": q}).json()["poses"]["tool"]["matrix"]
+    answer = client.post(
+        f"/v1/robots/iiwa14/ik/solutions?format={form}",
+        json={"target": {"matrix": matrix}},
+        headers={"Accept-Language": language},
+    )
+    assert answer.status_code == 200
+    if form == "text":
+        curves = answer.text[answer.text.index(word) :]
+        matrices = re.findall(r"^ +q\s?:\n((?: +(?:-?[0-9.]+ *){7}\n)+)", curves, re.MULTILINE)
+        assert matrices
+        assert all(len(one.splitlines()) > 1 for one in matrices)
 
 
 def test_self_motions_are_told_in_the_units_of_the_request(client):

@@ -44,7 +44,11 @@ export function isTemporary(error: unknown): boolean {
  * @throws Refusal for any status but 2xx; Unreachable without an answer; DOMException AbortError.
  */
 export async function send(call: Call, signal?: AbortSignal): Promise<Response> {
-  const headers: Record<string, string> = { Accept: call.accept ?? 'application/json' };
+  const headers: Record<string, string> = {
+    Accept: call.accept ?? 'application/json',
+    // What the service says stands in the page.
+    'Accept-Language': document.documentElement.lang,
+  };
   const init: RequestInit = { method: call.method, headers };
   if (signal) init.signal = signal;
   if (call.body !== undefined) {

@@ -23,7 +23,7 @@ export function saveDialog({ store, history, tell }: Page): void {
       if ((event as KeyboardEvent).key === 'Enter') void save();
     },
   });
-  const problem = h('p', { class: 'verdict bad', role: 'alert', lang: 'en' });
+  const problem = h('p', { class: 'verdict bad', role: 'alert' });
   const replace = button(t.replace, () => void save(true), { hidden: true });
   field.addEventListener('input', () => {
     replace.hidden = true;

@@ -27,8 +27,9 @@ let spoken: Language = 'en';
 /** Use a language. */
 export async function speak(language: Language): Promise<void> {
   spoken = language;
-  t = (await LOADERS[language].first()) as Words;
+  // Before anything is asked: requests are sent in the language of the page.
   document.documentElement.lang = language;
+  t = (await LOADERS[language].first()) as Words;
 }
 
 /** Load a part of the page together with its words. */

@@ -32,7 +32,7 @@ export function ikPanel(page: Page): HTMLElement {
     return field;
   });
   const verdict = h('p', { class: 'verdict', role: 'status' });
-  const why = h('ul', { class: 'note', lang: 'en' });
+  const why = h('ul', { class: 'note' });
   const list = h('ul', { class: 'solutions' });
   const units = h('span', { class: 'note' });
   let typing: ReturnType<typeof setTimeout>;

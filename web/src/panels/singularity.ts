@@ -5,7 +5,7 @@ import { brief, fixed } from '../format';
 import { t } from '../i18n';
 import type { Page } from '../page';
 import type { Panel } from './panel';
-import { rowName, taskOptions } from './tasks';
+import { taskOptions } from './tasks';
 
 export function singularityPanel({ store, history }: Page): Panel<'singularity'> {
   const task = select(t.taskSpace, taskOptions(), store.state.task, (value) =>
@@ -67,43 +67,18 @@ export function singularityPanel({ store, history }: Page): Panel<'singularity'>
         h('dt', {}, `κ (${t.conditionNumber})`),
         h('dd', {}, brief(found.condition_number)),
       );
-      const lost = found.lost_directions.map((one) =>
-        h(
-          'li',
-          {},
-          found.rows.map((row, k) => `${rowName(row)} ${fixed(one[k] ?? 0, 3)}`).join('  '),
-        ),
-      );
-      const moving = found.null_motions.map((one) => h('li', {}, ratios(one)));
-      const english = document.documentElement.lang === 'en';
       replace(
         words,
-        // The service explains in English only: in other languages the numbers are shown instead.
-        !english && lost.length > 0 && h('p', { class: 'lead' }, t.lostDirections),
-        !english && lost.length > 0 && h('ul', { class: 'mono' }, ...lost),
-        !english && moving.length > 0 && h('p', { class: 'lead' }, t.nullLead),
-        !english && moving.length > 0 && h('ul', { class: 'mono' }, ...moving),
-        english &&
-          found.explanation.length > 0 &&
+        found.explanation.length > 0 &&
           h(
             'ul',
-            { lang: 'en', class: 'note' },
+            { class: 'note' },
             ...found.explanation.slice(0, 4).map((one) => h('li', {}, one)),
           ),
       );
       replace(factors, factorTable(found, state.digits));
     },
   };
-}
-
-/** The joints that a motion moves, and their ratios to the first of them. */
-function ratios(motion: readonly number[]): string {
-  const largest = Math.max(...motion.map(Math.abs));
-  const moving = motion.flatMap((x, k) => (Math.abs(x) > 1e-6 * largest ? [k] : []));
-  const first = motion[moving[0] ?? 0] ?? 1;
-  const names = moving.map((k) => `q${k + 1}`).join(' : ');
-  if (moving.length === 1) return names;
-  return `${names} = ${moving.map((k) => brief((motion[k] ?? 0) / first)).join(' : ')}`;
 }
 
 function factorTable(found: api.SingularityAnswer, digits: number): HTMLElement | null {
@@ -144,7 +119,7 @@ function factorTable(found: api.SingularityAnswer, digits: number): HTMLElement 
               t.factorNames[one.name as keyof typeof t.factorNames] ?? one.name,
             ),
             h('td', { class: 'mono' }, fixed(one.value, digits)),
-            h('td', { lang: 'en' }, one.vanishes_where),
+            h('td', {}, one.vanishes_where),
           ),
         ),
       ),

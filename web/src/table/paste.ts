@@ -49,7 +49,7 @@ export function pasteDialog({ store, history }: Page, pasted: string, atOnce: bo
   );
   const columns = h('input', { type: 'text', placeholder: 'theta,d,a,alpha', autocomplete: 'off' });
   const values = h('input', { type: 'text', placeholder: 'L1:0.4,L2:300mm', autocomplete: 'off' });
-  const problem = h('p', { class: 'verdict bad', role: 'alert', lang: 'en' });
+  const problem = h('p', { class: 'verdict bad', role: 'alert' });
 
   async function read(): Promise<void> {
     problem.textContent = '';

@@ -27,7 +27,7 @@ export function showProblems(
     field?.setAttribute('aria-invalid', 'true');
     field?.setAttribute('aria-describedby', id);
     const go = field && button('→', () => field.focus(), { 'aria-label': t.goToCell });
-    return h('li', {}, go, h('span', { lang: 'en', id }, message));
+    return h('li', {}, go, h('span', { id }, message));
   });
   replace(list, ...lines);
   list.hidden = lines.length === 0;

@@ -34,7 +34,7 @@ export function comparisonTable(
   const reasons = Object.entries(messages)
     .filter(([method]) => failed.has(method))
     .map(([method, words]) => h('li', {}, `${method}: ${words}`));
-  return [table, h('ul', { class: 'note', lang: 'en' }, ...reasons)];
+  return [table, h('ul', { class: 'note' }, ...reasons)];
 }
 
 function line(row: PathComparisonRow, play: (method: string) => void): HTMLElement {

@@ -1,0 +1,1 @@
+"""The lab sheets at ``/labs``: the Markdown of ``labs/`` as HTML, in English and French."""
