@@ -20,13 +20,19 @@ ROUNDING = 1e-5
 """Largest entry of RᵀR - I that counts as rounding and is removed."""
 
 
-def rigid_transform(matrix: ArrayLike) -> Matrix:
+PRINTED = 1e-3
+"""Largest difference of an entry from that of the nearest rotation, where a matrix may be one that
+was printed with few decimals."""
+
+
+def rigid_transform(matrix: ArrayLike, *, printed: bool = False) -> Matrix:
     """Check a 4x4 homogeneous matrix and remove its rounding.
 
     Entries rounded to about six digits are accepted; the nearest rotation is returned then.
 
     Args:
         matrix: 4x4, rotation and translation in m.
+        printed: Whether entries rounded to three digits are accepted too.
 
     Returns:
         A 4x4 matrix whose rotation is orthonormal to machine precision.
@@ -50,23 +56,39 @@ def rigid_transform(matrix: ArrayLike) -> Matrix:
     with np.errstate(invalid="ignore", over="ignore"):
         deviation = float(np.abs(R.T @ R - np.eye(3)).max())
         proper = float(np.linalg.det(R)) > 0
+    most = 4.0 * PRINTED if printed else ROUNDING
+    if deviation <= most and not proper:
+        raise ValueError(
+            say(
+                "has a reflection in its upper left 3x3 block, which is no rotation: its columns"
+                " are left-handed, as where two of them are exchanged or one has the wrong sign;"
+                " give right-handed columns"
+            )
+        )
     # Products of huge numbers may be NaN, for which every comparison is False.
-    if not (deviation <= ROUNDING and proper):
+    near = R
+    if 1e-14 < deviation <= most:
+        U, _, Vt = np.linalg.svd(R)
+        near = U @ Vt
+    if not deviation <= most or (printed and float(np.abs(near - R).max()) > PRINTED):
         raise ValueError(
             say(
                 "has no rotation in its upper left 3x3 block: its columns must be"
-                " orthonormal to 1e-5 and right-handed; give more digits, or rpy or"
-                " quaternion_xyzw instead"
+                " orthonormal to {rounding} and right-handed; give more digits, or rpy or"
+                " quaternion_xyzw instead",
+                rounding="1e-3" if printed else "1e-5",
             )
         )
-    if deviation > 1e-14:
-        U, _, Vt = np.linalg.svd(R)
-        T[:3, :3] = U @ Vt
+    T[:3, :3] = near
     return T
 
 
-def rigid_transforms(matrices: Matrix) -> Matrix:
+def rigid_transforms(matrices: Matrix, *, printed: bool = False) -> Matrix:
     """Apply :func:`rigid_transform` to many matrices, shape (n, 4, 4), at once.
+
+    Args:
+        matrices: Shape (n, 4, 4).
+        printed: As there.
 
     Raises:
         ValueError: As for one; the message ends with the index of the first that is refused.
@@ -75,16 +97,22 @@ def rigid_transforms(matrices: Matrix) -> Matrix:
     R = T[:, :3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
         deviation = np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max(axis=(1, 2))
-        good = np.isfinite(T).all(axis=(1, 2)) & (deviation <= ROUNDING)
+        good = np.isfinite(T).all(axis=(1, 2)) & (
+            deviation <= (4.0 * PRINTED if printed else ROUNDING)
+        )
         good &= (T[:, 3] == [0.0, 0.0, 0.0, 1.0]).all(axis=1) & (np.linalg.det(R) > 0)
     if not good.all():
         first = int(np.flatnonzero(~good)[0])
-        rigid_transform(T[first])
+        rigid_transform(T[first], printed=printed)
         raise ValueError(say("is no rigid placement"))
     mend = deviation > 1e-14
     if mend.any():
         U, _, Vt = np.linalg.svd(R[mend])
-        T[mend, :3, :3] = U @ Vt
+        near = U @ Vt
+        far = np.abs(near - R[mend]).max(axis=(1, 2)) > PRINTED
+        if printed and far.any():
+            rigid_transform(T[np.flatnonzero(mend)[far][0]], printed=printed)
+        T[mend, :3, :3] = near
     return T
 
 

@@ -27,8 +27,8 @@ from typing import Final
 BUCKETS: Final = 1 << 14
 SLOTS: Final = 8
 """Slots of a bucket. With the buckets 131,072 counters, 4 MB."""
-TRIES: Final = 50
-PAUSE: Final = 1e-5
+TRIES: Final = 500
+PAUSE: Final = 1e-4
 """How often a locked bucket is tried, and the seconds between: a change takes microseconds."""
 _SLOT: Final = struct.Struct("<16sQd")
 """Hash of a client with the number of a window; requests; end of the window, s since the epoch."""

@@ -35,6 +35,8 @@ FAR, FAR_THING = 10.0, 100.0
 """Distances of targets and of other things, relative to the robot's span, that look like mm."""
 FARTHEST = 1e9
 """Coordinates beyond this, m, are taken as this, so that no square overflows."""
+ROUNDED = 1e-7
+"""Difference of a matrix from the nearest rotation that is worth a word."""
 SLIDE = 50.0
 """A slide beyond this, m, looks like millimetres."""
 
@@ -114,6 +116,18 @@ class RequestDoubts:
                     distance=distance,
                     reach=reach,
                 ),
+            )
+
+    def mended(self, distance: float, what: str) -> None:
+        """Tell that a matrix was no rotation, but this far from the one that was taken."""
+        if distance > ROUNDED:
+            self._outside.append(
+                say(
+                    "{what} was taken as the nearest rotation, from which it differs by"
+                    " {distance:.2g} at most, as it is when few decimals are printed",
+                    what=what,
+                    distance=distance,
+                )
             )
 
     def _add(self, kind: Kind, text: str) -> None:

@@ -21,7 +21,7 @@ from app.http.strict_json import validation_problem
 from app.http.units import Units
 from dh_to_urdf.errors import Location
 from dh_to_urdf.messages import say
-from kinematics.inverse.target import Targets, target_poses
+from kinematics.inverse.target import Targets, mended, target_poses
 from kinematics.task import Task
 from robots.robot import FloatArray
 
@@ -96,6 +96,9 @@ def target_pose(
         InvalidTarget: The target is no pose, or lacks what the task needs.
     """
     pose: FloatArray = target_poses(_one(target, doubts, location), task)[0]
+    if target.matrix is not None:
+        what = say("the matrix of {location}", location=_named(location))
+        doubts.mended(mended([target.matrix], pose[None]), what)
     if target.position is not None or target.matrix is not None:
         doubts.place(pose[:3, 3], say("the {location}", location=_named(location)))
     return pose
@@ -214,14 +217,21 @@ class ManyTargets(Field):
             _check_count(len(array), location, reading)
             targets = Targets(matrix=array, location=location, many=True, by_field=True)
             poses = target_poses(targets, task)
+            reading.doubts.mended(mended(array, poses), say("a target's matrix"))
             reading.doubts.place(poses[:, :3, 3], say("a target"))
             return poses if value.ndim == 3 else poses[0]
         if isinstance(value, TargetBatch):
             poses = target_poses(_by_field(value, location, reading), task)
+            if value.matrix is not None:
+                reading.doubts.mended(mended(value.matrix, poses), "a target's matrix")
         else:
             _check_count(len(value), location, reading)
             groups = _listed(value, location, reading)
             poses = np.concatenate([target_poses(group, task) for group in groups])
+            rows = [k for k, one in enumerate(value) if one.matrix is not None]
+            if rows:
+                given = [value[k].matrix for k in rows]
+                reading.doubts.mended(mended(given, poses[rows]), say("a target's matrix"))
         reading.doubts.place(poses[:, :3, 3], say("a target"))
         return poses
 

@@ -109,10 +109,11 @@ class _Text:
 
     def sequence(self, key: str, value: Sequence[Any], indent: str) -> None:
         """A list that is no array of numbers."""
-        if value and all(isinstance(item, Mapping) for item in value):
+        mappings = bool(value) and all(isinstance(item, Mapping) for item in value)
+        if mappings and not any(map(_has_matrix, value)):
             self.lines.append(f"{indent}{self.heading(key)}")
             self.table(value, indent + "  ")
-        elif any(isinstance(item, (list, tuple, np.ndarray)) for item in value):
+        elif mappings or any(isinstance(item, (list, tuple, np.ndarray)) for item in value):
             self.lines.append(f"{indent}{self.heading(key)}")
             for index, item in enumerate(value[:MAX_ROWS]):
                 self.mapping({str(index): item}, indent + "  ")
@@ -191,6 +192,11 @@ def _fixed(number: float, decimals: int) -> str:
 
 def _tiny(value: Any) -> str:
     return f"{float(value):.2e}" if abs(value) >= NOISE else "0"
+
+
+def _has_matrix(row: Mapping[str, Any]) -> bool:
+    """Whether an entry has more axes than a cell of a table can show."""
+    return any(isinstance(value, np.ndarray) and value.ndim > 1 for value in row.values())
 
 
 def _widths(table: Sequence[Sequence[str]]) -> list[int]:

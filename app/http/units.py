@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,10 @@ class Units:
     def angles_out(self, angles: FloatArray) -> FloatArray:
         """Angles for the answer, from rad."""
         return np.asarray(np.rad2deg(angles)) if self.degrees else angles
+
+    def angle_out(self, angle: float) -> float:
+        """Return one angle for the answer, from rad."""
+        return math.degrees(angle) if self.degrees else angle
 
     @property
     def named_rates(self) -> dict[str, str]:

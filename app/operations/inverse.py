@@ -22,6 +22,7 @@ from app.fields.numbers import within_query
 from app.fields.targets import OptionalTarget, TargetList
 from app.http.negotiation import NDJSON, NPY
 from app.http.problems import INVALID_REQUEST, RequestProblem
+from app.operations.branches import BranchEndView, branch_end_view
 from app.operations.joint_values import joint_values_view, joints_shown
 from app.operations.operation import LIGHT_DOF, SHEET_FORMS, Answer, Context, Operation
 from app.operations.shapes import (
@@ -33,6 +34,7 @@ from app.operations.shapes import (
     each,
 )
 from app.operations.sizes import FLOAT, JSON_NUMBER, LISTED, encoded, rows_need
+from app.operations.why_forbidden import ForbiddenView, forbidden_view
 from app.sheets import columns
 from app.sheets.headings import Heading
 from app.sheets.sheet import Column, Sheet
@@ -52,7 +54,9 @@ from kinematics.inverse import (
     solve_ik,
     solve_ik_batch,
 )
-from kinematics.inverse.all_solutions import all_solutions, exact_solutions
+from kinematics.inverse.all_solutions import all_solutions, curve_solutions, exact_solutions
+from kinematics.inverse.forbidden import Forbidden
+from kinematics.inverse.one_branch import OneBranch, follow_branch
 from kinematics.inverse.solutions import Choice, choose
 from kinematics.inverse.unreached import why_unreached
 from kinematics.task import POSE
@@ -64,6 +68,9 @@ STREAMED = 512
 """Targets whose results are sent together where they are streamed."""
 MAX_LISTED = 500
 """Targets not reached that the header of an npy answer lists."""
+BUDGET_OF_CURVES = 0.5
+"""Time budget of a target, s, from which on the curves of a redundant arm are looked at for why it
+is not reached: they take some tenths of a second."""
 QUICK_ITERATIONS = 1000
 QUICK_SECONDS = 0.0005
 """Time that a single solve may take before it is moved to a thread."""
@@ -127,6 +134,14 @@ class IKRequest(msgspec.Struct, kw_only=True):
             one_of(Choice, null=True),
         ),
     ] = None
+    follow: Annotated[
+        bool,
+        declared(
+            Field((Parameter(texts.flag, "true: targets on one continuous branch."),)),
+            "For targets: one q each on one continuous branch, without a jump to another: the first"
+            " that reaches all, nearest to the seed at the first target.",
+        ),
+    ] = False
     time_budget_ms: Annotated[
         float, within_query(0, 60_000, "For each target, milliseconds.", "Milliseconds.")
     ] = 1000.0
@@ -150,7 +165,8 @@ class IKAnswer(TypedDict):
     Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
     best that was found. Errors are in m and rad, in the axes of the task. ``explanation``, for one
     target that was not reached: what is proved of it, such as an orientation that the structure
-    cannot reach, or the joint that is beyond its limits.
+    cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs.
+    ``branches``, with ``follow``: those that were tried, and where and why each ends.
     """
 
     units: AnswerUnits
@@ -162,6 +178,8 @@ class IKAnswer(TypedDict):
     iterations: EachInteger
     restarts: EachInteger
     elapsed_ms: EachNumber
+    branches: NotRequired[list[BranchEndView]]
+    forbidden: NotRequired[ForbiddenView]
     explanation: NotRequired[list[str]]
     columns: list[str]
     frame: str
@@ -252,7 +270,9 @@ def _memory(robot: Robot, request: IKRequest, context: Context) -> Need:
 
 def _attempt(robot: Robot, request: IKRequest, context: Context) -> Answer | None:
     """Return the answer for a single target if half a millisecond is enough for it."""
-    if request.target is None or request.choose is not None or not is_compiled():
+    if request.target is None or request.choose is not None or request.follow:
+        return None
+    if not is_compiled():
         return None
     if robot.dof > LIGHT_DOF or request.max_iterations > QUICK_ITERATIONS:
         return None
@@ -270,6 +290,15 @@ def _attempt(robot: Robot, request: IKRequest, context: Context) -> Answer | Non
 def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
     poses, many = _poses(request)
     options, _ = _options_of(request, context)
+    if request.follow:
+        if not many or request.choose is not None:
+            message = (
+                say("follow takes targets (many), and chooses the branch; leave choose out")
+                if many
+                else say("follow takes targets (many), and chooses the branch; give targets")
+            )
+            raise RequestProblem(INVALID_REQUEST, message, "/follow")
+        return _followed(robot, request, context, poses, options)
     if request.choose is not None:
         choice = _choice(request.choose)
         if many:
@@ -282,6 +311,47 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
         result = _solve(robot, request, poses[0], options)
         return _told(robot, request, context, poses[0], options, result)
     batch = _solve_batch(robot, request, poses, options, context, _seconds_to_solve(context))
+    return _many(robot, request, context, batch)
+
+
+def _followed(
+    robot: Robot, request: IKRequest, context: Context, poses: FloatArray, options: IKOptions
+) -> Answer:
+    """Return the answer for targets on one branch."""
+    started = time.perf_counter()
+    found = follow_branch(
+        robot, poses, frame=request.frame, task=request.task, seed=request.seed, options=options
+    )
+    batch = _as_batch(found, (time.perf_counter() - started) / len(poses))
+    views = [branch_end_view(robot, one, context.units) for one in found.branches]
+    return _many(robot, request, context, batch, views)
+
+
+def _as_batch(found: OneBranch, seconds: float) -> IKBatch:
+    n, names = len(found.q), tuple(IKStatus)
+    codes = np.full(n, names.index(IKStatus.NOT_CONVERGED))
+    codes[: found.reached] = names.index(IKStatus.CONVERGED)
+    none = np.zeros(n, dtype=np.int64)
+    return IKBatch(
+        codes,
+        found.q,
+        found.seed,
+        found.position_error,
+        found.orientation_error,
+        none,
+        none,
+        np.full(n, seconds),
+    )
+
+
+def _many(
+    robot: Robot,
+    request: IKRequest,
+    context: Context,
+    batch: IKBatch,
+    branches: list[BranchEndView] | None = None,
+) -> Answer:
+    """Return the answer for many targets."""
     q = context.units.joints_out(robot, batch.q)
     statuses = [status.value for status in batch.statuses]
     missed = [k for k, one in enumerate(batch.statuses) if one is not IKStatus.CONVERGED]
@@ -297,6 +367,8 @@ def _run(robot: Robot, request: IKRequest, context: Context) -> Answer:
         "elapsed_ms": batch.elapsed * 1e3,
         **_echo(robot, request, context, batch.seed),
     }
+    if branches is not None:
+        answer["branches"] = branches
     listed = [str(k) for k in missed[:MAX_LISTED]]
     if len(missed) > MAX_LISTED:
         listed.append(f"... {len(missed) - MAX_LISTED} more: with=status marks each row")
@@ -405,6 +477,12 @@ def _stream(robot: Robot, request: IKRequest, context: Context) -> Iterator[list
         raise RequestProblem(
             INVALID_REQUEST, say("ndjson is for targets, not for one target"), "/target"
         )
+    if request.follow:
+        raise RequestProblem(
+            INVALID_REQUEST,
+            say("follow looks at all targets before it answers; ask for JSON"),
+            "/follow",
+        )
     options, _ = _options_of(request, context)
     deadline = time.perf_counter() + _seconds_to_solve(context)
     first = 0
@@ -473,6 +551,10 @@ def _told(
         seed=request.seed,
         tolerance=options.tolerance,
     )
+    if found is None and options.time_budget >= BUDGET_OF_CURVES:
+        found = curve_solutions(
+            robot, pose, frame=request.frame, task=request.task, seed=request.seed
+        )
     best = None if found is None else choose(robot, found, request.frame, Choice.CLOSEST)
     if (
         best is not None
@@ -497,7 +579,7 @@ def _told(
     )
     if why.proven:
         result = result._replace(status=IKStatus.UNREACHABLE)
-    return _single(robot, request, context, result, why.sentences)
+    return _single(robot, request, context, result, why.sentences, why.forbidden)
 
 
 def _single(
@@ -506,6 +588,7 @@ def _single(
     context: Context,
     result: IKResult,
     why: tuple[str, ...] | None = None,
+    forbidden: Forbidden | None = None,
 ) -> Answer:
     q = context.units.joints_out(robot, result.q)
     answer: IKAnswer = {
@@ -522,6 +605,8 @@ def _single(
     }
     if why is not None:
         answer["explanation"] = list(why)
+    if forbidden is not None:
+        answer["forbidden"] = forbidden_view(robot, forbidden, context.units)
     records = None
     if context.form == NPY:
         errors = np.array([result.position_error]), np.array([result.orientation_error])
@@ -552,6 +637,8 @@ class _Echo(TypedDict):
     max_iterations: int
     random_seed: int
     time_budget_ms: float
+    branches: NotRequired[list[BranchEndView]]
+    forbidden: NotRequired[ForbiddenView]
     explanation: NotRequired[list[str]]
     warnings: list[str]
 

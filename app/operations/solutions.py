@@ -12,23 +12,28 @@ from app.admission.need import Need
 from app.fields.field import LEFT_OUT
 from app.fields.joints import Seed
 from app.fields.names import Frame, TaskSpace
+from app.fields.redundancy import SwivelAngle, Windings, WindingsChoice
 from app.fields.targets import RequiredTarget
 from app.operations.inverse import IKTolerance, RandomSeed, ToleranceField
 from app.operations.operation import SHEET_FORMS, Answer, Context, Operation, Runs
+from app.operations.self_motion import SelfMotionView, self_motion_view
 from app.operations.shapes import AnswerUnits, Vector
 from app.operations.sizes import LISTED, fixed_bytes
+from app.operations.why_forbidden import ForbiddenView, forbidden_view
 from app.sheets import columns
 from app.sheets.headings import Heading
 from app.sheets.sheet import Column, Sheet
+from kinematics.chain import chain_of
 from kinematics.inverse import IKOptions, Tolerance
 from kinematics.inverse.all_solutions import all_solutions
+from kinematics.inverse.equivalents import with_equivalents
 from kinematics.inverse.solutions import IKSolution
 from kinematics.inverse.unreached import beyond_limits, why_unreached
 from kinematics.task import POSE
 from robots.robot import FloatArray, Robot
 
-MOST_ROWS = 2_000
-"""Solutions of one target, with room: those of sampled swivel angles."""
+MOST_ROWS = 8_000
+"""Rows of q of one answer, with room: solutions in all their turns, or samples of curves."""
 
 
 class IKSolutionsRequest(msgspec.Struct, kw_only=True):
@@ -40,6 +45,8 @@ class IKSolutionsRequest(msgspec.Struct, kw_only=True):
     seed: Seed = None
     tolerance: IKTolerance = msgspec.field(default_factory=ToleranceField)
     random_seed: RandomSeed = 0
+    swivel: SwivelAngle = None
+    windings: WindingsChoice = Windings.NEAREST
 
 
 class IKSolutionView(TypedDict):
@@ -63,7 +70,9 @@ class IKSolutionsAnswer(TypedDict):
     that a singular branch leaves free; they have the seed's value. ``multiplicity``, where it is
     above 1: how many solutions meet there, as two do where an arm is stretched. ``beyond_limits``,
     where there are some, names the joints beyond their limits. ``explanation``, where no solution
-    is within the limits: why, as far as it is proved.
+    is within the limits: why, as far as it is proved; ``forbidden``: the same for programs.
+    ``self_motion``, of an arm with more joints than the task needs: the curves of solutions that
+    these are on.
     """
 
     units: AnswerUnits
@@ -75,6 +84,8 @@ class IKSolutionsAnswer(TypedDict):
     task: str
     seed: Vector
     solutions: list[IKSolutionView]
+    self_motion: NotRequired[SelfMotionView]
+    forbidden: NotRequired[ForbiddenView]
     explanation: NotRequired[list[str]]
     warnings: list[str]
 
@@ -89,8 +100,16 @@ def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
     tolerance = Tolerance(request.tolerance.position, request.tolerance.orientation)
     options = IKOptions(tolerance=tolerance, random_seed=request.random_seed)
     found = all_solutions(
-        robot, request.target, frame=frame, task=task, seed=request.seed, options=options
+        robot,
+        request.target,
+        frame=frame,
+        task=task,
+        seed=request.seed,
+        options=options,
+        swivel=request.swivel,
     )
+    if request.windings is Windings.ALL:
+        found = with_equivalents(robot, chain_of(robot, frame), found)
     answer: IKSolutionsAnswer = {
         "units": context.units.named,
         "method": found.method,
@@ -103,6 +122,8 @@ def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
         "solutions": [_view(robot, one, context) for one in found.solutions],
         "warnings": context.warnings,
     }
+    if found.self_motion is not None:
+        answer["self_motion"] = self_motion_view(robot, found.self_motion, context.units)
     if not any(one.within_limits for one in found.solutions):
         why = why_unreached(
             robot,
@@ -114,6 +135,8 @@ def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
             found=found,
         )
         answer["explanation"] = list(why.sentences)
+        if why.forbidden is not None:
+            answer["forbidden"] = forbidden_view(robot, why.forbidden, context.units)
     rows = [one.q for one in found.solutions]
     q = np.array(rows).reshape(-1, robot.dof)
     return Answer(
@@ -170,9 +193,10 @@ SOLUTIONS = Operation(
     summary="All solutions of inverse kinematics",
     description="Every q that reaches a pose: in closed form, complete, for 6R arms with a"
     " spherical wrist or three parallel axes, planar 2R and 3R, and SCARA; algebraic, complete, for"
-    " any other arm with no more joints than the task has rows; for 7R arms with spherical shoulder"
-    " and wrist at sampled swivel angles; for others by search. As npy: q of each, shape (n, dof)."
-    " As csv and latex: one row a solution.",
+    " any other arm with no more joints than the task has rows. An arm with one joint more has"
+    " curves of solutions: self_motion tells each, with its ends, and solutions on it are listed;"
+    " those of 7R arms with spherical shoulder and wrist by swivel angle. For others by search. As"
+    " npy: q of each, shape (n, dof). As csv and latex: one row a solution.",
     request=IKSolutionsRequest,
     answer=IKSolutionsAnswer,
     memory=_memory,

@@ -84,7 +84,6 @@ def to_yaml(mapping: dict[str, Any]) -> str:
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None
     yaml.width = 10_000
-    yaml.representer.add_representer(Message, SafeRepresenter.represent_str)
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
     # After the choices above, which the first use of the representer takes over.
     yaml.representer.add_representer(Message, SafeRepresenter.represent_str)

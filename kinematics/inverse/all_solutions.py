@@ -9,18 +9,29 @@ import numpy as np
 
 from dh_to_urdf.messages import say
 from kinematics.chain import Chain, chain_of
+from kinematics.errors import InvalidOption
+from kinematics.inverse.api import solve_ik
 from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.closed_form import closed_form_of, solutions, swivel_of
 from kinematics.inverse.continuation.real import chain_fibre, real_solutions
 from kinematics.inverse.damped_step import TURN
-from kinematics.inverse.result import IKOptions, Tolerance
+from kinematics.inverse.result import IKOptions, IKStatus, Tolerance
 from kinematics.inverse.search import search
+from kinematics.inverse.self_motion.families import (
+    Family,
+    Representative,
+    joint_family,
+    swivel_family,
+)
+from kinematics.inverse.self_motion.parameter import parameter_of
 from kinematics.inverse.solutions import IKSolution, IKSolutions
-from kinematics.inverse.windings import apart, on_limits, turned, within_limits
+from kinematics.inverse.windings import apart, on_limits, task_errors, turned, within_limits
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
 SWIVELS = 16
+OWN_SECONDS = 0.05
+"""Time for the numeric solver beside the curves of an arm."""
 IDENTICAL = 1e-7
 """Largest joint difference of two solutions on a limit that count as one."""
 
@@ -33,6 +44,7 @@ def all_solutions(
     task: Task = POSE,
     seed: FloatArray | None = None,
     options: IKOptions | None = None,
+    swivel: float | None = None,
 ) -> IKSolutions:
     """Find every q that brings a frame to a target.
 
@@ -43,23 +55,33 @@ def all_solutions(
         task: The task space.
         seed: Reference for turns, free joints and the order; default mid-range.
         options: For the search.
+        swivel: Swivel angle that is wished, rad, of an arm with a spherical shoulder and wrist;
+            None: several are shown.
 
     Returns:
         The solutions, also those beyond the limits where they are not searched.
 
     Raises:
         UnknownFrame: The robot has no such frame.
+        InvalidOption: The arm has no swivel angle.
     """
     name = robot.tip_frame if frame is None else frame
     options = options or IKOptions()
     found = exact_solutions(
-        robot, target, frame=name, task=task, seed=seed, tolerance=options.tolerance
+        robot, target, frame=name, task=task, seed=seed, tolerance=options.tolerance, swivel=swivel
     )
     if found is not None:
         return found
-    return _ordered(
-        search(robot, chain_of(robot, name), target, name, task, _start(robot, seed), options)
+    chain, start = chain_of(robot, name), _start(robot, seed)
+    if parameter_of(chain, task) is None:
+        return _ordered(search(robot, chain, target, name, task, start, options))
+    own = solve_ik(
+        robot, target, frame=name, task=task, seed=start, options=options.within(OWN_SECONDS)
     )
+    known = own.q if own.status is IKStatus.CONVERGED else None
+    found = curve_solutions(robot, target, frame=name, task=task, seed=seed, known=known)
+    assert found is not None
+    return found
 
 
 def exact_solutions(
@@ -70,6 +92,7 @@ def exact_solutions(
     task: Task = POSE,
     seed: FloatArray | None = None,
     tolerance: Tolerance | None = None,
+    swivel: float | None = None,
 ) -> IKSolutions | None:
     """Find every q that brings a frame to a target, without search.
 
@@ -80,6 +103,7 @@ def exact_solutions(
         task: The task space.
         seed: Reference for turns, free joints and the order; default mid-range.
         tolerance: For solutions that touch a limit.
+        swivel: As of :func:`all_solutions`.
 
     Returns:
         The solutions, also those beyond the limits; None where the arm has neither a closed form
@@ -87,10 +111,13 @@ def exact_solutions(
 
     Raises:
         UnknownFrame: The robot has no such frame.
+        InvalidOption: The arm has no swivel angle.
     """
     chain = chain_of(robot, robot.tip_frame if frame is None else frame)
     start, tolerance = _start(robot, seed), tolerance or Tolerance()
-    found = _closed_form(robot, chain, target, task, start, tolerance)
+    if swivel is not None:
+        _check_swivel(chain, task, swivel)
+    found = _closed_form(robot, chain, target, task, start, tolerance, swivel)
     if found is None:
         found = _algebraic(robot, chain, target, task, start, tolerance)
     return None if found is None else _ordered(found)
@@ -99,6 +126,79 @@ def exact_solutions(
 def _start(robot: Robot, seed: FloatArray | None) -> FloatArray:
     bounds = JointBounds.of(robot)
     return bounds.inside(bounds.middle() if seed is None else seed)
+
+
+def _check_swivel(chain: Chain, task: Task, swivel: float) -> None:
+    form = closed_form_of(chain.mechanism)
+    if form is None or form.kind != "srs" or task.name not in form.tasks:
+        raise InvalidOption(
+            say(
+                "swivel is the angle of an arm of seven joints with a spherical shoulder and wrist,"
+                " for task pose, which this is not; leave it out, and give a seed instead"
+            ),
+            argument="swivel",
+            value=swivel,
+        )
+
+
+def curve_solutions(
+    robot: Robot,
+    target: FloatArray,
+    *,
+    frame: str | None = None,
+    task: Task = POSE,
+    seed: FloatArray | None = None,
+    known: FloatArray | None = None,
+) -> IKSolutions | None:
+    """Return solutions on the self-motions of an arm with one joint more than the task has rows.
+
+    Args:
+        robot: The robot.
+        target: Pose of the frame in the base frame's axes, 4x4.
+        frame: Frame name; default the tip.
+        task: The task space.
+        seed: As of :func:`all_solutions`.
+        known: A solution that is known, shape (dof,).
+
+    Returns:
+        None where the arm is another.
+
+    Raises:
+        UnknownFrame: The robot has no such frame.
+    """
+    chain = chain_of(robot, robot.tip_frame if frame is None else frame)
+    start = _start(robot, seed)
+    point = None if known is None else known[chain.columns]
+    family = joint_family(robot, chain, task, target, start, point)
+    if family is None:
+        return None
+    collected: list[IKSolution] = []
+    for one in family.representatives:
+        _add(robot, collected, _shown(robot, chain, target, task, one))
+    found = IKSolutions(
+        "algebraic", False, family.description, start, tuple(collected), family.motion
+    )
+    return _ordered(found)
+
+
+def _shown(
+    robot: Robot, chain: Chain, target: FloatArray, task: Task, one: Representative
+) -> IKSolution:
+    errors = task_errors(chain, target, task, one.q[chain.columns])
+    return IKSolution(
+        one.q, one.posture, within_limits(robot, one.q), *errors, one.free, one.swivel
+    )
+
+
+def _add(robot: Robot, collected: list[IKSolution], one: IKSolution) -> None:
+    """Add a solution that is not among those of its branch yet."""
+    if not any(
+        other.posture == one.posture
+        and apart(robot, one.q, other.q) < IDENTICAL
+        and other.within_limits >= one.within_limits
+        for other in collected
+    ):
+        collected.append(one)
 
 
 def _ordered(found: IKSolutions) -> IKSolutions:
@@ -117,6 +217,7 @@ def _closed_form(
     task: Task,
     start: FloatArray,
     tolerance: Tolerance,
+    wished: float | None,
 ) -> IKSolutions | None:
     if chain.is_coupled and chain.inverse is None:
         return None
@@ -129,7 +230,7 @@ def _closed_form(
     given = chain.values(start[chain.columns])
     if redundant:
         own = swivel_of(form, given)
-        swivels = own + np.arange(SWIVELS) * (TURN / SWIVELS)
+        swivels = own + np.arange(SWIVELS) * (TURN / SWIVELS) if wished is None else (wished,)
     names = chain.names
     collected: list[IKSolution] = []
     for swivel in swivels:
@@ -155,11 +256,31 @@ def _closed_form(
             ):
                 collected.append(one)
     description = form.description
+    family: Family | None = None
     if redundant:
-        description += say(
-            "; a one-parameter family, shown at {swivels} swivel angles", swivels=SWIVELS
+        if not chain.is_coupled:
+            family = swivel_family(robot, chain, form, task, target, start, wished)
+            for shown in family.representatives:
+                _add(robot, collected, _shown(robot, chain, target, task, shown))
+        description += _where(wished, family)
+    motion = None if family is None else family.motion
+    return IKSolutions("closed_form", not redundant, description, start, tuple(collected), motion)
+
+
+def _where(wished: float | None, family: Family | None) -> str:
+    """Say at which swivel angles a family of solutions is shown."""
+    if wished is not None:
+        return say(
+            "; a one-parameter family, shown at the swivel angle and, where limits forbid it, at"
+            " the nearest they allow"
         )
-    return IKSolutions("closed_form", not redundant, description, start, tuple(collected))
+    if family is None:
+        return say("; a one-parameter family, shown at {swivels} swivel angles", swivels=SWIVELS)
+    return say(
+        "; a one-parameter family, shown at {swivels} swivel angles, and of each interval within"
+        " the limits at its ends, its middle, and nearest to the seed",
+        swivels=SWIVELS,
+    )
 
 
 def _algebraic(

@@ -15,6 +15,7 @@ from kinematics.deadline import checked
 from kinematics.inverse.api import solve_ik
 from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.result import IKOptions, IKStatus, Tolerance
+from kinematics.inverse.self_motion.result import SelfMotion
 from kinematics.inverse.solutions import IKSolution, IKSolutions
 from kinematics.inverse.starts import starts
 from kinematics.inverse.windings import apart, turned
@@ -64,11 +65,15 @@ def search(
     once = replace(options, max_restarts=0, tolerance=tight)
     collected: list[IKSolution] = []
     families = False
-    for number in checked(range(SEARCH_STARTS), 1):
-        q = start.copy()
-        if number:
+    dimension = 0
+    own = solve_ik(robot, target, frame=frame, task=task, seed=start, options=options)
+    for number in checked(range(-1, SEARCH_STARTS), 1):
+        q = own.q if number < 0 else start.copy()
+        if number > 0:
             q[chain.columns] = lowest + (offset + number * ratio) % 1.0 * span
         result = solve_ik(robot, target, frame=frame, task=task, seed=q, options=once)
+        if number < 0 and result.status is not IKStatus.CONVERGED:
+            result = own
         if result.status is not IKStatus.CONVERGED:
             continue
         answer = turned(robot, result.q, start, chain)
@@ -77,6 +82,7 @@ def search(
         answer[chain.columns[idle]] = start[chain.columns[idle]]
         sigma = np.linalg.svd(J[:, ~idle], compute_uv=False)
         families = families or int(np.count_nonzero(~idle)) > len(task.rows)
+        dimension = max(dimension, J.shape[1] - int(np.count_nonzero(sigma > FREE)))
         near = DOUBLE if sigma.min(initial=np.inf) <= DOUBLE * sigma.max(initial=0.0) else SAME
         if any(apart(robot, answer, other.q) < near for other in collected):
             continue
@@ -91,4 +97,5 @@ def search(
         description += say(
             "; the arm has more joints than the task needs: each is one of infinitely many"
         )
-    return IKSolutions("search", False, description, start, tuple(collected))
+    motion = SelfMotion(dimension, None, False, 0, ()) if dimension > 1 else None
+    return IKSolutions("search", False, description, start, tuple(collected), motion)

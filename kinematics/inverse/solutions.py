@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from kinematics.inverse.self_motion.result import SelfMotion
 from kinematics.jacobian import jacobian
 from robots.robot import FloatArray, Robot
 
@@ -57,6 +58,8 @@ class IKSolutions:
         description: What was recognised of the arm, or what was done.
         seed: The q that ``free`` joints and turns refer to; shape (dof,).
         solutions: Closest to the seed first, those within the limits before the others.
+        self_motion: Of an arm with more joints than the task needs, the sets of solutions that
+            these stand for; None where there is nothing to say of them.
     """
 
     method: Literal["closed_form", "algebraic", "search"]
@@ -64,6 +67,7 @@ class IKSolutions:
     description: str
     seed: FloatArray
     solutions: tuple[IKSolution, ...]
+    self_motion: SelfMotion | None = None
 
 
 def choose(robot: Robot, found: IKSolutions, frame: str, choice: Choice) -> IKSolution | None:

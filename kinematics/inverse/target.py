@@ -186,7 +186,7 @@ def _matrices(targets: Targets) -> FloatArray:
             index=tuple(index),
         )
     try:
-        poses = rigid_transforms(_regular(given))
+        poses = rigid_transforms(_regular(given), printed=True)
     except ValueError:
         # One of them, or their shape: looked at one by one for the place and the reason.
         return np.array([_matrix(targets, k, one) for k, one in enumerate(given)])
@@ -194,6 +194,17 @@ def _matrices(targets: Targets) -> FloatArray:
         k = int(np.flatnonzero(~(np.abs(poses[:, :3, 3]) <= MAX_VALUE).all(axis=1))[0])
         _matrix(targets, k, poses[k])
     return poses
+
+
+def mended(matrices: Sequence[Sequence[Sequence[float]]] | FloatArray, poses: FloatArray) -> float:
+    """Return how far rotations of target matrices were from those that were taken, the largest.
+
+    Args:
+        matrices: As they were given, shape (n, 4, 4).
+        poses: What :func:`target_poses` made of them.
+    """
+    given = np.asarray(matrices, dtype=np.float64)
+    return float(np.abs(given[:, :3, :3] - poses[:, :3, :3]).max(initial=0.0))
 
 
 def _regular(matrices: Sequence[Sequence[Sequence[float]]] | FloatArray) -> FloatArray:
@@ -205,7 +216,7 @@ def _regular(matrices: Sequence[Sequence[Sequence[float]]] | FloatArray) -> Floa
 
 def _matrix(targets: Targets, k: int, given: Sequence[Sequence[float]] | FloatArray) -> FloatArray:
     try:
-        matrix = rigid_transform(given)
+        matrix = rigid_transform(given, printed=True)
     except ValueError as error:
         raise targets.refusal(k, say("target.matrix {error}", error=error), "matrix") from None
     _check_values(targets, k, "matrix", matrix[:3, 3])

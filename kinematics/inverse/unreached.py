@@ -11,6 +11,7 @@ from kinematics.chain import Chain, chain_of
 from kinematics.inverse.all_solutions import exact_solutions
 from kinematics.inverse.api import solve_ik
 from kinematics.inverse.closed_form.geometry import axis_lines
+from kinematics.inverse.forbidden import Forbidden, Forbids, branches_beyond, least_misses
 from kinematics.inverse.orientations import orientation_gap
 from kinematics.inverse.result import IKOptions, IKStatus
 from kinematics.inverse.solutions import IKSolutions
@@ -30,10 +31,12 @@ class Reasons:
     Attributes:
         sentences: Each proved, or measured.
         proven: Whether they prove, whatever the limits, that no q comes within the tolerance.
+        forbidden: What forbids the target; None where it is within reach.
     """
 
     sentences: tuple[str, ...]
     proven: bool
+    forbidden: Forbidden | None = None
 
 
 def why_unreached(
@@ -66,25 +69,73 @@ def why_unreached(
         return Reasons((), False)
     far = _too_far(chain, target, task, options.tolerance.position)
     if far is not None:
-        return Reasons((far,), True)
+        away, sentence = far
+        return Reasons((sentence,), True, Forbidden(Forbids.POSITION, True, position_miss=away))
     tilted = _wrong_orientation(chain, target, task, options.tolerance.orientation)
     if tilted is not None:
-        return Reasons((tilted, *_position_alone(robot, target, name, task, seed, options)), True)
+        gap, sentence = tilted
+        alone = _position_alone(robot, target, name, task, seed, options)
+        by = Forbidden(Forbids.ORIENTATION, True, orientation_miss=gap)
+        return Reasons((sentence, *alone), True, by)
     if found is None:
         found = exact_solutions(
             robot, target, frame=frame, task=task, seed=seed, tolerance=options.tolerance
         )
-    if found is None or not found.complete:
-        return Reasons(_position_alone(robot, target, name, task, seed, options), False)
+    proved = found is not None and _is_proof(found)
+    if found is None or not (proved or found.solutions):
+        alone = _position_alone(robot, target, name, task, seed, options)
+        return Reasons(alone, False, _missed(robot, target, name, task, seed, options, False))
     if any(one.within_limits for one in found.solutions):
         return Reasons((), False)
     if found.solutions:
-        return Reasons((_beyond(robot, found),), False)
+        by = Forbidden(Forbids.LIMITS, proved, branches=branches_beyond(robot, found))
+        if not proved:
+            alone = _position_alone(robot, target, name, task, seed, options)
+            return Reasons((_beyond(robot, found, all_known=False), *alone), False, by)
+        return Reasons((_beyond(robot, found),), False, by)
     none = say(
         "no joint values reach the target to 1e-9 m and rad, whatever their limits ({description})",
         description=found.description,
     )
-    return Reasons((none, *_position_alone(robot, target, name, task, seed, options)), False)
+    alone = _position_alone(robot, target, name, task, seed, options)
+    return Reasons((none, *alone), False, _missed(robot, target, name, task, seed, options, True))
+
+
+def _is_proof(found: IKSolutions) -> bool:
+    """Return whether there are no other solutions within the limits."""
+    motion = found.self_motion
+    return found.complete or (motion is not None and motion.complete and not motion.curves)
+
+
+def _missed(
+    robot: Robot,
+    target: FloatArray,
+    frame: str,
+    task: Task,
+    seed: FloatArray | None,
+    options: IKOptions,
+    proven: bool,
+) -> Forbidden | None:
+    """Return whether position or orientation forbids a target, by the least misses found.
+
+    None where the search comes upon a q that reaches the target.
+    """
+    alone = _positions(task) if task.positions else task
+    options = options.within(POSITION_SECONDS)
+    best = solve_ik(robot, target, frame=frame, task=alone, seed=seed, options=options)
+    tolerance = options.tolerance
+    position, orientation = least_misses(robot, target, frame, task, seed, tolerance, (best.q,))
+    if orientation is not None and orientation <= tolerance.orientation:
+        return None
+    if orientation is not None:
+        return Forbidden(Forbids.ORIENTATION, proven, position, orientation)
+    if not task.positions:
+        return Forbidden(Forbids.ORIENTATION, proven)
+    return Forbidden(Forbids.POSITION, proven and not task.rotations, best.position_error)
+
+
+def _positions(task: Task) -> Task:
+    return task_from([int(row in task.positions) for row in range(6)])
 
 
 def beyond_limits(robot: Robot, q: FloatArray) -> tuple[str, ...]:
@@ -93,12 +144,14 @@ def beyond_limits(robot: Robot, q: FloatArray) -> tuple[str, ...]:
     return tuple(robot.joints[k].name for k in np.flatnonzero(outside))
 
 
-def _too_far(chain: Chain, target: FloatArray, task: Task, tolerance: float) -> str | None:
+def _too_far(
+    chain: Chain, target: FloatArray, task: Task, tolerance: float
+) -> tuple[float, str] | None:
     rows = list(task.positions)
     away = float(np.linalg.norm((target[:3, 3] - chain.placements[0, [3, 7, 11]])[rows]))
     if not rows or away <= chain.reach * (1.0 + 1e-9) + tolerance:
         return None
-    return say(
+    return away - chain.reach, say(
         "the target is {away:.6g} m from joint 1, and the arm, stretched with"
         " all its slides out, is at most {reach:.6g} m long",
         away=away,
@@ -108,7 +161,7 @@ def _too_far(chain: Chain, target: FloatArray, task: Task, tolerance: float) -> 
 
 def _wrong_orientation(
     chain: Chain, target: FloatArray, task: Task, tolerance: float
-) -> str | None:
+) -> tuple[float, str] | None:
     if task.rotations != (0, 1, 2) and not task.own_axes:
         return None
     lines = axis_lines(chain)
@@ -124,20 +177,20 @@ def _wrong_orientation(
         return None
     least = say("by {gap:.6g}° at least", gap=np.rad2deg(gap))
     if free == 0:
-        return say(
+        return gap, say(
             "this structure cannot turn the frame; the target's orientation is missed {least}",
             least=least,
         )
     if free == 1:
         axis = ", ".join(f"{x + 0.0:.6g}" for x in np.where(np.abs(axes[0]) < 1e-12, 0.0, axes[0]))
-        return say(
+        return gap, say(
             "this structure cannot bring {what}: it turns the frame about ({axis})"
             " only, and misses it {least}",
             what=what,
             axis=axis,
             least=least,
         )
-    return say(
+    return gap, say(
         "the turning axes of this structure cannot bring {what}: they miss it {least}",
         what=what,
         least=least,
@@ -155,7 +208,7 @@ def _position_alone(
     """Say whether the position alone is within reach, where the task has an orientation too."""
     if not task.positions or not task.rotations:
         return ()
-    alone = task_from([int(row in task.positions) for row in range(6)])
+    alone = _positions(task)
     found = solve_ik(
         robot, target, frame=frame, task=alone, seed=seed, options=options.within(POSITION_SECONDS)
     )
@@ -166,7 +219,7 @@ def _position_alone(
     return (say("a search did not find the position alone either, which proves nothing"),)
 
 
-def _beyond(robot: Robot, found: IKSolutions) -> str:
+def _beyond(robot: Robot, found: IKSolutions, all_known: bool = True) -> str:
     nearest = min(found.solutions, key=lambda one: _excess(robot, one.q))
     parts = []
     for k in np.flatnonzero((nearest.q < robot.lower) | (nearest.q > robot.upper))[:NAMED]:
@@ -185,6 +238,8 @@ def _beyond(robot: Robot, found: IKSolutions) -> str:
     are = (
         say("the one solution is") if count == 1 else say("all {count} solutions are", count=count)
     )
+    if not all_known:
+        are = say("of those that were found {are}", are=are)
     return say(
         "{are} beyond the limits; the nearest to them has {parts}",
         are=are,

@@ -19,6 +19,7 @@ from dh_to_urdf.extraction.comparison_result import Verdict
 from dh_to_urdf.extraction.normals import Case
 from dh_to_urdf.languages import HEADING, WORD
 from dh_to_urdf.table import JointType
+from kinematics.inverse.forbidden import Forbids
 from kinematics.inverse.result import IKStatus
 from kinematics.redundancy.judging.verdict import Reason
 from kinematics.redundancy.timing.result import RetimeStatus
@@ -33,7 +34,10 @@ CODES = {
     "": ("yes", "no", "true", "false", "(none)"),
     "status": (*IKStatus, *RetimeStatus, "exact", "damped", "rank_deficient", "ok", "warning"),
     "verdict": tuple(Verdict),
-    "reason": tuple(Reason),
+    "reason": (*Reason, "limit", "singularity", "unbounded", "unreachable", "jump"),
+    "by": tuple(Forbids),
+    "topology": ("closed", "arc"),
+    "limit": ("lower", "upper"),
     "violations": ("tracking", "limits", "clearance", "velocity", "completeness"),
     "case": tuple(Case),
     "type": tuple(JointType),

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 
 import numpy as np
 import pytest
@@ -114,11 +115,12 @@ def test_both_solutions_of_a_planar_arm(client, exercises):
     np.testing.assert_allclose(found, sorted(expected), atol=1e-6)
 
 
-def test_arms_without_a_closed_form_are_searched_and_not_called_complete(client, poses):
+def test_redundant_arms_have_curves_and_are_not_called_complete(client, poses):
     body = {"target": {"matrix": poses[0].tolist()}}
     answer = client.post("/v1/robots/panda/ik/solutions", json=body).json()
-    assert answer["method"] == "search"
+    assert answer["method"] == "algebraic"
     assert not answer["complete"]
+    assert answer["self_motion"]["dimension"] == 1
     q = [one["q"] for one in answer["solutions"]]
     assert len(q) > 3
     np.testing.assert_allclose(reached(client, q), np.repeat(poses[:1], len(q), 0), atol=1e-8)
@@ -132,3 +134,121 @@ def test_a_choice_is_a_solution(client, poses, choice):
     np.testing.assert_allclose(reached(client, answer["q"]), poses[1], atol=1e-6)
     body["choose"] = "best"
     assert client.post("/v1/robots/panda/ik", json=body).status_code == 422
+
+
+@pytest.mark.parametrize("form", ["text", "csv", "latex"])
+@pytest.mark.parametrize(("language", "word"), [("en", "self_motion"), ("fr", "mouvement interne")])
+def test_self_motions_are_told_in_every_form_and_language(client, form, language, word):
+    q = [0.3, 0.6, -0.4, 1.2, 0.5, -0.7, 0.2]
+    matrix = client.post("/v1/robots/iiwa14/fk", json={"q": q}).json()["poses"]["tool"]["matrix"]
+    answer = client.post(
+        f"/v1/robots/iiwa14/ik/solutions?format={form}",
+        json={"target": {"matrix": matrix}},
+        headers={"Accept-Language": language},
+    )
+    assert answer.status_code == 200
+    if form == "text":
+        curves = answer.text[answer.text.index(word) :]
+        matrices = re.findall(r"^ +q\s?:\n((?: +(?:-?[0-9.]+ *){7}\n)+)", curves, re.MULTILINE)
+        assert matrices
+        assert all(len(one.splitlines()) > 1 for one in matrices)
+
+
+def test_self_motions_are_told_in_the_units_of_the_request(client):
+    q = [0.3, 0.6, -0.4, 1.2, 0.5, -0.7, 0.2]
+    matrix = client.post("/v1/robots/iiwa14/fk", json={"q": q}).json()["poses"]["tool"]["matrix"]
+    body = {"target": {"matrix": matrix}}
+    rad = client.post("/v1/robots/iiwa14/ik/solutions", json=body).json()
+    deg = client.post("/v1/robots/iiwa14/ik/solutions?angle=deg", json=body).json()
+    motion = rad["self_motion"]
+    assert (motion["dimension"], motion["parameter"], motion["complete"]) == (1, "swivel", True)
+    for one, other in zip(motion["curves"], deg["self_motion"]["curves"], strict=True):
+        assert one["topology"] in ("arc", "closed")
+        for name in ("interval", "lower", "upper", "q", "parameter"):
+            np.testing.assert_allclose(np.rad2deg(one[name]), other[name], atol=1e-6)
+        assert all(end[0]["reason"] == "limit" for end in one["ends"])
+    wished = {**body, "swivel": 30}
+    near = client.post("/v1/robots/iiwa14/ik/solutions?angle=deg", json=wished).json()
+    assert {round(one["swivel"], 6) for one in near["solutions"]} >= {30.0}
+    query = {
+        "matrix": ",".join(map(repr, np.ravel(matrix).tolist())),
+        "swivel": "30",
+        "angle": "deg",
+    }
+    again = client.get("/v1/robots/iiwa14/ik/solutions", params=query).json()
+    assert len(again["solutions"]) == len(near["solutions"])
+    refused = client.post("/v1/robots/puma560/ik/solutions", json=wished)
+    assert refused.status_code == 422
+    assert refused.json()["errors"][0]["pointer"] == "/swivel"
+
+
+def test_all_windings_on_request(client):
+    body = {"target": {"position": [0.4, 0.2, 0.5], "rpy": [0.1, 0.2, 0.3]}}
+    nearest = client.post("/v1/robots/ur5/ik/solutions", json=body).json()["solutions"]
+    every = client.post("/v1/robots/ur5/ik/solutions", json={**body, "windings": "all"}).json()
+    within = sum(one["within_limits"] for one in nearest)
+    assert sum(one["within_limits"] for one in every["solutions"]) == 32 * within
+    assert every["solutions"][0] == nearest[0]
+    refused = client.post("/v1/robots/ur5/ik/solutions", json={**body, "windings": "some"})
+    assert refused.status_code == 422
+    assert refused.json()["errors"][0]["pointer"] == "/windings"
+
+
+def test_targets_on_one_branch(client):
+    start = np.array([0.2, -0.5, 0.4, 0.3, 0.7, 0.1])
+    rows = start + np.linspace(0, 1, 7)[:, None] * np.array([0.4, 0.2, -0.1, 0.3, 0.2, 0.5])
+    fk = client.post("/v1/robots/puma560/fk", json={"q": rows.tolist()}).json()
+    matrix = fk["poses"]["tool"]["matrix"]
+    body = {"targets": {"matrix": matrix}, "follow": True, "seed": start.tolist()}
+    answer = client.post("/v1/robots/puma560/ik", json=body).json()
+    assert set(answer["status"]) == {"converged"}
+    np.testing.assert_allclose(answer["q"], rows, atol=1e-5)
+    assert answer["branches"][-1]["index"] is None
+    matrix[4][0][3] += 5
+    answer = client.post("/v1/robots/puma560/ik", json=body).json()
+    assert answer["status"] == ["converged"] * 4 + ["not_converged"] * 3
+    assert max(one["index"] for one in answer["branches"]) == 4
+    assert answer["branches"][0]["index"] == 4
+    assert answer["branches"][0]["reason"] == "unreachable"
+    one = {"target": {"matrix": matrix[0]}, "follow": True}
+    refused = client.post("/v1/robots/puma560/ik", json=one)
+    assert refused.status_code == 422
+    assert refused.json()["errors"][0]["pointer"] == "/follow"
+
+
+def test_why_not_for_programs(client):
+    far = {"target": {"position": [3, 0, 0], "rpy": [0, 0, 0]}}
+    answer = client.post("/v1/robots/puma560/ik", json=far).json()
+    assert answer["forbidden"]["by"] == "position"
+    assert answer["forbidden"]["proven"]
+    assert answer["forbidden"]["position_miss"] > 1
+    q = [200, -30, 40, 20, 30, 10]
+    matrix = client.post("/v1/robots/puma560/fk?angle=deg", json={"q": q}).json()
+    limits = client.get("/v1/robots/puma560/dh").json()
+    limits["joints"][0]["limits"] = {"lower": -0.1, "upper": 0.1}
+    body = {"robot": limits, "target": {"matrix": matrix["poses"]["tool"]["matrix"]}}
+    answer = client.post("/v1/ik?angle=deg", json=body).json()
+    assert answer["forbidden"]["by"] == "limits"
+    for branch in answer["forbidden"]["branches"]:
+        for joint in branch["joints"]:
+            assert joint["excess"] == pytest.approx(abs(joint["value"] - joint["limit"]))
+
+
+@pytest.mark.parametrize(("decimals", "taken"), [(6, True), (4, True), (2, False)])
+def test_matrices_as_printed(client, decimals, taken):
+    q = [0.3, 0.6, -0.4, 1.2, 0.5, -0.7, 0.2]
+    matrix = client.post("/v1/robots/iiwa14/fk", json={"q": q}).json()["poses"]["tool"]["matrix"]
+    printed = np.round(matrix, decimals)
+    answer = client.post("/v1/robots/iiwa14/ik", json={"target": {"matrix": printed.tolist()}})
+    if not taken:
+        assert answer.status_code == 422
+        return
+    body = answer.json()
+    assert body["status"] == "converged"
+    assert "nearest rotation" in body["warnings"][0]
+    many = client.post("/v1/robots/iiwa14/ik", json={"targets": {"matrix": [printed.tolist()]}})
+    assert "nearest rotation" in many.json()["warnings"][0]
+    printed[:3, 0] *= -1
+    answer = client.post("/v1/robots/iiwa14/ik", json={"target": {"matrix": printed.tolist()}})
+    assert answer.status_code == 422
+    assert "reflection" in answer.json()["detail"]

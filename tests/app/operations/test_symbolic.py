@@ -140,8 +140,8 @@ def test_refused_queries(client, query):
 
 def test_problems_of_the_work_itself():
     assert RENDERINGS[SymbolicUnavailable].type.status == 501
-    request = Request({"type": "http", "method": "GET", "path": "/", "headers": []})
-    answer = domain_problem(request, WorkersBusy("busy", 2.5))
+    scope = {"type": "http", "method": "GET", "path": "/", "headers": [], "query_string": b""}
+    answer = domain_problem(Request(scope), WorkersBusy("busy", 2.5))
     assert answer.status_code == 503
     assert answer.headers["retry-after"] == "3"
 

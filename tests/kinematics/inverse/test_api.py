@@ -67,7 +67,7 @@ def test_all_solutions_are_solutions(name):
     robot = shipped_robot(name)
     for target in targets(robot, 5):
         found = all_solutions(robot, target)
-        assert found.method == ("search" if name == "panda" else "closed_form")
+        assert found.method == ("algebraic" if name == "panda" else "closed_form")
         assert any(one.within_limits for one in found.solutions)
         for one in found.solutions:
             reached = fk(robot, one.q)[robot.tip_frame]

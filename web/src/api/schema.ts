@@ -766,6 +766,11 @@ export interface components {
              */
             choose?: "closest" | "most_manipulable" | "farthest_from_limits" | null;
             /**
+             * @description For targets: one q each on one continuous branch, without a jump to another: the first that reaches all, nearest to the seed at the first target.
+             * @default false
+             */
+            follow?: boolean;
+            /**
              * @description For each target, milliseconds.
              * @default 1000
              */
@@ -852,6 +857,11 @@ export interface components {
              */
             choose?: "closest" | "most_manipulable" | "farthest_from_limits" | null;
             /**
+             * @description For targets: one q each on one continuous branch, without a jump to another: the first that reaches all, nearest to the seed at the first target.
+             * @default false
+             */
+            follow?: boolean;
+            /**
              * @description For each target, milliseconds.
              * @default 1000
              */
@@ -885,6 +895,17 @@ export interface components {
             tolerance?: components["schemas"]["ToleranceField"];
             /** @default 0 */
             random_seed?: number;
+            /**
+             * @description Swivel angle that is wished, of an arm with a spherical shoulder and wrist: each branch is shown there and, where limits forbid it, at the nearest swivel that they allow.
+             * @default null
+             */
+            swivel?: number | null;
+            /**
+             * @description Of joints of more than a turn: nearest (to the seed; default), or all equivalents by whole turns within the limits, at most 4096.
+             * @default nearest
+             * @enum {string}
+             */
+            windings?: "nearest" | "all";
         };
         /**
          * InlineIKSolutionsRequest
@@ -912,6 +933,17 @@ export interface components {
             tolerance?: components["schemas"]["ToleranceField"];
             /** @default 0 */
             random_seed?: number;
+            /**
+             * @description Swivel angle that is wished, of an arm with a spherical shoulder and wrist: each branch is shown there and, where limits forbid it, at the nearest swivel that they allow.
+             * @default null
+             */
+            swivel?: number | null;
+            /**
+             * @description Of joints of more than a turn: nearest (to the seed; default), or all equivalents by whole turns within the limits, at most 4096.
+             * @default nearest
+             * @enum {string}
+             */
+            windings?: "nearest" | "all";
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -2634,12 +2666,15 @@ export interface components {
          *         Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
          *         best that was found. Errors are in m and rad, in the axes of the task. ``explanation``, for one
          *         target that was not reached: what is proved of it, such as an orientation that the structure
-         *         cannot reach, or the joint that is beyond its limits.
+         *         cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs.
+         *         ``branches``, with ``follow``: those that were tried, and where and why each ends.
          */
         IKAnswer: {
+            branches?: components["schemas"]["BranchEndView"][];
             columns: string[];
             elapsed_ms: number;
             explanation?: string[];
+            forbidden?: components["schemas"]["ForbiddenView"];
             frame: string;
             iterations: number;
             joint_values?: {
@@ -2665,6 +2700,60 @@ export interface components {
             warnings: string[];
         };
         /**
+         * BranchEndView
+         * @description A branch: its q at the first target, and where and why it ends.
+         *
+         *         ``index``: the first target that it does not reach; null: it reaches all. ``reason``: the limit
+         *         of ``joint``, a singularity where branches meet, unreachable where the target is out of reach
+         *         within the limits, or jump where the straight way to it is.
+         */
+        BranchEndView: {
+            index: number | null;
+            joint?: string;
+            /** @enum {unknown} */
+            limit?: "lower" | "upper";
+            posture: string[];
+            /** @enum {unknown} */
+            reason?: "jump" | "limit" | "singularity" | "unreachable";
+            start: number[];
+        };
+        /**
+         * ForbiddenView
+         * @description What forbids a target: its position, its orientation, or the limits, and by how much.
+         *
+         *         ``position_miss``, m, and ``orientation_miss``, rad: with ``by`` position or orientation, what
+         *         is missed; proved to be missed at the least where ``proven`` and alone, else the smallest that a
+         *         search found while the other is reached. ``branches``, where limits forbid it: the solution of
+         *         each that is least beyond them.
+         */
+        ForbiddenView: {
+            branches?: components["schemas"]["BranchBeyondView"][];
+            /** @enum {unknown} */
+            by: "limits" | "orientation" | "position" | "unknown";
+            orientation_miss?: number;
+            position_miss?: number;
+            proven: boolean;
+        };
+        /**
+         * BranchBeyondView
+         * @description A solution that the limits forbid; the joints beyond them, the farthest first.
+         */
+        BranchBeyondView: {
+            joints: components["schemas"]["JointBeyondView"][];
+            posture: string[];
+            q: number[];
+        };
+        /**
+         * JointBeyondView
+         * @description A joint beyond its limit, in the units of the answer.
+         */
+        JointBeyondView: {
+            excess: number;
+            joint: string;
+            limit: number;
+            value: number;
+        };
+        /**
          * ToleranceView
          * @description Largest accepted errors, m and rad.
          */
@@ -2680,16 +2769,20 @@ export interface components {
          *         that a singular branch leaves free; they have the seed's value. ``multiplicity``, where it is
          *         above 1: how many solutions meet there, as two do where an arm is stretched. ``beyond_limits``,
          *         where there are some, names the joints beyond their limits. ``explanation``, where no solution
-         *         is within the limits: why, as far as it is proved.
+         *         is within the limits: why, as far as it is proved; ``forbidden``: the same for programs.
+         *         ``self_motion``, of an arm with more joints than the task needs: the curves of solutions that
+         *         these are on.
          */
         IKSolutionsAnswer: {
             columns: string[];
             complete: boolean;
             description: string;
             explanation?: string[];
+            forbidden?: components["schemas"]["ForbiddenView"];
             frame: string;
             method: string;
             seed: number[];
+            self_motion?: components["schemas"]["SelfMotionView"];
             solutions: components["schemas"]["IKSolutionView"][];
             task: string;
             /** @description Units of the answer: {"angle": …, "length": "m"}. */
@@ -2697,6 +2790,52 @@ export interface components {
                 [key: string]: string;
             };
             warnings: string[];
+        };
+        /**
+         * SelfMotionView
+         * @description The set of all solutions of an arm with more joints than the task needs.
+         *
+         *         ``dimension`` of the set; 1: curves, each followed to its ends. ``parameter``: ``swivel``, or
+         *         the joint that they are told by. ``complete``: mathematics knows no other curves.
+         *         ``without_limits``: number of curves without regard to limits.
+         */
+        SelfMotionView: {
+            complete: boolean;
+            curves: components["schemas"]["SelfMotionCurveView"][];
+            dimension: number;
+            parameter: string | null;
+            without_limits: number;
+        };
+        /**
+         * SelfMotionCurveView
+         * @description A curve of q within the limits; ``lower`` and ``upper``: the range of each joint along it.
+         *
+         *         ``parameter``: the swivel angle or the joint at each of its ``q``, of which an arc's first and
+         *         last are its ends. ``ends``, of an arc: why it ends at its first and at its last q. ``turns``,
+         *         of a closed curve: whole turns that each joint makes around it.
+         */
+        SelfMotionCurveView: {
+            ends: components["schemas"]["CurveEndView"][][];
+            interval: number[];
+            lower: number[];
+            parameter: number[];
+            posture: string[];
+            q: number[][];
+            /** @enum {unknown} */
+            topology: "arc" | "closed";
+            turns?: number[];
+            upper: number[];
+        };
+        /**
+         * CurveEndView
+         * @description Why a curve ends: a limit of a joint, a singularity, or never (unbounded).
+         */
+        CurveEndView: {
+            joint?: string;
+            /** @enum {unknown} */
+            limit?: "lower" | "upper";
+            /** @enum {unknown} */
+            reason: "limit" | "singularity" | "unbounded";
         };
         /**
          * IKSolutionView
@@ -3387,12 +3526,15 @@ export interface components {
          *         Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
          *         best that was found. Errors are in m and rad, in the axes of the task. ``explanation``, for one
          *         target that was not reached: what is proved of it, such as an orientation that the structure
-         *         cannot reach, or the joint that is beyond its limits.
+         *         cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs.
+         *         ``branches``, with ``follow``: those that were tried, and where and why each ends.
          */
         IKAnswerBatch: {
+            branches?: components["schemas"]["BranchEndView"][];
             columns: string[];
             elapsed_ms: number[];
             explanation?: string[];
+            forbidden?: components["schemas"]["ForbiddenView"];
             frame: string;
             iterations: number[];
             joint_values?: {
