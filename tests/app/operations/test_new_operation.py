@@ -147,17 +147,8 @@ def test_it_is_documented_with_its_example(client):
     stored = document["paths"]["/v1/robots/{robot_id}/reach"]
     assert "/v1/reach" in document["paths"]
     names = [one["name"] for one in stored["get"]["parameters"]]
-    assert names == [
-        "robot_id",
-        "q",
-        "frame",
-        "task",
-        "factor",
-        "angle",
-        "lang",
-        "format",
-        "digits",
-    ]
+    assert names[:6] == ["robot_id", "q", "frame", "task", "factor", "angle"]
+    assert names[6:] == ["format", "lang", "digits"]
     schemas = {"components": document["components"]}
     content = stored["post"]["requestBody"]["content"]["application/json"]
     jsonschema.validate(content["example"], {**content["schema"], **schemas})
