@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinematics.chain import Chain
 from kinematics.inverse.damped_step import TURN
@@ -13,6 +14,12 @@ from robots.robot import FloatArray, Robot
 
 TOUCH = 1e-6
 """Largest excess of a limit that may be rounding, rad or m: measured before it counts as met."""
+
+
+def on_circle(difference: FloatArray, is_revolute: NDArray[np.bool_]) -> FloatArray:
+    """Return differences of joint values, (…, K), those of angles in [-pi, pi]."""
+    turns = np.round(difference / TURN) * TURN
+    return np.asarray(np.where(is_revolute, difference - turns, difference))
 
 
 def turned(robot: Robot, q: FloatArray, reference: FloatArray, chain: Chain) -> FloatArray:

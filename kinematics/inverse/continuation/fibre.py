@@ -13,6 +13,7 @@ from kinematics.deadline import checkpoint
 from kinematics.inverse.continuation.closure import LEAST_PIVOT, SquareSystem
 from kinematics.inverse.continuation.complex_chain import Way
 from kinematics.inverse.continuation.following import ARRIVED, follow, pose_of
+from kinematics.inverse.windings import on_circle
 from robots.robot import FloatArray
 
 ComplexArray = NDArray[np.complex128]
@@ -116,11 +117,8 @@ def rotation_vector(pose: ComplexArray, other: ComplexArray) -> ComplexArray:
 def apart(system: SquareSystem, q: ComplexArray, others: ComplexArray) -> FloatArray:
     """Return the largest differences of q from others, (…, K) -> (…), angles on the circle."""
     difference = others - q
-    turns = np.round(difference.real / (2.0 * np.pi)) * (2.0 * np.pi)
-    difference = np.where(system.is_revolute, difference - turns, difference)
-    return np.asarray(
-        np.maximum(np.abs(difference.real), np.abs(difference.imag)).max(axis=-1, initial=0.0)
-    )
+    real = on_circle(difference.real, system.is_revolute)
+    return np.asarray(np.maximum(np.abs(real), np.abs(difference.imag)).max(axis=-1, initial=0.0))
 
 
 def fibre_of(system: SquareSystem, seed: int = 0) -> Fibre | None:

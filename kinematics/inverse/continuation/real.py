@@ -24,6 +24,7 @@ from kinematics.inverse.continuation.fibre import (
 from kinematics.inverse.continuation.following import ARRIVED, BESIDE, FAR, LOST
 from kinematics.inverse.continuation.settling import settle, task_columns
 from kinematics.inverse.task_error import task_chain
+from kinematics.inverse.windings import on_circle
 from kinematics.task import Task
 from robots.robot import FloatArray
 
@@ -203,8 +204,7 @@ def _solution(
             null = _unseen(chain, task, q)
             if null is not None:
                 free = np.abs(null).max(axis=1) > SINGULAR
-    turns = np.round(q / (2.0 * np.pi)) * (2.0 * np.pi)
-    q = np.where(chain.is_revolute, q - turns, q)
+    q = on_circle(q, chain.is_revolute)
     return RealSolution(q, 1, float(errors[0]), float(errors[1]), free, is_singular)
 
 
@@ -241,9 +241,7 @@ def _nearest(
         null = _unseen(chain, task, q)
         if null is None:
             break
-        wish = seed - q
-        turns = np.round(wish / (2.0 * np.pi)) * (2.0 * np.pi)
-        step = null @ (null.T @ np.where(chain.is_revolute, wish - turns, wish))
+        step = null @ (null.T @ on_circle(seed - q, chain.is_revolute))
         there, found = q + step * min(1.0, 0.5 / max(1e-12, float(np.abs(step).max()))), np.empty(2)
         if float(np.abs(step).max()) < SAME or not settle(constants, target, there, found):
             break
@@ -254,9 +252,7 @@ def _nearest(
 def _put(chain: Chain, found: list[RealSolution], one: RealSolution) -> None:
     """Add a solution, or count it where it is known already."""
     for k, other in enumerate(found):
-        difference = one.q - other.q
-        turns = np.round(difference / (2.0 * np.pi)) * (2.0 * np.pi)
-        difference = np.where(chain.is_revolute, difference - turns, difference)
+        difference = on_circle(one.q - other.q, chain.is_revolute)
         radius = DOUBLE if one.is_singular or other.is_singular else SAME
         if float(np.abs(difference).max()) < radius:
             better = min(one, other, key=lambda x: x.position_error + x.orientation_error)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robots.robot import FloatArray
 
@@ -58,9 +57,3 @@ class Curve:
     def _inside(self, u: float) -> FloatArray:
         node = round(u)
         return self.q[node].copy() if u == node else self.between(u)
-
-
-def on_circle(difference: FloatArray, is_revolute: NDArray[np.bool_]) -> FloatArray:
-    """Return differences of joint values, those of angles in [-pi, pi]."""
-    turns = np.round(difference / (2.0 * np.pi)) * (2.0 * np.pi)
-    return np.asarray(np.where(is_revolute, difference - turns, difference))

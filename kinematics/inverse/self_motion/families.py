@@ -11,13 +11,13 @@ from scipy.optimize import minimize_scalar
 from dh_to_urdf.messages import plural, say
 from kinematics.chain import Chain
 from kinematics.inverse.closed_form import ClosedForm, swivel_of
-from kinematics.inverse.self_motion.curve import Curve, Stop, on_circle
+from kinematics.inverse.self_motion.curve import Curve, Stop
 from kinematics.inverse.self_motion.parameter import parameter_of, points, slice_values
 from kinematics.inverse.self_motion.pieces import TURN, LimitMet, Limits, Piece, pieces
 from kinematics.inverse.self_motion.result import CurveEnd, SelfMotion, SelfMotionCurve
 from kinematics.inverse.self_motion.swivel_curves import SwivelCurve, swivel_curves
 from kinematics.inverse.self_motion.tracing import Motion, is_on, trace
-from kinematics.inverse.windings import turned
+from kinematics.inverse.windings import on_circle, turned
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
 

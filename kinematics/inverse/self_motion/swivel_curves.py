@@ -11,8 +11,9 @@ from kinematics.chain import Chain
 from kinematics.deadline import checkpoint
 from kinematics.inverse.closed_form import ClosedForm, solutions
 from kinematics.inverse.continuation.settling import settle
-from kinematics.inverse.self_motion.curve import Curve, Stop, on_circle
+from kinematics.inverse.self_motion.curve import Curve, Stop
 from kinematics.inverse.task_error import task_chain
+from kinematics.inverse.windings import on_circle
 from kinematics.task import Task
 from robots.robot import FloatArray
 

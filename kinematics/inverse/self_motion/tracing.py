@@ -15,8 +15,9 @@ import numpy as np
 from kinematics.chain import Chain
 from kinematics.deadline import checkpoint
 from kinematics.inverse.continuation.settling import settle, task_columns
-from kinematics.inverse.self_motion.curve import Curve, Stop, on_circle
+from kinematics.inverse.self_motion.curve import Curve, Stop
 from kinematics.inverse.task_error import TaskChain, task_chain
+from kinematics.inverse.windings import on_circle
 from kinematics.task import Task
 from robots.robot import FloatArray
 
