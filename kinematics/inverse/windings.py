@@ -80,6 +80,4 @@ def within_limits(robot: Robot, q: FloatArray) -> bool:
 
 def apart(robot: Robot, q: FloatArray, other: FloatArray) -> float:
     """Return the largest difference of two configurations, angles by the shorter way."""
-    difference = q - other
-    difference = np.where(robot.is_periodic, (difference + np.pi) % TURN - np.pi, difference)
-    return float(np.abs(difference).max())
+    return float(np.abs(on_circle(q - other, robot.is_periodic)).max())

@@ -179,12 +179,11 @@ def _faults(system: SquareSystem, q: ComplexArray, ends: NDArray[np.int64]) -> i
 
 def _may_be_real(system: SquareSystem, q: ComplexArray, end: int) -> bool:
     added = q[system.joints :]
-    turns = np.round(added.real / (2.0 * np.pi)) * (2.0 * np.pi)
+    turned = on_circle(added.real, system.is_revolute[system.joints :])
+    off = np.abs(turned + 1j * added.imag).max(initial=0.0)
     if end == BESIDE:
-        return bool((np.abs(added - turns) < 0.1).all())
-    return bool(
-        (np.abs(q.imag) < NEARLY_REAL).all() and (np.abs(added - turns) < NEARLY_REAL).all()
-    )
+        return bool(off < ROUGHLY)
+    return bool(off < NEARLY_REAL and np.abs(q.imag).max() < NEARLY_REAL)
 
 
 def _solution(
