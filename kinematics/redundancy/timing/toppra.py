@@ -256,6 +256,8 @@ def _toppra() -> Any:
     """
     # The plotting library, which is not used, warns where it cannot write its cache.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    # It logs while it is imported; later its outcome is read from the return code.
+    logging.getLogger("toppra").setLevel(logging.CRITICAL)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -272,6 +274,4 @@ def _toppra() -> Any:
             extra="retiming",
             argument="retime",
         ) from None
-    # Its outcome is read from the return code.
-    logging.getLogger("toppra").setLevel(logging.CRITICAL)
     return toppra

@@ -1,6 +1,7 @@
 """Paths in the shortest time: limits and deviations measured with Pinocchio, optima by formula."""
 
 import logging
+import subprocess
 import sys
 from dataclasses import replace
 
@@ -291,6 +292,17 @@ def test_it_is_quiet(capfd, caplog):
     captured = capfd.readouterr()
     assert captured.out == captured.err == ""
     assert not [r for r in caplog.records if r.name.startswith(("toppra", "matplotlib"))]
+
+
+def test_its_import_is_quiet():
+    # In a process of its own: elsewhere another test may have imported it.
+    code = (
+        "import logging; logging.basicConfig(level=logging.DEBUG);"
+        "from kinematics.redundancy.timing.toppra import require_toppra; require_toppra()"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not [line for line in ran.stderr.splitlines() if "toppra" in line]
+    assert ran.stdout == ""
 
 
 def test_bad_limits_are_named():
