@@ -20,9 +20,7 @@ class ReachableView(TypedDict):
 
     q: Vector
     joint_values: NotRequired[dict[str, EachNumber]]
-    given_up: list[
-        Literal["position", "direction of the tool axis", "rotation about the tool axis"]
-    ]
+    given_up: list[Literal["position", "direction_of_tool_axis", "rotation_about_tool_axis"]]
     position_error: float
     orientation_error: float
     direction_error: float

@@ -40,8 +40,8 @@ class GivenUp(StrEnum):
     """What of a target a q does not reach."""
 
     POSITION = "position"
-    DIRECTION = "direction of the tool axis"
-    ROTATION = "rotation about the tool axis"
+    DIRECTION = "direction_of_tool_axis"
+    ROTATION = "rotation_about_tool_axis"
 
 
 @dataclass(frozen=True, eq=False)

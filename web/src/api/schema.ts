@@ -2764,7 +2764,7 @@ export interface components {
          */
         ReachableView: {
             direction_error: number;
-            given_up: ("direction of the tool axis" | "position" | "rotation about the tool axis")[];
+            given_up: ("direction_of_tool_axis" | "position" | "rotation_about_tool_axis")[];
             joint_values?: {
                 [key: string]: number;
             };
@@ -3591,7 +3591,7 @@ export interface components {
          */
         ReachableViewBatch: {
             direction_error: number;
-            given_up: ("direction of the tool axis" | "position" | "rotation about the tool axis")[];
+            given_up: ("direction_of_tool_axis" | "position" | "rotation_about_tool_axis")[];
             joint_values?: {
                 [key: string]: number[];
             };
