@@ -197,16 +197,15 @@ def _shoulder(
     (h1, h2, h3), (centre, _, p3) = h, p
     goal = sub(w, centre)
     n3, c, d = _third(h3, p3, w0, slides, centre, norm(goal), size)
+    if n3 > 0 and norm(goal) <= 1e-11 * size:
+        # The point is where the axes meet, whatever joints 1 and 2 do.
+        return row(arms, 0, given[0], given[1], 0.5 * (c + d), 3)
     n = 0
     to_goal = angle_between(h1, goal)
     tilt = angle_between(h1, h2)
     for i in range(n3):
         q3 = c if i == 0 else d
         x = sub(_moved(h3, p3, w0, slides, q3), centre)
-        if norm(x) <= 1e-9 * size:
-            # The point is where the axes meet, whatever joints 1 and 2 do.
-            n = row(arms, n, given[0], given[1], q3, 3)
-            continue
         across = sub(x, scale(dot(h2, x), h2))
         if norm(across) <= 1e-12 * size:
             determined, q1 = align(h1, x, goal, size)
