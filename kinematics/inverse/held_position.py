@@ -41,8 +41,11 @@ class Held:
 
     @property
     def reach(self) -> float:
-        """Length that distances are compared with, m."""
-        return float(np.clip(self.chain.reach, 1e-3, 1e3))
+        """Length that distances are compared with, m: of the links where slides have no limits."""
+        reach = self.chain.reach
+        if not np.isfinite(reach):
+            reach = float(np.linalg.norm(self.chain.placements[1:, [3, 7, 11]], axis=1).sum())
+        return float(np.clip(reach, 1e-3, 1e3))
 
     @property
     def scale(self) -> FloatArray:
