@@ -102,7 +102,7 @@ class ShortRequests:
         records: Records,
         ids: RequestIds,
     ) -> None:
-        self._services = services
+        self.services = services
         self._computations = {
             name: (one, f"/v1/robots/{{robot_id}}/{name}")
             for name, one in computations.items()
@@ -156,14 +156,14 @@ class ShortRequests:
             body: The whole body.
         """
         request = Request(asked.scope)
-        stored = self._services.store.in_memory(asked.robot_id)
+        stored = self.services.store.in_memory(asked.robot_id)
         if stored is None:
             return None
         request_id = self._ids.of(asked.given_id)
         token = REQUEST_ID.set(request_id)
         try:
             read = body if asked.scope["method"] == "POST" else None
-            response = asked.computation.at_once(request, stored, self._services, read)
+            response = asked.computation.at_once(request, stored, self.services, read)
         except Exception:  # the ordinary way meets it again, says what is wrong, and logs it
             return None
         finally:

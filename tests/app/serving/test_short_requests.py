@@ -112,8 +112,10 @@ def test_where_traces_are_kept_all_go_the_ordinary_way(tmp_path, monkeypatch):
     assert made(data_dir=tmp_path) is None
 
 
-def test_an_error_goes_the_ordinary_way(short):
+def test_errors_and_robots_that_are_not_loaded_go_the_ordinary_way(short):
     found = short.find(scope())
+    assert short.answer(found, BODY) is None
+    short.services.store.get("puma560")
     assert short.answer(found, BODY) is not None
     assert short.answer(found, b'{"q": [0, 0]}') is None
     assert short.answer(found, b"{") is None
