@@ -27,19 +27,20 @@ def turned(robot: Robot, q: FloatArray, reference: FloatArray, chain: Chain) -> 
 
     Args:
         robot: The robot.
-        q: Shape (dof,), rad and m.
+        q: Shape (..., dof), rad and m.
         reference: Shape (dof,), rad and m.
         chain: Whose joints are turned.
     """
-    q = q.copy()
-    for column in chain.columns[chain.is_periodic]:
-        nearest = q[column] + TURN * np.round((reference[column] - q[column]) / TURN)
-        # A limit met to rounding counts as met.
-        lower, upper = robot.lower[column] - 1e-12, robot.upper[column] + 1e-12
-        candidates = [nearest, nearest - TURN, nearest + TURN]
-        fitting = [value for value in candidates if lower <= value <= upper]
-        value = min(fitting or [nearest], key=lambda v: abs(v - reference[column]))
-        q[column] = min(max(value, robot.lower[column]), robot.upper[column]) if fitting else value
+    q, columns = q.copy(), chain.columns[chain.is_periodic]
+    value, to = q[..., columns], reference[columns]
+    nearest = value + TURN * np.round((to - value) / TURN)
+    candidates = np.stack((nearest, nearest - TURN, nearest + TURN))
+    # A limit met to rounding counts as met.
+    lower, upper = robot.lower[columns], robot.upper[columns]
+    fits = (candidates >= lower - 1e-12) & (candidates <= upper + 1e-12)
+    away = np.where(fits, np.abs(candidates - to), np.inf).argmin(axis=0)
+    best = np.take_along_axis(candidates, away[None], axis=0)[0]
+    q[..., columns] = np.where(fits.any(axis=0), np.clip(best, lower, upper), nearest)
     return q
 
 

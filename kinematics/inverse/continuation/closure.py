@@ -53,12 +53,6 @@ class SquareSystem:
         numbers[[3, 7, 11]] /= self.size
         return numbers
 
-    def with_driven(self, driven: NDArray[np.int64]) -> SquareSystem:
-        """Return the system in which these joints are given and the others are sought."""
-        others = np.setdiff1d(np.arange(len(self.is_revolute)), driven)
-        closure = self.closure._replace(unknowns=others, driven=driven)
-        return SquareSystem(closure, self.size, self.joints, self.is_revolute)
-
 
 def square_system(chain: Chain, task: Task, driven: tuple[int, ...] = ()) -> SquareSystem | None:
     """Return the square system of a chain and a task.
