@@ -172,7 +172,12 @@ def _equations(chain: Chain, answer: RealSolutions) -> str:
         ": each of their {degree} complex solutions was followed to the target",
         degree=answer.degree,
     )
-    if not answer.is_complete:
+    if answer.is_doubtful:
+        description += say(
+            ", but solutions nearly meet here, and the arm has axes that are parallel or meet but"
+            " for rounding; there may be others"
+        )
+    elif not answer.is_complete:
         description += say(", but not all to the end; there may be others")
     return description
 

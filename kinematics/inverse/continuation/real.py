@@ -24,6 +24,7 @@ from kinematics.inverse.continuation.fibre import (
 from kinematics.inverse.continuation.following import ARRIVED, BESIDE, FAR, LOST
 from kinematics.inverse.continuation.meeting import DOUBLE, RealSolution, put, real_solution
 from kinematics.inverse.continuation.settling import settle, settle_all
+from kinematics.inverse.continuation.valley import Valley, valley_through
 from kinematics.inverse.elimination.solving import Elimination, elimination_of
 from kinematics.inverse.task_error import task_chain
 from kinematics.inverse.windings import on_circle
@@ -52,6 +53,7 @@ class RealSolutions:
             meet, and the conjugate of each among them.
         added: Number of joints that were added to make the equations square.
         was_followed: Whether they were followed, not found at once.
+        is_doubtful: Whether solutions nearly meet, of an arm that is special but for rounding.
     """
 
     solutions: tuple[RealSolution, ...]
@@ -59,6 +61,7 @@ class RealSolutions:
     is_complete: bool
     added: int
     was_followed: bool
+    is_doubtful: bool
 
 
 @lru_cache(maxsize=256)
@@ -131,7 +134,7 @@ def _at_once(
             on_circle(q, chain.is_revolute), errors.tolist(), strict=True
         )
     )
-    return RealSolutions(solutions, len(values), True, 0, False)
+    return RealSolutions(solutions, len(values), True, 0, False, False)
 
 
 def real_solutions(
@@ -157,22 +160,38 @@ def real_solutions(
     driven = seed.astype(np.complex128)
     driven[~chain.is_revolute] /= system.size
     q, ends, sound = _followed(fibre, system.scaled(target), driven[system.closure.driven])
-    constants = task_chain(chain, task)
+    constants, pose = task_chain(chain, task), writable(target)
     found: list[RealSolution] = []
+    valleys: list[Valley] = []
+    is_near = False
     for values, end in zip(q, ends, strict=True):
         if end in (FAR, LOST) or not _may_be_real(system, values, int(end)):
             continue
         guess = values.real[: system.joints].copy()
         guess[~chain.is_revolute] *= system.size
-        before, errors = guess.copy(), np.empty(2)
-        if not settle(constants, target, guess, errors):
-            continue
-        if end == ARRIVED and np.abs(guess - before).max() > DOUBLE * max(1.0, system.size):
-            continue
         meets = bool(end == BESIDE or (np.abs(values.imag) > REAL).any())
-        one = real_solution(chain, task, target, guess, errors, seed, meets)
-        put(chain, found, one)
-    return RealSolutions(tuple(found), fibre.degree, sound, system.added, True)
+        starts = [guess]
+        if len(guess) == system.rows and not any(
+            v.holds(guess, chain.is_revolute) for v in valleys
+        ):
+            valley = valley_through(constants, pose, guess)
+            if valley is not None:
+                valleys.append(valley)
+                starts += valley.zeros
+        is_near |= meets
+        for start in starts:
+            there, errors = start.copy(), np.empty(2)
+            if not settle(constants, pose, there, errors):
+                continue
+            if end == ARRIVED and np.abs(there - start).max() > DOUBLE * max(1.0, system.size):
+                continue
+            put(chain, found, real_solution(chain, task, target, there, errors, seed, meets))
+    # Of an arm that is special but for rounding, some solutions of a general target are so far
+    # away that they were not found; they come near where others meet.
+    doubtful = system.is_nearly_special and (is_near or bool(valleys))
+    return RealSolutions(
+        tuple(found), fibre.degree, sound and not doubtful, system.added, True, doubtful
+    )
 
 
 def _followed(

@@ -131,6 +131,19 @@ def settle_all(chain: TaskChain, target: Array, Q: Array, errors: Array, reached
 
 
 @jit
+def error_and_columns(chain: TaskChain, target: Array, q: Array, error: Array, J: Array) -> None:
+    """Compute the error of the task, shape (6,), and the columns of its Jacobian, one a row."""
+    K = len(q)
+    W = workspace(K)
+    residual(chain, target.reshape(16), q, W)
+    columns(chain, W)
+    for i in range(6):
+        error[i] = W[K + 1, i]
+        for k in range(K):
+            J[k, i] = W[k, 6 + i]
+
+
+@jit
 def task_columns(chain: TaskChain, q: Array, J: Array) -> None:
     """Compute the columns of the task Jacobian, one a row, shape (K, 6); see ``columns``."""
     K = len(q)
