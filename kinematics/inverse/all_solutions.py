@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
-
 from dh_to_urdf.messages import say
 from kinematics.chain import Chain, chain_of
 from kinematics.errors import InvalidOption
@@ -15,6 +11,7 @@ from kinematics.inverse.branches import (
     add,
     algebraic_solutions,
     closed_form_solutions,
+    ordered,
     shown,
 )
 from kinematics.inverse.closed_form import closed_form_of
@@ -26,6 +23,7 @@ from kinematics.inverse.solutions import IKSolution, IKSolutions
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray, Robot
 
+DEFAULTS = IKOptions()
 OWN_SECONDS = 0.05
 """Time for the numeric solver beside the curves of an arm."""
 
@@ -60,7 +58,7 @@ def all_solutions(
         InvalidOption: The arm has no swivel angle.
     """
     name = robot.tip_frame if frame is None else frame
-    options = options or IKOptions()
+    options = options or DEFAULTS
     found = exact_solutions(
         robot, target, frame=name, task=task, seed=seed, tolerance=options.tolerance, swivel=swivel
     )
@@ -68,7 +66,7 @@ def all_solutions(
         return found
     chain, start = chain_of(robot, name), _start(robot, seed)
     if parameter_of(chain, task) is None:
-        return _ordered(search(robot, chain, target, name, task, start, options))
+        return ordered(search(robot, chain, target, name, task, start, options))
     own = solve_ik(
         robot, target, frame=name, task=task, seed=start, options=options.within(OWN_SECONDS)
     )
@@ -108,13 +106,13 @@ def exact_solutions(
         InvalidOption: The arm has no swivel angle.
     """
     chain = chain_of(robot, robot.tip_frame if frame is None else frame)
-    start, tolerance = _start(robot, seed), tolerance or Tolerance()
+    start, tolerance = _start(robot, seed), tolerance or DEFAULTS.tolerance
     if swivel is not None:
         _check_swivel(chain, task, swivel)
     found = closed_form_solutions(robot, chain, target, task, start, tolerance, swivel)
     if found is None:
         found = algebraic_solutions(robot, chain, target, task, start, tolerance)
-    return None if found is None else _ordered(found)
+    return found
 
 
 def _start(robot: Robot, seed: FloatArray | None) -> FloatArray:
@@ -172,15 +170,4 @@ def curve_solutions(
     found = IKSolutions(
         "algebraic", False, family.description, start, tuple(collected), family.motion
     )
-    return _ordered(found)
-
-
-def _ordered(found: IKSolutions) -> IKSolutions:
-    """Return the solutions within the limits first, the closest to the seed first among each."""
-    if not found.solutions:
-        return found
-    away = np.array([one.q for one in found.solutions]) - found.seed
-    distances = np.sqrt(np.square(away).sum(axis=1)).tolist()
-    keys = [(not one.within_limits, d) for one, d in zip(found.solutions, distances, strict=True)]
-    order = sorted(range(len(keys)), key=keys.__getitem__)
-    return replace(found, solutions=tuple(found.solutions[k] for k in order))
+    return ordered(found)

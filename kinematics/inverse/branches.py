@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +12,26 @@ from numpy.typing import NDArray
 from dh_to_urdf.messages import say
 from kinematics.chain import Chain
 from kinematics.inverse.closed_form import closed_form_of, solutions, swivel_of
-from kinematics.inverse.continuation.real import RealSolutions, square_solutions
+from kinematics.inverse.continuation.real import (
+    RealSolutions,
+    chain_elimination,
+    square_solutions,
+)
 from kinematics.inverse.damped_step import TURN
+from kinematics.inverse.elimination.finishing import TOUCHES, WITHIN
+from kinematics.inverse.elimination.roots import ROOTS
 from kinematics.inverse.result import Tolerance
 from kinematics.inverse.self_motion.families import Family, Representative, swivel_family
 from kinematics.inverse.solutions import IKSolution, IKSolutions
-from kinematics.inverse.windings import apart, on_limits, task_errors, turned, within_limits
+from kinematics.inverse.task_error import task_chain
+from kinematics.inverse.windings import (
+    TOUCH,
+    apart,
+    on_limits,
+    task_errors,
+    turned,
+    within_limits,
+)
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
 
@@ -100,7 +116,9 @@ def closed_form_solutions(
                 add(robot, collected, shown(robot, chain, target, task, one_shown))
         description += _where(wished, family)
     motion = None if family is None else family.motion
-    return IKSolutions("closed_form", not redundant, description, start, tuple(collected), motion)
+    return ordered(
+        IKSolutions("closed_form", not redundant, description, start, tuple(collected), motion)
+    )
 
 
 def _where(wished: float | None, family: Family | None) -> str:
@@ -135,6 +153,10 @@ def algebraic_solutions(
     if chain.is_coupled and chain.inverse is None:
         return None
     mechanism = chain.mechanism
+    if not chain.is_coupled:
+        at_once = _at_once(robot, chain, target, task, start, tolerance)
+        if at_once is not None:
+            return at_once
     given = chain.values(start[chain.columns])
     answer = square_solutions(mechanism, task, target, given)
     if answer is None:
@@ -155,19 +177,71 @@ def algebraic_solutions(
         )
         for found, (q, errors, within, _) in zip(answer.solutions, rows, strict=True)
     )
-    return IKSolutions("algebraic", answer.is_complete, _equations(chain, answer), start, collected)
+    description = _equations(chain, answer)
+    return ordered(IKSolutions("algebraic", answer.is_complete, description, start, collected))
+
+
+def _at_once(
+    robot: Robot,
+    chain: Chain,
+    target: FloatArray,
+    task: Task,
+    start: FloatArray,
+    tolerance: Tolerance,
+) -> IKSolutions | None:
+    """Return all solutions where elimination finds them, in order; else None."""
+    elimination = chain_elimination(chain, task)
+    if elimination is None:
+        return None
+    constants = task_chain(chain, task)
+    limits = np.stack((chain.lower, chain.upper))
+    found = elimination.real(constants, target, start[chain.columns], limits, TOUCH)
+    if found is None:
+        return None
+    collected = []
+    touched = False
+    for values, (position, orientation, state, _) in zip(found[0], found[1], strict=True):
+        q, on = values, None
+        if robot.dof > chain.length:
+            q = start.copy()
+            q[chain.columns] = values
+        if state == TOUCHES:
+            on = on_limits(robot, chain, target, task, q, tolerance)
+        if on is None:
+            collected.append(IKSolution(q, (), state == WITHIN, position, orientation))
+        else:
+            touched = True
+            collected.append(IKSolution(on[0], (), within_limits(robot, on[0]), *on[1]))
+    answer = IKSolutions("algebraic", True, _found(chain.length), start, tuple(collected))
+    return ordered(answer) if touched else answer
+
+
+def ordered(found: IKSolutions) -> IKSolutions:
+    """Return the solutions within the limits first, the closest to the seed first among each."""
+    if not found.solutions:
+        return found
+    away = np.array([one.q for one in found.solutions]) - found.seed
+    distances = np.sqrt(np.square(away).sum(axis=1)).tolist()
+    keys = [(not one.within_limits, d) for one, d in zip(found.solutions, distances, strict=True)]
+    order = sorted(range(len(keys)), key=keys.__getitem__)
+    return replace(found, solutions=tuple(found.solutions[k] for k in order))
+
+
+@lru_cache
+def _found(length: int) -> str:
+    """Say that all solutions were found at once."""
+    return say("the polynomial equations of {length} joints", length=length) + say(
+        ": all {degree} complex solutions of the target were found, and checked", degree=ROOTS
+    )
 
 
 def _equations(chain: Chain, answer: RealSolutions) -> str:
     """Say how the solutions were found."""
+    if not answer.was_followed:
+        return _found(chain.length)
     description = say("the polynomial equations of {length} joints", length=chain.length)
     if answer.added:
         description += say(" and {added} more that a solution leaves at 0", added=answer.added)
-    if not answer.was_followed:
-        return description + say(
-            ": all {degree} complex solutions of the target were found, and checked",
-            degree=answer.degree,
-        )
     description += say(
         ": each of their {degree} complex solutions was followed to the target",
         degree=answer.degree,

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from kinematics.chain import Chain
 from kinematics.inverse.damped_step import TURN
+from kinematics.inverse.elimination.finishing import turned_all
 from kinematics.inverse.result import Tolerance
 from kinematics.inverse.task_error import residual, task_chain, workspace
 from kinematics.task import Task
@@ -31,17 +32,11 @@ def turned(robot: Robot, q: FloatArray, reference: FloatArray, chain: Chain) -> 
         reference: Shape (dof,), rad and m.
         chain: Whose joints are turned.
     """
-    q, columns = q.copy(), chain.columns[chain.is_periodic]
-    value, to = q[..., columns], reference[columns]
-    nearest = value + TURN * np.round((to - value) / TURN)
-    candidates = np.stack((nearest, nearest - TURN, nearest + TURN))
-    # A limit met to rounding counts as met.
-    lower, upper = robot.lower[columns], robot.upper[columns]
-    fits = (candidates >= lower - 1e-12) & (candidates <= upper + 1e-12)
-    away = np.where(fits, np.abs(candidates - to), np.inf).argmin(axis=0)
-    best = np.take_along_axis(candidates, away[None], axis=0)[0]
-    q[..., columns] = np.where(fits.any(axis=0), np.clip(best, lower, upper), nearest)
-    return q
+    rows = np.array(q, dtype=np.float64, ndmin=2)
+    turns = np.zeros(rows.shape[1])
+    turns[chain.columns[chain.is_periodic]] = 1.0
+    turned_all(rows, reference, np.stack((robot.lower, robot.upper)), turns)
+    return rows.reshape(q.shape)
 
 
 def on_limits(

@@ -11,8 +11,10 @@ from scipy.linalg.lapack import dgeev
 from kinematics.inverse.continuation.closure import SquareSystem
 from kinematics.inverse.continuation.following import pose_of
 from kinematics.inverse.elimination.eliminating import eigenproblem
+from kinematics.inverse.elimination.finishing import finish
 from kinematics.inverse.elimination.resultant import Resultant, resultants_of
 from kinematics.inverse.elimination.roots import ROOTS, roots
+from kinematics.inverse.task_error import TaskChain
 from robots.robot import FloatArray
 
 ComplexArray = NDArray[np.complex128]
@@ -53,6 +55,28 @@ class Elimination:
             if found is not None:
                 return found
         return None
+
+    def real(
+        self,
+        chain: TaskChain,
+        target: FloatArray,
+        reference: FloatArray,
+        limits: FloatArray,
+        touch: float,
+    ) -> tuple[FloatArray, list[list[float]]] | None:
+        """Return the real solutions of a target in order; see :func:`finishing.finish`.
+
+        Returns:
+            Joint values, shape (n, 6), and n times errors, state and distance; None as of
+            :meth:`solutions`.
+        """
+        Q = self.solutions(target)
+        if Q is None:
+            return None
+        q, measured = np.empty((ROOTS, 6)), np.empty((ROOTS, 4))
+        pose = np.array(target, dtype=np.float64)
+        count = finish(chain, pose, Q, reference, limits, touch, q, measured)
+        return None if count < 0 else (q[:count], measured[:count].tolist())
 
 
 def elimination_of(system: SquareSystem) -> Elimination | None:
