@@ -31,6 +31,7 @@ class Tally:
         complete: Our answers that say they are complete.
         wrong: Those of them to which the other program adds a solution.
         times: Seconds of the processor of each call.
+        general: Whether a target was random.
         faults: Target and what is wrong with it.
     """
 
@@ -40,6 +41,7 @@ class Tally:
     complete: int = 0
     wrong: int = 0
     times: dict[str, list[float]] = field(default_factory=lambda: {one: [] for one in PROGRAMS})
+    general: list[bool] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
 
 
@@ -72,7 +74,7 @@ of ours beside which the other found more. Both in one process, in turns; times 
 those of the processor.
 
 | arm | limits | targets | solutions | missing: ours | ssik | false: ours | ssik | complete \
-| wrong | ours, median, p90 ms | ssik, median, p90 ms | ours / ssik |
+| wrong | ours, median, p90 ms | ssik, median, p90 ms | ours / ssik: all, random, special |
 | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"""
 
 
@@ -82,7 +84,10 @@ def row(name: str, limits: str, count: int, tally: Tally) -> str:
     cells = [name.removesuffix("_ik"), limits, count, tally.solutions]
     cells += [*tally.missing.values(), *tally.false.values(), tally.complete, tally.wrong]
     cells += [f"{np.median(ms):.2f}, {np.quantile(ms, 0.9):.2f}" for ms in (ours, theirs)]
-    return f"| {' | '.join(map(str, cells))} | {np.median(ours / theirs):.2f} |"
+    ratios, general = ours / theirs, np.array(tally.general)
+    parts = [ratios, ratios[general], ratios[~general]]
+    cells += [", ".join(f"{np.median(part):.2f}" for part in parts if len(part))]
+    return f"| {' | '.join(map(str, cells))} |"
 
 
 def measured(arm: Arm, count: int, seed: int) -> Tally:
@@ -107,6 +112,7 @@ def measured(arm: Arm, count: int, seed: int) -> Tally:
             continue
         for program in PROGRAMS:
             tally.times[program].append(times[program])
+        tally.general.append(kind == "random")
         tally.complete += complete
         _judge(arm, tally, (number, kind, q), answers, complete)
     return tally

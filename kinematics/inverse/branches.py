@@ -282,12 +282,12 @@ def _in_q(
         values if chain.inverse is None else (values - chain.offset) @ chain.inverse.T
     )
     q = turned(robot, q, start, chain)
-    within: list[bool] = ((q >= robot.lower) & (q <= robot.upper)).all(axis=1).tolist()
+    inside = ((q >= robot.lower) & (q <= robot.upper)).all(axis=1)
     rows: list[Row] = []
-    for one, errors, inside in zip(q, measured.tolist(), within, strict=True):
-        on = None if inside else on_limits(robot, chain, target, task, one, tolerance)
+    for one, errors, within in zip(q, measured.tolist(), inside.tolist(), strict=True):
+        on = None if within else on_limits(robot, chain, target, task, one, tolerance)
         if on is None:
-            rows.append((one, (errors[0], errors[1]), inside, False))
+            rows.append((one, (errors[0], errors[1]), within, False))
         else:
             rows.append((*on, within_limits(robot, on[0]), True))
     return rows

@@ -20,13 +20,13 @@ WITHIN, TOUCHES, BEYOND = 0, 1, 2
 @inner
 def nearest(value: float, reference: float, lower: float, upper: float) -> float:
     """Return the turn of an angle that is nearest to a reference within the limits, if any is."""
-    middle = value + TURN * np.round((reference - value) / TURN)
+    middle = value + TURN * float(np.round((reference - value) / TURN))
     best, away = middle, np.inf
     for turn in range(3):
         candidate = middle if turn == 0 else (middle - TURN if turn == 1 else middle + TURN)
         if lower - MET <= candidate <= upper + MET and abs(candidate - reference) < away:
             best, away = candidate, abs(candidate - reference)
-    return min(max(best, lower), upper) if away < np.inf else middle
+    return float(min(max(best, lower), upper)) if away < np.inf else float(middle)
 
 
 @jit
