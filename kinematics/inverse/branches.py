@@ -282,7 +282,7 @@ def _in_q(
         values if chain.inverse is None else (values - chain.offset) @ chain.inverse.T
     )
     q = turned(robot, q, start, chain)
-    inside = ((q >= robot.lower) & (q <= robot.upper)).all(axis=1)
+    inside = np.asarray(((q >= robot.lower) & (q <= robot.upper)).all(axis=1))
     rows: list[Row] = []
     for one, errors, within in zip(q, measured.tolist(), inside.tolist(), strict=True):
         on = None if within else on_limits(robot, chain, target, task, one, tolerance)
