@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 from dh_to_urdf.messages import say
 from kinematics.chain import Chain, chain_of
 from kinematics.errors import InvalidOption
@@ -116,8 +118,16 @@ def exact_solutions(
 
 
 def _start(robot: Robot, seed: FloatArray | None) -> FloatArray:
-    bounds = JointBounds.of(robot)
-    return bounds.inside(bounds.middle() if seed is None else seed)
+    if seed is not None:
+        return JointBounds.of(robot).inside(seed)
+    middle = _MIDDLES.get(robot)
+    if middle is None:
+        bounds = JointBounds.of(robot)
+        middle = _MIDDLES[robot] = bounds.inside(bounds.middle())
+    return middle.copy()
+
+
+_MIDDLES: WeakKeyDictionary[Robot, FloatArray] = WeakKeyDictionary()
 
 
 def _check_swivel(chain: Chain, task: Task, swivel: float) -> None:

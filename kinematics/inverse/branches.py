@@ -23,7 +23,7 @@ from kinematics.inverse.elimination.roots import ROOTS
 from kinematics.inverse.result import Tolerance
 from kinematics.inverse.self_motion.families import Family, Representative, swivel_family
 from kinematics.inverse.solutions import IKSolution, IKSolutions
-from kinematics.inverse.task_error import task_chain
+from kinematics.inverse.task_error import TaskChain, task_chain
 from kinematics.inverse.windings import (
     TOUCH,
     apart,
@@ -193,16 +193,16 @@ def _at_once(
     elimination = chain_elimination(chain, task)
     if elimination is None:
         return None
-    constants = task_chain(chain, task)
-    limits = np.stack((chain.lower, chain.upper))
-    found = elimination.real(constants, target, start[chain.columns], limits, TOUCH)
+    constants, limits, whole = _constants(chain, task, robot.dof)
+    reference = start if whole else start[chain.columns]
+    found = elimination.real(constants, target, reference, limits, TOUCH)
     if found is None:
         return None
     collected = []
     touched = False
     for values, (position, orientation, state, _) in zip(found[0], found[1], strict=True):
         q, on = values, None
-        if robot.dof > chain.length:
+        if not whole:
             q = start.copy()
             q[chain.columns] = values
         if state == TOUCHES:
@@ -214,6 +214,13 @@ def _at_once(
             collected.append(IKSolution(on[0], (), within_limits(robot, on[0]), *on[1]))
     answer = IKSolutions("algebraic", True, _found(chain.length), start, tuple(collected))
     return ordered(answer) if touched else answer
+
+
+@lru_cache(maxsize=256)
+def _constants(chain: Chain, task: Task, dof: int) -> tuple[TaskChain, FloatArray, bool]:
+    """Return what finishing knows of an arm, and whether its joints are all of q, in order."""
+    whole = np.array_equal(chain.columns, np.arange(dof))
+    return task_chain(chain, task), np.stack((chain.lower, chain.upper)), whole
 
 
 def ordered(found: IKSolutions) -> IKSolutions:
