@@ -18,6 +18,8 @@ from robots.robot import FloatArray
 
 RESULTS = Path(__file__).parents[1] / "results-all-solutions.md"
 PROGRAMS = ("denavit", "ssik")
+BLOCK = 20
+"""Targets of a turn."""
 
 
 @dataclass
@@ -70,8 +72,8 @@ HEAD = """\
 quarter singular (a zero of det J between two random q), a quarter of joint values that are \
 multiples of 45°. True is what reaches the target by Rodrigues' formula, whoever found it; missing \
 what is true, more than 1e-6 rad inside the limits, and not in an answer; wrong a `complete: true` \
-of ours beside which the other found more. Both in one process, in turns; times are \
-those of the processor.
+of ours beside which the other found more. Both in one process, a block of targets in turn \
+each; times are those of the processor.
 
 | arm | limits | targets | solutions | missing: ours | ssik | false: ours | ssik | complete \
 | wrong | ours, median, p90 ms | ssik, median, p90 ms | ours / ssik: all, random, special |
@@ -91,31 +93,37 @@ def row(name: str, limits: str, count: int, tally: Tally) -> str:
 
 
 def measured(arm: Arm, count: int, seed: int) -> Tally:
-    """Give both programs the targets of an arm."""
+    """Give both programs the targets of an arm, a block in turn each, so that caches are warm."""
     tally = Tally()
-    for number, (kind, q) in enumerate([("warm-up", np.zeros(6)), *targets(arm, count, seed)]):
-        target = arm.pose(q)
-        answers: dict[str, list[FloatArray]] = {}
-        times, complete = {}, False
-        for program in PROGRAMS[:: 1 if number % 2 else -1]:
-            started = time.thread_time()
-            if program == "ssik":
-                found = arm.module.solve(target)
-                times[program] = time.thread_time() - started
-                answers[program] = [np.asarray(one.q) for one in found]
-            else:
-                mine = all_solutions(arm.robot, target)
-                times[program] = time.thread_time() - started
-                answers[program] = [one.q for one in mine.solutions if one.within_limits]
-                complete = mine.complete
-        if number == 0:
-            continue
-        for program in PROGRAMS:
-            tally.times[program].append(times[program])
-        tally.general.append(kind == "random")
-        tally.complete += complete
-        _judge(arm, tally, (number, kind, q), answers, complete)
+    made = targets(arm, count, seed)
+    for number in range(0, count, BLOCK):
+        block = made[number : number + BLOCK]
+        poses = [arm.pose(q) for _, q in block]
+        answers: dict[str, list[list[FloatArray]]] = {one: [] for one in PROGRAMS}
+        complete: list[bool] = []
+        for program in PROGRAMS[:: 1 if number // BLOCK % 2 else -1]:
+            _solved(arm, program, arm.pose(np.zeros(6)))
+            for pose in poses:
+                started = time.thread_time()
+                found, told = _solved(arm, program, pose)
+                tally.times[program].append(time.thread_time() - started)
+                answers[program].append(found)
+                if program == "denavit":
+                    complete.append(told)
+        tally.complete += sum(complete)
+        for k, (kind, q) in enumerate(block):
+            tally.general.append(kind == "random")
+            theirs = {one: answers[one][k] for one in PROGRAMS}
+            _judge(arm, tally, (number + k, kind, q), theirs, complete[k])
     return tally
+
+
+def _solved(arm: Arm, program: str, pose: FloatArray) -> tuple[list[FloatArray], bool]:
+    """Return the solutions within the limits, and whether they are said to be all."""
+    if program == "ssik":
+        return [np.asarray(one.q) for one in arm.module.solve(pose)], False
+    mine = all_solutions(arm.robot, pose)
+    return [one.q for one in mine.solutions if one.within_limits], mine.complete
 
 
 def _judge(
