@@ -1,0 +1,343 @@
+"""Builds a derivation: names what is found, defines cosines when they are needed, solves types.
+
+The types are those of Paul's method (Paul, *Robot Manipulators*, 1981, ch. 3; numbered as in
+Khalil and Dombre, *Modeling, Identification and Control of Robots*, table 4.1).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from dh_to_urdf.messages import say
+from kinematics.symbolic.angles import Angle as JointAngle
+from kinematics.symbolic.arrange import expanded, folded, shortest_form
+from kinematics.symbolic.expressions import Sum, symbols
+from kinematics.symbolic.inverse_model.arm import constant
+from kinematics.symbolic.inverse_model.statements import (
+    Angle,
+    Branch,
+    Equation,
+    Let,
+    Posture,
+    Remark,
+    Root,
+    Roots,
+    Statement,
+    Step,
+    Towards,
+    Trig,
+    Upwards,
+)
+from kinematics.symbolic.names import ROOTS, Kind, Names
+from kinematics.symbolic.polynomial import ONE, ZERO, Polynomial
+from kinematics.symbolic.steps import Rotation, Vector
+from kinematics.symbolic.trigonometry import shortest
+
+AXES = "xyz"
+
+
+class InverseNames(Names):
+    """Symbols of an inverse model: besides lengths and cosines, the target and what is found."""
+
+    def __init__(self, dof: int, symbolic: bool, chosen: Mapping[str, str], *, rounded: bool):
+        super().__init__(dof, symbolic, chosen, rounded=rounded)
+        self.found: dict[str, int] = {}
+
+    def fresh(self, name: str) -> str:
+        """Enter a symbol, under another name where a length has this one."""
+        while name in self.lengths or name in self.found:
+            name += "_"
+        self.found[name] = len(self.found)
+        return name
+
+    def kind(self, name: str) -> Kind:
+        """Return the kind of a symbol."""
+        return Kind.VARIABLE if name in self.found else super().kind(name)
+
+    def order(self, name: str) -> tuple[int, tuple[int, ...], str]:
+        """Return the sort key of a factor: what was found stands after cosines."""
+        if name in self.found:
+            return len(Kind), (self.found[name],), name
+        return super().order(name)
+
+
+class Builder:
+    """Steps so far.
+
+    Attributes:
+        names: The symbols.
+        steps: The steps; statements go to the last.
+        khalil: Whether a slide is called r.
+    """
+
+    def __init__(self, names: InverseNames, *, khalil: bool = False) -> None:
+        self.names = names
+        self.steps: list[Step] = []
+        self.khalil = khalil
+        self._defined: set[str] = set()
+        self._thetas: dict[int, str] = {}
+        self._slides: dict[int, str] = {}
+
+    def step(self, title: str) -> None:
+        """Begin a step."""
+        self.steps.append(Step(title))
+
+    def remark(self, text: str) -> None:
+        """Say something."""
+        self.steps[-1].statements.append(Remark(text))
+
+    def equation(self, left: Polynomial, right: Polynomial) -> None:
+        """Show an equation."""
+        self.steps[-1].statements.append(Equation(self.sum(left), self.sum(right)))
+
+    def sum(self, p: Polynomial) -> Sum:
+        """Return the shortest form of a polynomial."""
+        return shortest_form(shortest(p, self.names), self.names)
+
+    def constant(self, p: Polynomial) -> float:
+        """Return the value of a polynomial of lengths and numbers."""
+        return constant(p, self.names)
+
+    def is_constant(self, p: Polynomial) -> bool:
+        """Return whether a polynomial is one of lengths and numbers."""
+        known = self.names.lengths.keys() | self.names.numbers.keys() | ROOTS.keys()
+        return p.symbols() <= known
+
+    def sign(self, p: Polynomial) -> int:
+        """Return the sign of a polynomial of lengths and numbers."""
+        return -1 if self.constant(p) < 0 else 1
+
+    def cos_sin(self, *links: tuple[int, int]) -> tuple[Polynomial, Polynomial]:
+        """Return cosine and sine of a sum of angles, each a link's number and a factor."""
+        return self.names.cos_sin(JointAngle(tuple(sorted(links)), 0.0))
+
+    def let(self, name: str, p: Polynomial, over: Polynomial = ONE) -> Polynomial:
+        """Return a polynomial by a name of its own, or as it is where it is one term."""
+        if over == ONE and len(p) <= 1 and not isinstance(next(iter(p.terms.values()), 0), float):
+            return p
+        return self.define(name, p, over)
+
+    def define(self, name: str, p: Polynomial, over: Polynomial = ONE) -> Polynomial:
+        """Return a polynomial by a name of its own."""
+        value, below = self.sum(p), None
+        if over != ONE:
+            divided = self.sum(over)
+            below = None if divided == self.sum(ONE) else divided
+        name = self._added(name, lambda fresh: Let(fresh, value, below), value, below)
+        return Polynomial.symbol(name)
+
+    def root(
+        self, name: str, square: Polynomial, power: int, *, plain: bool = False
+    ) -> Polynomial:
+        """Return a square root that must be real; ``plain`` leaves 1 - C² as it is."""
+        value = expanded(folded(square, self.names), self.names) if plain else self.sum(square)
+        name = self._added(name, lambda fresh: Root(fresh, value, power), value)
+        return Polynomial.symbol(name)
+
+    def branch(self, sign: str, root: Polynomial | None = None) -> Polynomial:
+        """Go on with both signs."""
+        over = "" if root is None else next(iter(root.symbols()))
+        sign = self._added(sign, lambda fresh: Branch(fresh, over))
+        return Polynomial.symbol(sign)
+
+    def roots(self, link: int, coefficients: Iterable[Polynomial]) -> Polynomial:
+        """Go on with each angle at which a trigonometric polynomial is 0; return its number."""
+        values = tuple(self.sum(p) for p in coefficients)
+        rank = self.names.fresh(f"n{link}")
+        self._thetas[link] = self._added(
+            f"theta{link}", lambda fresh: Roots(fresh, values, rank), *values
+        )
+        return Polynomial.symbol(rank)
+
+    def angle(
+        self,
+        link: int,
+        *parts: tuple[Polynomial, Polynomial, Polynomial],
+        power: int,
+        free: bool = True,
+    ) -> None:
+        """Find an angle from parts ``sign * atan2(y, x)``, given as (sign, y, x)."""
+        towards = tuple(
+            Towards(self.sum(y), self.sum(x), None if sign == ONE else self.sum(sign))
+            for sign, y, x in parts
+        )
+        used = [one for part in towards for one in (part.y, part.x, part.sign)]
+        self._thetas[link] = self._added(
+            f"theta{link}",
+            lambda fresh: Angle(fresh, towards, power, link if free else None),
+            *used,
+        )
+
+    def sum_of_angles(self, link: int, p: Polynomial) -> None:
+        """Find an angle as a sum of others."""
+        value = self.sum(p)
+        name = self._added(f"theta{link}", lambda fresh: Let(fresh, value), value)
+        self._thetas[link] = name
+
+    def theta(self, link: int) -> Polynomial:
+        """Return an angle that was found."""
+        return Polynomial.symbol(self._thetas[link])
+
+    def upwards(self, name: str, values: Iterable[Polynomial]) -> Polynomial:
+        """Return the sign of the first of some numbers that is not 0."""
+        found = tuple(self.sum(p) for p in values)
+        found = tuple(one for one in found if one.terms)
+        name = self._added(name, lambda fresh: Upwards(fresh, found), *found)
+        return Polynomial.symbol(name)
+
+    def posture(
+        self, choice: int, names: tuple[str, ...], rule: Polynomial, *, is_rank: bool = False
+    ) -> None:
+        """Name a posture."""
+        value = self.sum(rule)
+        self._added("", lambda _: Posture(choice, names, value, is_rank), value)
+
+    def slide(self, link: int, p: Polynomial) -> Polynomial:
+        """Find a slide."""
+        value, name = self.sum(p), self.slide_name(link)
+        self._require(value)
+        self.steps[-1].statements.append(Let(name, value))
+        return Polynomial.symbol(name)
+
+    def slide_name(self, link: int) -> str:
+        """Return the name of a slide: d3, in Khalil's convention r3."""
+        if link not in self._slides:
+            self._slides[link] = self.names.fresh(f"{'r' if self.khalil else 'd'}{link}")
+        return self._slides[link]
+
+    def sine_cosine(
+        self,
+        link: int,
+        x: Polynomial,
+        y: Polynomial,
+        z: Polynomial,
+        power: int,
+        orient: Polynomial,
+        sign: str,
+    ) -> Polynomial:
+        """Solve ``x sin θ + y cos θ = z``, type 2, with both signs; return the sign.
+
+        Of the solutions, ``x cos θ - y sin θ`` has the sign ``-orient * sign``.
+
+        Args:
+            link: Whose angle it is.
+            x: Factor of the sine.
+            y: Factor of the cosine.
+            z: Right-hand side.
+            power: Power of a length that the three are.
+            orient: 1 or -1, or a sign that was found.
+            sign: Name for the sign.
+        """
+        C, S = (f"{letter}{link}" for letter in "CS")
+        alone = (not x and self.is_constant(y)) or (not y and self.is_constant(x))
+        if alone:
+            turned, over = (C, y) if not x else (S, x)
+            self.remark(
+                say("one function of the angle alone: both signs of the other one")
+            )
+            known = self._define_trig(turned, z, over)
+            w = self.root(f"w{link}", ONE - known * known, 0, plain=True)
+            e = self.branch(sign, w)
+            factor = orient.scaled(self.sign(over) * (1 if not x else -1))
+            other = self._define_trig(S if not x else C, factor * e * w, ONE)
+            sine, cosine = (other, known) if not x else (known, other)
+            self.angle(link, (ONE, sine, cosine), power=0, free=False)
+            return e
+        x, y, z = (self.let(f"{a}{link}", p) for a, p in zip(AXES, (x, y, z), strict=True))
+        w = self.root(f"w{link}", x * x + y * y - z * z, 2 * power)
+        e = self.branch(sign, w)
+        self.angle(link, (ONE, x, y), (orient * e, w, z), power=power)
+        return e
+
+    def _define_trig(self, name: str, p: Polynomial, over: Polynomial) -> Polynomial:
+        """Return C3 or S3 itself as what is found; its angle follows."""
+        label = name[1:]
+        cosine, _ = self.cos_sin((int(label), 1))
+        del cosine  # enters the label
+        value, below = self.sum(p), None if over == ONE else self.sum(over)
+        self._require(value, below)
+        self.steps[-1].statements.append(Let(name, value, below))
+        self._defined.add(name)
+        return Polynomial.symbol(name)
+
+    def two_equations(
+        self,
+        link: int,
+        factors: tuple[Polynomial, Polynomial],
+        values: tuple[Polynomial, Polynomial],
+        power: int,
+    ) -> None:
+        """Solve ``k1 C - k2 S = v1, k1 S + k2 C = v2``, type 3: one solution."""
+        (k1, k2), (v1, v2) = factors, values
+        self.angle(link, (ONE, k1 * v2 - k2 * v1, k1 * v1 + k2 * v2), power=power)
+
+    def _added(self, name: str, make: object, *used: Sum | None) -> str:
+        self._require(*used)
+        fresh = self.names.fresh(name) if name else ""
+        self.steps[-1].statements.append(make(fresh))  # type: ignore[operator]
+        return fresh
+
+    def _require(self, *used: Sum | None) -> None:
+        """Define the cosines and sines that expressions use, from angles that are known."""
+        names = set().union(*(symbols(one) for one in used if one is not None))
+        turning = [n for n in names if self.names.kind(n) is Kind.TRIGONOMETRIC]
+        missing = {name[1:] for name in turning if name not in self._defined}
+        for label in sorted(missing, key=lambda one: self.names.order(f"C{one}")):
+            angle = self.names.angles[label]
+            terms = tuple((self._thetas[link], n) for link, n in angle.multiples)
+            statement: Statement = Trig(label, terms, angle.constant)
+            self.steps[-1].statements.append(statement)
+            self._defined |= {f"C{label}", f"S{label}"}
+
+
+def vector(x: Polynomial, y: Polynomial, z: Polynomial) -> Vector:
+    """Return a vector."""
+    return x, y, z
+
+
+def turned_back(c: Polynomial, s: Polynomial, v: Vector) -> Vector:
+    """Return ``Rz(-θ) v``."""
+    return (c * v[0] + s * v[1], c * v[1] - s * v[0], v[2])
+
+
+def about_z(c: Polynomial, s: Polynomial, v: Vector) -> Vector:
+    """Return ``Rz(θ) v``."""
+    return (c * v[0] - s * v[1], s * v[0] + c * v[1], v[2])
+
+
+def about_x(c: Polynomial, s: Polynomial, v: Vector) -> Vector:
+    """Return ``Rx(α) v``."""
+    return (v[0], c * v[1] - s * v[2], s * v[1] + c * v[2])
+
+
+def twist(names: Names, alpha: float) -> tuple[Polynomial, Polynomial]:
+    """Return cosine and sine of a twist."""
+    return names.cos_sin(JointAngle((), alpha))
+
+
+def transposed(R: Rotation, v: Vector) -> Vector:
+    """Return ``Rᵀ v``, of the columns of R."""
+    x, y, z = (a[0] * v[0] + a[1] * v[1] + a[2] * v[2] for a in R)
+    return x, y, z
+
+
+def flat(alpha: float) -> int:
+    """Return cos α of a twist that is 0 or π; 0 of any other."""
+    if abs(math.sin(alpha)) > 1e-12:
+        return 0
+    return 1 if math.cos(alpha) > 0 else -1
+
+
+__all__ = [
+    "ZERO",
+    "Builder",
+    "InverseNames",
+    "about_x",
+    "about_z",
+    "flat",
+    "transposed",
+    "turned_back",
+    "twist",
+    "vector",
+]

@@ -1,0 +1,362 @@
+"""From a table to its inverse model, or to the reason why there is none in closed form."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+
+from dh_to_urdf.messages import chained, plural, say
+from dh_to_urdf.table import Convention, DHTable
+from kinematics.symbolic.inverse_model.all_parallel import all_parallel
+from kinematics.symbolic.inverse_model.arm import (
+    LENGTH,
+    Arm,
+    FixedBetween,
+    arm_of,
+    constant,
+    coordinates,
+    pose_of,
+)
+from kinematics.symbolic.inverse_model.builder import Builder, InverseNames, flat
+from kinematics.symbolic.inverse_model.first_three import (
+    FRONT,
+    REACH,
+    SENSE,
+    column,
+    elbow,
+    shoulder,
+    telescope,
+)
+from kinematics.symbolic.inverse_model.parallel_axes import SIDES, TURNS, parallel_axes
+from kinematics.symbolic.inverse_model.plane_arm import ELBOW
+from kinematics.symbolic.inverse_model.statements import Coordinate, Derivation
+from kinematics.symbolic.inverse_model.target import (
+    Target,
+    named_rotation,
+    say_taken_off,
+    target_of,
+    turned,
+    without_base_and_tool,
+)
+from kinematics.symbolic.inverse_model.wrist import FLIP, wrist
+from kinematics.symbolic.parameters import unusual_angles
+from kinematics.symbolic.polynomial import Polynomial
+from kinematics.symbolic.request import SymbolicRequest
+from kinematics.symbolic.steps import Vector
+
+MAX_UNUSUAL = 2
+FirstThree = Callable[[Builder, Arm, Vector, Polynomial], None]
+
+
+class NoClosedForm(ValueError):
+    """There is no inverse model in closed form; the text says why."""
+
+
+def derive(table: DHTable, request: SymbolicRequest) -> Derivation:
+    """Return the inverse model of a table.
+
+    Args:
+        table: The table.
+        request: Names of lengths, base and frame.
+
+    Raises:
+        NoClosedForm: There is none.
+    """
+    names = InverseNames(
+        table.dof,
+        request.parameters == "symbolic",
+        dict(request.symbols),
+        rounded=unusual_angles(table) > MAX_UNUSUAL,
+    )
+    try:
+        arm = arm_of(table, names, request.base, request.frame)
+    except FixedBetween:
+        raise NoClosedForm(
+            say(
+                "a fixed row between two joints turns and shifts at once: write the table without"
+                " it, as POST /v1/urdf-to-dh or /v1/robots/{{id}}/dh?convention=modified gives it"
+            )
+        ) from None
+    builder = Builder(names, khalil=table.convention is Convention.KHALIL)
+    back = _back(table, arm)
+    target = target_of(builder)
+    kind, description, postures, most = _solved(builder, arm, target)
+    return _derivation(
+        table, request, builder, arm, target, (kind, description, postures, most), back
+    )
+
+
+def _solved(
+    builder: Builder, arm: Arm, target: Target
+) -> tuple[str, str, tuple[tuple[str, ...], ...], int]:
+    links, count = arm.links, len(arm.links)
+    if not 2 <= count <= 7:
+        raise NoClosedForm(
+            plural(
+                "the frame has {count} joint before it; closed forms are known of 2 to 7",
+                "the frame has {count} joints before it; closed forms are known of 2 to 7",
+                count,
+            )
+        )
+    if all(flat(link.alpha) for link in links[:-1]):
+        return _flat(builder, arm, target)
+    if count == 6:
+        return _six(builder, arm, target)
+    raise NoClosedForm(_why(builder, arm))
+
+
+def _flat(
+    builder: Builder, arm: Arm, target: Target
+) -> tuple[str, str, tuple[tuple[str, ...], ...], int]:
+    turning = arm.types.count("R")
+    slides = len(arm.links) - turning
+    up = pose_of(arm.mount, builder.names).axes[2]
+    across = math.hypot(builder.constant(up[0]), builder.constant(up[1]))
+    if (turning, slides) not in ((2, 0), (3, 0), (3, 1)):
+        raise NoClosedForm(
+            say(
+                "all axes are parallel; a closed form is known of two or three turns, and of"
+                " three turns with one slide (SCARA)"
+            )
+        )
+    if not slides and across > 1e-8:
+        raise NoClosedForm(
+            say(
+                "the axes of this plane arm are not along z of base_link, so that x and y of the"
+                " base are no target for it"
+            )
+        )
+    all_parallel(builder, arm, target)
+    kind, text = {
+        (2, 0): ("planar_2r", say("planar 2R: two parallel axes")),
+        (3, 0): ("planar_3r", say("planar 3R: three parallel axes")),
+        (3, 1): (
+            "scara",
+            say("SCARA: three turns and a slide about and along parallel axes"),
+        ),
+    }[turning, slides]
+    return kind, text, (ELBOW,), 2
+
+
+def _six(
+    builder: Builder, arm: Arm, target: Target
+) -> tuple[str, str, tuple[tuple[str, ...], ...], int]:
+    if _meet_in_one_point(builder, arm):
+        found = _first_three(builder, arm)
+        if found is not None:
+            solve, text, choices = found
+            w = _wrist_centre(builder, arm, target)
+            R, centre = w
+            solve(builder, arm, centre, arm.links[3].slide)
+            wrist(builder, arm, 3, turned(builder, arm, 0, 3), R, 2)
+            return (
+                "spherical_wrist",
+                say("spherical wrist; {text}", text=text),
+                (*choices, FLIP),
+                8,
+            )
+    if _three_parallel(builder, arm):
+        R, centre = _wrist_centre(builder, arm, target)
+        parallel_axes(builder, arm, R, centre)
+        return (
+            "parallel_axes",
+            say("axes 2, 3 and 4 parallel, axes 5 and 6 meeting"),
+            (SIDES, ELBOW, TURNS),
+            8,
+        )
+    raise NoClosedForm(_why(builder, arm))
+
+
+def _wrist_centre(builder: Builder, arm: Arm, target: Target) -> tuple[object, Vector]:
+    builder.step(
+        say("the centre of the wrist")
+        if not _three_parallel(builder, arm)
+        else say("where axes 5 and 6 meet")
+    )
+    last = arm.links[-1].slide
+    say_taken_off(builder, arm, last)
+    R, origin = without_base_and_tool(builder, arm, target, last)
+    R = named_rotation(builder, R)
+    x, y, z = (builder.let(f"{a}w", p) for a, p in zip("xyz", origin, strict=True))
+    return R, (x, y, z)
+
+
+def _is_zero(builder: Builder, arm: Arm, p: Polynomial) -> bool:
+    return not p or abs(constant(p, builder.names)) <= LENGTH * arm.size
+
+
+def _meet_in_one_point(builder: Builder, arm: Arm) -> bool:
+    """Return whether axes 4, 5 and 6 meet in one point, and do turn."""
+    four, five, _ = arm.links[3:6]
+    return (
+        arm.types[:2] == "RR"
+        and arm.types[3:] == "RRR"
+        and not four.a
+        and not five.a
+        and _is_zero(builder, arm, five.slide)
+        and not flat(four.alpha)
+        and not flat(five.alpha)
+    )
+
+
+def _first_three(
+    builder: Builder, arm: Arm
+) -> tuple[FirstThree, str, tuple[tuple[str, ...], ...]] | None:
+    one, two, three = arm.links[:3]
+    if not three.is_revolute:
+        if one.a or flat(one.alpha) or flat(two.alpha):
+            return None
+        return telescope, say("axes 1 and 2 meet, joint 3 slides"), (FRONT, REACH)
+    on_axis_3 = not three.a and (flat(three.alpha) or _is_zero(builder, arm, arm.links[3].slide))
+    if on_axis_3:
+        return None
+    if flat(two.alpha) and not flat(one.alpha):
+        return (elbow, say("axes 2 and 3 parallel"), (FRONT, ELBOW)) if two.a else None
+    if flat(one.alpha):
+        if flat(two.alpha) or not one.a:
+            return None
+        return column, say("axes 1 and 2 parallel"), (ELBOW, SENSE)
+    if not one.a:
+        if not two.a and _is_zero(builder, arm, two.slide):
+            return None
+        return shoulder, say("axes 1 and 2 meet"), (FRONT, SENSE)
+    return None
+
+
+def _three_parallel(builder: Builder, arm: Arm) -> bool:
+    one, two, three, four, five, _ = arm.links
+    return (
+        arm.types == "RRRRRR"
+        and bool(flat(two.alpha) and flat(three.alpha))
+        and not (flat(one.alpha) or flat(four.alpha) or flat(five.alpha))
+        and bool(two.a and three.a)
+        and not five.a
+    )
+
+
+def _why(builder: Builder, arm: Arm) -> str:
+    """Say which axes would have to meet or be parallel."""
+    names = builder.names
+    if len(arm.links) != 6:
+        text = say(
+            "of {count} joints ({types}) closed forms are written for plane arms, SCARA, and six"
+            " joints with a spherical wrist or axes 2, 3 and 4 parallel",
+            count=len(arm.links),
+            types=arm.types,
+        )
+    else:
+        del names
+        text = say(
+            "axes 4, 5 and 6 do not meet in one point with axes 1 to 3 as Pieper asks, nor are"
+            " axes 2, 3 and 4 parallel with axes 5 and 6 meeting"
+        )
+    return chained("", (text, say("; ik/solutions finds all solutions by algebra or search")))
+
+
+def _back(table: DHTable, arm: Arm) -> list[tuple[dict[int, Fraction], int]]:
+    """Return each entry of q in coordinates of the links, by index, with the entry's number.
+
+    Raises:
+        NoClosedForm: The coordinates do not determine q.
+    """
+    lines = coordinates(table, arm)
+    entries = sorted({number for terms, _ in lines for number in terms})
+    size = len(lines)
+    if len(entries) != size:
+        raise NoClosedForm(
+            say(
+                "the {joints} joints before the frame are moved by {count} entries of q: closed"
+                " forms are written where each joint has its own; ask ik/solutions",
+                joints=size,
+                count=len(entries),
+            )
+        )
+    matrix = [[Fraction(terms.get(number, 0.0)).limit_denominator(10**6) for number in entries]
+              for terms, _ in lines]
+    inverse = _inverted(matrix)
+    if inverse is None:
+        raise NoClosedForm(
+            say("the couplings of the joints have no inverse; ask ik/solutions")
+        )
+    return [
+        ({k: value for k, value in enumerate(row) if value}, number)
+        for row, number in zip(inverse, entries, strict=True)
+    ]
+
+
+def _inverted(matrix: list[list[Fraction]]) -> list[list[Fraction]] | None:
+    n = len(matrix)
+    rows = [[*row, *(Fraction(int(i == k)) for k in range(n))] for i, row in enumerate(matrix)]
+    for column in range(n):
+        pivot = next((i for i in range(column, n) if rows[i][column]), None)
+        if pivot is None:
+            return None
+        rows[column], rows[pivot] = rows[pivot], rows[column]
+        rows[column] = [value / rows[column][column] for value in rows[column]]
+        for i in range(n):
+            if i != column and rows[i][column]:
+                factor = rows[i][column]
+                rows[i] = [a - factor * b for a, b in zip(rows[i], rows[column], strict=True)]
+    return [row[n:] for row in rows]
+
+
+def _derivation(
+    table: DHTable,
+    request: SymbolicRequest,
+    builder: Builder,
+    arm: Arm,
+    target: Target,
+    about: tuple[str, str, tuple[tuple[str, ...], ...], int],
+    back: list[tuple[dict[int, Fraction], int]],
+) -> Derivation:
+    kind, description, postures, most = about
+    lines = coordinates(table, arm)
+    found = []
+    for terms, number in back:
+        value, turn, is_angle = Polynomial({}), 0.0, False
+        for k, factor in terms.items():
+            link = arm.links[k]
+            plain: int | Fraction = int(factor) if factor.denominator == 1 else factor
+            constant_part = lines[k][1]
+            if link.is_revolute:
+                value += builder.theta(k + 1).scaled(plain * link.sign)
+                turn -= float(factor) * (link.sign * link.turn + constant_part)
+                is_angle = True
+            else:
+                slid = Polynomial.symbol(builder.slide_name(k + 1)) - link.slide
+                value += (slid.scaled(link.sign) - builder.names.number(constant_part)).scaled(
+                    plain
+                )
+        turn = math.remainder(turn, 2 * math.pi)
+        found.append(Coordinate(f"q{number}", builder.sum(value), turn, is_angle))
+    given = {
+        k + 1: (
+            tuple((number, link.sign * factor) for number, factor in lines[k][0].items()),
+            link.sign * lines[k][1] + link.turn,
+        )
+        for k, link in enumerate(arm.links)
+        if link.is_revolute
+    }
+    notes = []
+    if arm.rounded:
+        notes.append(
+            say("twists within 1e-8 rad of a multiple of pi/2, and tiny lengths, are taken as such")
+        )
+    return Derivation(
+        kind,
+        description,
+        request.frame,
+        request.base,
+        table.dof,
+        len(arm.links),
+        target.places,
+        dict(builder.names.lengths),
+        arm.size,
+        tuple(builder.steps),
+        tuple(found),
+        given,
+        postures,
+        most,
+        tuple(notes),
+    )

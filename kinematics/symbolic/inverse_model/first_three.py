@@ -1,0 +1,301 @@
+"""Three joints that bring the wrist centre to its place, by what their axes have in common.
+
+With ``w`` the wrist centre seen from axis 1, ``w = A1 A2 A3 c`` and ``A3 c = v``. Each function
+names the branches as ``ik/solutions`` does; see :mod:`kinematics.inverse.closed_form.classify`.
+"""
+
+from __future__ import annotations
+
+from dh_to_urdf.messages import say
+from kinematics.symbolic.inverse_model.arm import Arm
+from kinematics.symbolic.inverse_model.builder import (
+    Builder,
+    about_x,
+    about_z,
+    flat,
+    turned_back,
+    twist,
+)
+from kinematics.symbolic.inverse_model.plane_arm import plane_arm
+from kinematics.symbolic.inverse_model.target import turned, upright
+from kinematics.symbolic.polynomial import ONE, ZERO, Polynomial
+from kinematics.symbolic.steps import Vector
+
+FRONT, SENSE = ("front", "back"), ("positive", "negative")
+REACH = ("extended", "retracted")
+TWO = Polynomial.constant(2)
+
+
+def in_third(builder: Builder, arm: Arm, along: Polynomial) -> Vector:
+    """Return c: a point along axis 4 from frame 3, seen from joint 3 before it moves."""
+    link = arm.links[2]
+    c, s = twist(builder.names, link.alpha)
+    x, y, z = about_x(c, s, (link.a, ZERO, along))
+    z = z + link.slide if link.is_revolute else z
+    if link.is_revolute:
+        return x, y, z
+    ct, st = twist(builder.names, link.turn)
+    return about_z(ct, st, (x, y, z))
+
+
+def forward(builder: Builder, arm: Arm) -> int:
+    """Return the sign of the front side along the common normal of axes 1 and 2."""
+    first, second = arm.links[0], arm.links[1]
+    if first.a:
+        return builder.sign(first.a)
+    up = upright(builder, arm, _identity(), (ZERO, ZERO, ONE))[0]
+    rise = builder.constant(up) * first.sign
+    upwards = -first.sign if rise < -1e-8 else first.sign
+    _, s = twist(builder.names, first.alpha)
+    return upwards * second.sign * builder.sign(s)
+
+
+def _identity() -> tuple[Vector, Vector, Vector]:
+    return (ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE)
+
+
+def from_axis_2(
+    builder: Builder, arm: Arm, w: Vector
+) -> tuple[tuple[Polynomial, Polynomial, Polynomial], Vector]:
+    """Return factors of type 2 for the component of w along axis 2, and w turned back.
+
+    Returns:
+        x, y and the constant of ``x S1 + y C1 + constant``, and the point seen from axis 2.
+    """
+    link = arm.links[0]
+    c, s = twist(builder.names, link.alpha)
+    C1, S1 = builder.cos_sin((1, 1))
+    height = w[2] - link.slide
+    back = turned_back(C1, S1, w)
+    seen = about_x(c, -s, (back[0] - link.a, back[1], height))
+    return (s * w[0], -(s * w[1]), c * height), seen
+
+
+def shoulder_angle(
+    builder: Builder, arm: Arm, w: Vector, along: Polynomial, names: tuple[str, str], front: int
+) -> Vector:
+    """Solve joint 1 from the component along axis 2; return the point seen from axis 2.
+
+    Args:
+        builder: The derivation.
+        arm: The arm.
+        w: The point, seen from axis 1.
+        along: Its component along axis 2, of lengths alone.
+        names: Names of the posture.
+        front: Sign along the common normal of axes 1 and 2 of the first of these.
+    """
+    c, s = twist(builder.names, arm.links[0].alpha)
+    (x, y, rest), seen = from_axis_2(builder, arm, w)
+    builder.step(say("theta1: joint 1 turned back, the component along axis 2"))
+    builder.remark(
+        say("multiplied by the inverse of A1, it is constant, as the axes after it are parallel")
+        if arm.links[2].is_revolute
+        else say("multiplied by the inverse of A1, it is constant: joint 3 slides across axis 2")
+    )
+    sense = builder.sign(s)
+    unit = Polynomial.constant(sense)
+    right = s == unit
+    scale = unit if right else ONE
+    x, y, z = x * scale, y * scale, (along - rest) * scale
+    C1, S1 = builder.cos_sin((1, 1))
+    builder.equation(x * S1 + y * C1, z)
+    # x C1 - y S1 = s ξ, with ξ along the common normal: -orient e has the sign of s ξ.
+    orient = Polynomial.constant(-front * (1 if right else sense))
+    e = builder.sine_cosine(1, x, y, z, 1, orient, "e1")
+    builder.remark(
+        say("no solution where the root is not real: too near to axis 1")
+        if along
+        else say("the root is always real: two directions, half a turn apart")
+    )
+    builder.remark(say("both arguments of the first are 0 on axis 1: then theta1 is free"))
+    builder.posture(0, names, e)
+    return seen
+
+
+def elbow(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
+    """Solve axes 2 and 3 parallel."""
+    c = in_third(builder, arm, along)
+    second = arm.links[1]
+    sense = flat(second.alpha)
+    fixed = second.slide + c[2].scaled(sense)
+    seen = shoulder_angle(builder, arm, w, fixed, FRONT, forward(builder, arm))
+    builder.step(say("the wrist centre in the plane of links 2 and 3"))
+    x, y = builder.let("xs", seen[0]), builder.let("ys", seen[1])
+    normal = upright(builder, arm, turned(builder, arm, 0, 1), (-y, x, ZERO))
+    # seen from axis 2 the second link is mirrored where axis 3 points against it
+    plane_arm(
+        builder,
+        (2, 3),
+        (x, y),
+        ((second.a, ZERO), (c[0], c[1].scaled(sense))),
+        sense,
+        normal,
+        1,
+    )
+
+
+def _carried(builder: Builder, arm: Arm, v: Vector) -> Vector:
+    """Return v seen from joint 2 before it turns."""
+    link = arm.links[1]
+    c, s = twist(builder.names, link.alpha)
+    x, y, z = about_x(c, s, v)
+    return x + link.a, y, z + link.slide
+
+
+def _placed(builder: Builder, c: Vector) -> Vector:
+    C3, S3 = builder.cos_sin((3, 1))
+    return about_z(C3, S3, c)
+
+
+def _split(builder: Builder, p: Polynomial, link: int) -> tuple[Polynomial, ...]:
+    """Return factors of the sine and the cosine of a joint in a polynomial, and the rest."""
+    C, S = (next(iter(one.symbols())) for one in builder.cos_sin((link, 1)))
+    found: dict[str, list[tuple[tuple[tuple[str, int], ...], object]]] = {C: [], S: [], "": []}
+    for monomial, value in p:
+        inside = [name for name, _ in monomial if name in (C, S)]
+        rest = tuple(item for item in monomial if item[0] not in (C, S))
+        found[inside[0] if inside else ""].append((rest, value))
+    sine, cosine, fixed = (
+        Polynomial.collected(found[name])  # type: ignore[arg-type]
+        for name in (S, C, "")
+    )
+    return sine, cosine, fixed
+
+
+def _dot(v: Vector, w: Vector) -> Polynomial:
+    return v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
+
+
+def _length_of_arm(builder: Builder, arm: Arm, c: Vector) -> Polynomial:
+    """Return the square of the distance from axis 2's frame to the end, linear in joint 3."""
+    link = arm.links[1]
+    cosine, sine = twist(builder.names, link.alpha)
+    v = _placed(builder, c)
+    lever = (link.a, link.slide * sine, link.slide * cosine)  # seen from frame 2
+    return _dot(c, c) + _dot(lever, lever) + (_dot(lever, v)).scaled(2)
+
+
+def shoulder(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
+    """Solve axes 1 and 2 that meet, joint 3 turning."""
+    c = in_third(builder, arm, along)
+    height = builder.let("zs", w[2] - arm.links[0].slide)
+    builder.step(say("theta3: the distance to where axes 1 and 2 meet"))
+    builder.remark(say("squares added: theta1 and theta2 vanish, as they do not change it"))
+    sine, cosine, fixed = _split(builder, _length_of_arm(builder, arm, c), 3)
+    square = w[0] * w[0] + w[1] * w[1] + height * height
+    C3, S3 = builder.cos_sin((3, 1))
+    builder.equation(sine * S3 + cosine * C3, square - fixed)
+    orient = Polynomial.constant(arm.links[2].sign)
+    e = builder.sine_cosine(3, sine, cosine, square - fixed, 2, orient, "e3")
+    builder.remark(say("no solution where the root is not real: the target is out of reach"))
+    builder.posture(1, SENSE, e)
+    _two_turns(builder, arm, w, height, _carried(builder, arm, _placed(builder, c)))
+
+
+def telescope(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
+    """Solve axes 1 and 2 that meet, joint 3 sliding."""
+    k = in_third(builder, arm, along)
+    link = arm.links[2]
+    cosine, sine = twist(builder.names, arm.links[1].alpha)
+    if not cosine:
+        _across(builder, arm, w, k, sine)
+        return
+    height = builder.let("zs", w[2] - arm.links[0].slide)
+    second = arm.links[1]
+    lever = (second.a, second.slide * sine, second.slide * cosine)
+    middle = k[2] + lever[2]
+    fixed = _dot(k, k) + _dot(lever, lever) + _dot(lever, k).scaled(2)
+    name = builder.slide_name(3)
+    builder.step(say("{name}: the distance to where axes 1 and 2 meet", name=name))
+    builder.remark(say("squares added: theta1 and theta2 vanish, as they do not change it"))
+    square = w[0] * w[0] + w[1] * w[1] + height * height
+    under = square - fixed + middle * middle
+    builder.remark(say("a square in {name}: both roots", name=name))
+    root = builder.root("w3", under, 2)
+    e = builder.branch("e3", root)
+    found = builder.slide(3, (e * root).scaled(link.sign) - middle)
+    builder.posture(1, REACH, e)
+    _two_turns(builder, arm, w, height, _carried(builder, arm, (k[0], k[1], k[2] + found)))
+
+
+def _across(builder: Builder, arm: Arm, w: Vector, k: Vector, sine: Polynomial) -> None:
+    """Solve a slide across axis 2 (Paul's solution of the Stanford arm)."""
+    second, third = arm.links[1:3]
+    fixed = second.slide + sine * k[1]
+    front = forward(builder, arm)
+    seen = shoulder_angle(builder, arm, w, fixed, FRONT, front)
+    name = builder.slide_name(3)
+    builder.step(say("{name}: the two other components, squares added", name=name))
+    x, y = builder.let("xs", seen[0]), builder.let("ys", seen[1])
+    near = second.a + k[0]
+    root = builder.root("w3", x * x + y * y - near * near, 2)
+    e = builder.branch("e3", root)
+    found = builder.slide(3, (e * root).scaled(third.sign) - k[2])
+    builder.remark(say("no solution where the root is not real: too near to axis 2"))
+    builder.posture(1, REACH, e)
+    builder.step(say("{angle}: two equations in its sine and cosine", angle="theta2"))
+    out = (-sine) * (found + k[2])
+    out = builder.let("g2", out)
+    C2, S2 = builder.cos_sin((2, 1))
+    builder.equation(near * C2 - out * S2, x)
+    builder.equation(near * S2 + out * C2, y)
+    builder.two_equations(2, (near, out), (x, y), 2)
+    builder.remark(
+        say(
+            "both arguments are 0 where the end is on axis {axis}: then {angle} is free",
+            axis=2,
+            angle="theta2",
+        )
+    )
+
+
+def _two_turns(builder: Builder, arm: Arm, w: Vector, height: Polynomial, g: Vector) -> None:
+    """Solve joints 2 and 1 of axes that meet, where the end is known as seen from joint 2."""
+    c, s = twist(builder.names, arm.links[0].alpha)
+    builder.step(say("theta2: the height along axis 1"))
+    gx, gy, gz = (builder.let(f"{a}2", p) for a, p in zip("fgh", g, strict=True))
+    C2, S2 = builder.cos_sin((2, 1))
+    z = height - c * gz
+    builder.equation(s * (gx * S2 + gy * C2), z)
+    unit = Polynomial.constant(builder.sign(s))
+    right = s == unit
+    scaled = (gx, gy, z * unit) if right else (s * gx, s * gy, z)
+    # gx C2 - gy S2 is along the common normal's direction of axis 1 and 2: the front side.
+    front = forward(builder, arm) * (1 if right else builder.sign(s))
+    e = builder.sine_cosine(2, *scaled, 1, Polynomial.constant(-front), "e2")
+    builder.remark(say("no solution where the root is not real: the target is out of reach"))
+    builder.posture(0, FRONT, e)
+    builder.step(say("{angle}: two equations in its sine and cosine", angle="theta1"))
+    x = builder.let("f1", gx * C2 - gy * S2)
+    y = builder.let("g1", c * (gx * S2 + gy * C2) - s * gz)
+    C1, S1 = builder.cos_sin((1, 1))
+    builder.equation(x * C1 - y * S1, w[0])
+    builder.equation(x * S1 + y * C1, w[1])
+    builder.two_equations(1, (x, y), (w[0], w[1]), 2)
+    builder.remark(say("both arguments of the first are 0 on axis 1: then theta1 is free"))
+
+
+def column(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
+    """Solve axes 1 and 2 parallel, joint 3 turning across them."""
+    c = in_third(builder, arm, along)
+    first, second, third = arm.links[:3]
+    sense = flat(first.alpha)
+    cosine, sine = twist(builder.names, second.alpha)
+    builder.step(say("theta3: the height along axes 1 and 2"))
+    builder.remark(say("theta1 and theta2 vanish, as they do not change it"))
+    height = (w[2] - first.slide).scaled(sense) - second.slide - cosine * c[2]
+    C3, S3 = builder.cos_sin((3, 1))
+    x, y = sine * c[0], sine * c[1]
+    builder.equation(x * S3 + y * C3, height)
+    orient = Polynomial.constant(-first.sign * third.sign * sense)
+    e = builder.sine_cosine(3, x, y, height, 1, orient, "e3")
+    builder.remark(say("no solution where the root is not real: the target is out of reach"))
+    builder.posture(1, SENSE, e)
+    v = _placed(builder, c)
+    builder.step(say("the wrist centre in the plane across axes 1 and 2"))
+    gx = builder.let("fs", second.a + v[0])
+    gy = builder.let("gs", (cosine * v[1] - sine * c[2]).scaled(sense))
+    normal = upright(builder, arm, _identity(), (-w[1], w[0], ZERO))
+    plane_arm(
+        builder, (1, 2), (w[0], w[1]), ((first.a, ZERO), (gx, gy)), sense, normal, 0
+    )

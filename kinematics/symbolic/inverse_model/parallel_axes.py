@@ -1,0 +1,117 @@
+"""Six turning joints, axes 2, 3 and 4 parallel, axes 5 and 6 meeting (Universal Robots)."""
+
+from __future__ import annotations
+
+from dh_to_urdf.messages import say
+from kinematics.symbolic.inverse_model.arm import Arm
+from kinematics.symbolic.inverse_model.builder import Builder, flat, twist
+from kinematics.symbolic.inverse_model.first_three import shoulder_angle
+from kinematics.symbolic.inverse_model.plane_arm import plane_arm
+from kinematics.symbolic.inverse_model.target import turned, upright
+from kinematics.symbolic.polynomial import ONE, ZERO, Polynomial
+from kinematics.symbolic.steps import Rotation, Vector
+
+SIDES, TURNS = ("left", "right"), ("in", "out")
+
+
+def parallel_axes(builder: Builder, arm: Arm, R: Rotation, w: Vector) -> None:
+    """Solve all six joints.
+
+    Args:
+        builder: The derivation.
+        arm: The arm.
+        R: Rotation of the target, as named.
+        w: Where axes 5 and 6 meet, seen from axis 1.
+    """
+    one, two, three, four, five, _ = arm.links
+    b2, b3 = flat(two.alpha), flat(three.alpha)
+    b = b2 * b3
+    c4, s4 = twist(builder.names, four.alpha)
+    c5, s5 = twist(builder.names, five.alpha)
+    _, s1 = twist(builder.names, one.alpha)
+    wrist = four.slide + c4 * five.slide
+    along = two.slide + three.slide.scaled(b2) + wrist.scaled(b)
+    left = -one.sign * two.sign * builder.sign(s1)
+    seen = shoulder_angle(builder, arm, w, along, SIDES, left)
+    first = turned(builder, arm, 0, 1)
+    _fifth(builder, arm, R, first, b)
+    _sum_of_three(builder, R, first, (c4, s4, c5, s5), b)
+    C234, S234 = builder.cos_sin((SUM, 1))
+    builder.step(say("the end of link 3 in the plane of links 2 and 3"))
+    ax, ay = four.a, (s4 * five.slide).scaled(-b)
+    x = builder.let("xs", seen[0] - (ax * C234 - ay * S234))
+    y = builder.let("ys", seen[1] - (ax * S234 + ay * C234))
+    normal = upright(builder, arm, first, (-y, x, ZERO))
+    plane_arm(builder, (2, 3), (x, y), ((two.a, ZERO), (three.a, ZERO)), b2, normal, 1)
+    builder.step(say("theta4: what is left of the sum"))
+    total, second, third = (builder.theta(link) for link in (SUM, 2, 3))
+    builder.sum_of_angles(4, (total - second - third.scaled(b2)).scaled(b))
+
+
+SUM = 234
+"""Number of the sum of joints 2, 3 and 4 among the angles."""
+
+
+def _fifth(builder: Builder, arm: Arm, R: Rotation, first: Rotation, b: int) -> None:
+    """Solve joints 5 and 6 from the component of the target's axes along axis 2."""
+    _, two, _, four, five, six = arm.links
+    c4, s4 = twist(builder.names, four.alpha)
+    c5, s5 = twist(builder.names, five.alpha)
+    builder.step(say("theta5, theta6: the target's axes along axis 2, third row of R01^T R"))
+    m1, m2, m3 = (
+        builder.let(f"m3{j + 1}", sum((first[2][n] * R[j][n] for n in range(3)), ZERO))
+        for j in range(3)
+    )
+    C5, S5 = builder.cos_sin((5, 1))
+    C6, S6 = builder.cos_sin((6, 1))
+    h1, h2 = s4 * S5, s4 * C5 * c5 + c4 * s5
+    builder.equation((c4 * c5 - s4 * s5 * C5).scaled(b), m3)
+    builder.equation((h1 * C6 + h2 * S6).scaled(b), m1)
+    builder.equation((h2 * C6 - h1 * S6).scaled(b), m2)
+    senses = two.sign * five.sign * six.sign * b
+    if not c4 and not c5:
+        # in: -s4 s5 S5 senses > 0
+        root = builder.root("w5", m1 * m1 + m2 * m2, 0)
+        e = builder.branch("e5", root)
+        known = -(s4 * s5)
+        side = known.scaled(senses) * e
+        builder.angle(5, (ONE, side * root, known.scaled(b) * m3), power=0, free=False)
+        builder.angle(
+            6, (ONE, (s4 * side * m2).scaled(-b), (s4 * side * m1).scaled(b)), power=0
+        )
+    else:
+        e = builder.sine_cosine(
+            5, ZERO, -(s4 * s5), m3.scaled(b) - c4 * c5, 0, ONE.scaled(senses), "e5"
+        )
+        builder.two_equations(6, (h2, h1), (m2.scaled(b), m1.scaled(b)), 0)
+    builder.posture(2, TURNS, e)
+    builder.remark(
+        say(
+            "both arguments are 0 where axis 6 is parallel to axes 2, 3 and 4: then theta6 is"
+            " free"
+        )
+    )
+
+
+def _sum_of_three(
+    builder: Builder,
+    R: Rotation,
+    first: Rotation,
+    twists: tuple[Polynomial, Polynomial, Polynomial, Polynomial],
+    b: int,
+) -> None:
+    """Find the turn of joints 2, 3 and 4 together from the direction of axis 5."""
+    _, s4, c5, s5 = twists
+    builder.step(say("theta2, theta3 and theta4 together: the direction of axis 5"))
+    C6, S6 = builder.cos_sin((6, 1))
+    axis = [s5 * (S6 * R[0][n] + C6 * R[1][n]) + c5 * R[2][n] for n in range(3)]
+    named = [builder.let(f"a{a}", p) for a, p in zip("xyz", axis, strict=True)]
+    x, y = (
+        builder.let(name, sum((first[j][n] * named[n] for n in range(3)), ZERO))
+        for j, name in enumerate(("bx", "by"))
+    )
+    builder.remark(say("axis 5 is across axis 2 by the twist of link 4: one angle"))
+    builder.angle(
+        SUM, (ONE, (s4 * x).scaled(b), (s4 * y).scaled(-b)), power=0, free=False
+    )
+
