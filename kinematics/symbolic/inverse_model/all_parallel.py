@@ -31,7 +31,7 @@ def all_parallel(builder: Builder, arm: Arm, target: Target) -> None:
     senses, links, height, constant = _links(builder, arm)
     turning = [k for k, link in enumerate(arm.links) if link.is_revolute]
     sliding = [k for k, link in enumerate(arm.links) if not link.is_revolute]
-    builder.step(say("the target seen from axis 1"))
+    builder.step(say("The target seen from axis 1"))
     names = builder.names
     if len(turning) == 2:
         before, after = pose_of(arm.before, names), pose_of(arm.after, names)
@@ -43,18 +43,20 @@ def all_parallel(builder: Builder, arm: Arm, target: Target) -> None:
         say_taken_off(builder, arm, ZERO)
         R, point = without_base_and_tool(builder, arm, target)
         R = named_rotation(builder, R, "1")
+    if point == target.origin:
+        builder.remark(say("It is the origin of the frame itself: X, Y, Z."))
     x, y = builder.let("xp", point[0] - links[0][0]), builder.let("yp", point[1] - links[0][1])
     z = builder.let("zp", point[2])
     if len(turning) == 3:
         i, j, k = (n + 1 for n in turning)
-        builder.step(say("the sum of the turns: the direction of the x axis"))
+        builder.step(say("The sum of the turns, {angle}, from the direction of the x axis", angle="theta123"))
         c, s = builder.names.cos_sin(JointAngle((), constant))
         sine, cosine = c * R[0][1] - s * R[0][0], c * R[0][0] + s * R[0][1]
         builder.angle(SUM, (ONE, sine, cosine), power=0, free=False)
         C, S = builder.cos_sin((SUM, 1))
         last = links[3]
         if last[0] or last[1]:
-            builder.step(say("back along the last link: the end of the second"))
+            builder.step(say("Back along the last link to the end of the second"))
             x = builder.let("xs", x - (last[0] * C - last[1] * S))
             y = builder.let("ys", y - (last[0] * S + last[1] * C))
     else:
@@ -73,13 +75,13 @@ def all_parallel(builder: Builder, arm: Arm, target: Target) -> None:
         0,
     )
     if len(turning) == 3:
-        builder.step(say("theta{k}: what is left of the sum", k=k))
+        builder.step(say("{angle} from what is left of the sum", angle=f"theta{k}"))
         first, second = builder.theta(i), builder.theta(j)
         rest = builder.theta(SUM) - first.scaled(m) - second.scaled(senses[turning[1]])
         builder.sum_of_angles(k, rest.scaled(senses[turning[2]]))
     for n in sliding:
         name = builder.slide_name(n + 1)
-        builder.step(say("{name}: the height along the axes", name=name))
+        builder.step(say("{angle} from the component along the axes", angle=name))
         found = Polynomial.symbol(name)
         builder.equation(found.scaled(senses[n]) + height, z)
         builder.slide(n + 1, (z - height).scaled(senses[n]))

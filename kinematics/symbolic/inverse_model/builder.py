@@ -44,11 +44,11 @@ class InverseNames(Names):
         super().__init__(dof, symbolic, chosen, rounded=rounded)
         self.found: dict[str, int] = {}
 
-    def fresh(self, name: str) -> str:
-        """Enter a symbol, under another name where a length has this one."""
+    def fresh(self, name: str, *, is_sign: bool = False) -> str:
+        """Enter a symbol, under another name where a length has this one; signs stand first."""
         while name in self.lengths or name in self.found:
             name += "_"
-        self.found[name] = len(self.found)
+        self.found[name] = len(self.found) - (1000 if is_sign else 0)
         return name
 
     def kind(self, name: str) -> Kind:
@@ -58,7 +58,8 @@ class InverseNames(Names):
     def order(self, name: str) -> tuple[int, tuple[int, ...], str]:
         """Return the sort key of a factor: what was found stands after cosines."""
         if name in self.found:
-            return len(Kind), (self.found[name],), name
+            rank = self.found[name]
+            return (Kind.NUMBER if rank < 0 else len(Kind)), (rank,), name
         return super().order(name)
 
 
@@ -69,9 +70,13 @@ class Builder:
         names: The symbols.
         steps: The steps; statements go to the last.
         khalil: Whether a slide is called r.
+        first_matrix: What the table's convention calls the matrix of joint 1.
     """
 
-    def __init__(self, names: InverseNames, *, khalil: bool = False) -> None:
+    def __init__(
+        self, names: InverseNames, *, khalil: bool = False, first_matrix: str = "A1"
+    ) -> None:
+        self.first_matrix = first_matrix
         self.names = names
         self.steps: list[Step] = []
         self.khalil = khalil
@@ -89,11 +94,15 @@ class Builder:
 
     def equation(self, left: Polynomial, right: Polynomial) -> None:
         """Show an equation."""
-        self.steps[-1].statements.append(Equation(self.sum(left), self.sum(right)))
+        self.steps[-1].statements.append(Equation(self.plain(left), self.plain(right)))
 
     def sum(self, p: Polynomial) -> Sum:
-        """Return the shortest form of a polynomial."""
-        return shortest_form(shortest(p, self.names), self.names)
+        """Return the shortest form of a polynomial, a positive term first."""
+        return _positive_first(shortest_form(shortest(p, self.names), self.names))
+
+    def plain(self, p: Polynomial) -> Sum:
+        """Return a polynomial multiplied out, a positive term first."""
+        return _positive_first(expanded(folded(p, self.names), self.names))
 
     def constant(self, p: Polynomial) -> float:
         """Return the value of a polynomial of lengths and numbers."""
@@ -128,17 +137,24 @@ class Builder:
         return Polynomial.symbol(name)
 
     def root(
-        self, name: str, square: Polynomial, power: int, *, plain: bool = False
+        self,
+        name: str,
+        square: Polynomial,
+        power: int,
+        *,
+        plain: bool = False,
+        is_sum: bool = False,
     ) -> Polynomial:
         """Return a square root that must be real; ``plain`` leaves 1 - C² as it is."""
-        value = expanded(folded(square, self.names), self.names) if plain else self.sum(square)
-        name = self._added(name, lambda fresh: Root(fresh, value, power), value)
+        value = self.plain(square) if plain else self.sum(square)
+        name = self._added(name, lambda fresh: Root(fresh, value, power, is_sum), value)
         return Polynomial.symbol(name)
 
     def branch(self, sign: str, root: Polynomial | None = None) -> Polynomial:
         """Go on with both signs."""
         over = "" if root is None else next(iter(root.symbols()))
-        sign = self._added(sign, lambda fresh: Branch(fresh, over))
+        sign = self.names.fresh(sign, is_sign=True)
+        self.steps[-1].statements.append(Branch(sign, over))
         return Polynomial.symbol(sign)
 
     def roots(self, link: int, coefficients: Iterable[Polynomial]) -> Polynomial:
@@ -215,6 +231,9 @@ class Builder:
         power: int,
         orient: Polynomial,
         sign: str,
+        *,
+        fails: str = "",
+        free: str = "",
     ) -> Polynomial:
         """Solve ``x sin θ + y cos θ = z``, type 2, with both signs; return the sign.
 
@@ -228,15 +247,20 @@ class Builder:
             power: Power of a length that the three are.
             orient: 1 or -1, or a sign that was found.
             sign: Name for the sign.
+            fails: What it means that the root is not real.
+            free: What it means that x and y are both 0.
         """
         C, S = (f"{letter}{link}" for letter in "CS")
         alone = (not x and self.is_constant(y)) or (not y and self.is_constant(x))
         if alone:
             turned, over = (C, y) if not x else (S, x)
             self.remark(
-                say("one function of the angle alone: both signs of the other one")
+                say("The cosine alone is known: both signs of the sine.")
+                if not x
+                else say("The sine alone is known: both signs of the cosine.")
             )
             known = self._define_trig(turned, z, over)
+            self._remark(fails)
             w = self.root(f"w{link}", ONE - known * known, 0, plain=True)
             e = self.branch(sign, w)
             factor = orient.scaled(self.sign(over) * (1 if not x else -1))
@@ -244,11 +268,47 @@ class Builder:
             sine, cosine = (other, known) if not x else (known, other)
             self.angle(link, (ONE, sine, cosine), power=0, free=False)
             return e
-        x, y, z = (self.let(f"{a}{link}", p) for a, p in zip(AXES, (x, y, z), strict=True))
-        w = self.root(f"w{link}", x * x + y * y - z * z, 2 * power)
+        self._say_type_2(link, z)
+        x, y, z = (self._coefficient(f"{a}{link}", p) for a, p in zip(AXES, (x, y, z), strict=True))
+        self._remark(fails)
+        is_sum = not z
+        w = self.root(f"w{link}", x * x + y * y - z * z, 2 * power, is_sum=is_sum)
         e = self.branch(sign, w)
-        self.angle(link, (ONE, x, y), (orient * e, w, z), power=power)
+        self._remark(free)
+        if is_sum:
+            self.angle(link, (ONE, orient * e * y, -(orient * e * x)), power=power)
+        else:
+            self.angle(link, (ONE, x, y), (orient * e, w, z), power=power)
         return e
+
+    def _say_type_2(self, link: int, z: Polynomial) -> None:
+        angle = f"theta{link}"
+        if not z:
+            self.remark(
+                say("Type 2 with z = 0, x sin {angle} + y cos {angle} = 0: the ratio.", angle=angle)
+            )
+            return
+        self.remark(say("Type 2, x sin {angle} + y cos {angle} = z, solved by", angle=angle))
+        self.remark(
+            say(
+                "{angle} = atan2(x, y) +- atan2(w, z) with w the root of x*x + y*y - z*z.",
+                angle=angle,
+            )
+        )
+
+    def _remark(self, text: str) -> None:
+        if text:
+            self.remark(text)
+
+    def _coefficient(self, name: str, p: Polynomial) -> Polynomial:
+        """Return a factor by a name of its own, but for one symbol or number and 0."""
+        if not p:
+            return p
+        if len(p) == 1:
+            ((monomial, value),) = p.terms.items()
+            if abs(value) == 1 and sum(exponent for _, exponent in monomial) <= 1:
+                return p
+        return self.define(name, p)
 
     def _define_trig(self, name: str, p: Polynomial, over: Polynomial) -> Polynomial:
         """Return C3 or S3 itself as what is found; its angle follows."""
@@ -267,9 +327,12 @@ class Builder:
         factors: tuple[Polynomial, Polynomial],
         values: tuple[Polynomial, Polynomial],
         power: int,
+        free: str = "",
     ) -> None:
         """Solve ``k1 C - k2 S = v1, k1 S + k2 C = v2``, type 3: one solution."""
         (k1, k2), (v1, v2) = factors, values
+        self.remark(say("Type 3, two equations in sine and cosine: one angle."))
+        self._remark(free)
         self.angle(link, (ONE, k1 * v2 - k2 * v1, k1 * v1 + k2 * v2), power=power)
 
     def _added(self, name: str, make: object, *used: Sum | None) -> str:
@@ -289,6 +352,13 @@ class Builder:
             statement: Statement = Trig(label, terms, angle.constant)
             self.steps[-1].statements.append(statement)
             self._defined |= {f"C{label}", f"S{label}"}
+
+
+def _positive_first(value: Sum) -> Sum:
+    """Return a sum that starts with a minus sign only where every term has one."""
+    if not value.terms or value.terms[0].coefficient > 0:
+        return value
+    return Sum(tuple(sorted(value.terms, key=lambda term: term.coefficient < 0)))
 
 
 def vector(x: Polynomial, y: Polynomial, z: Polynomial) -> Vector:

@@ -9,6 +9,7 @@ from fractions import Fraction
 from dh_to_urdf.messages import chained, plural, say
 from dh_to_urdf.table import Convention, DHTable
 from kinematics.symbolic.inverse_model.all_parallel import all_parallel
+from kinematics.symbolic.expressions import symbols
 from kinematics.symbolic.inverse_model.arm import (
     LENGTH,
     Arm,
@@ -30,7 +31,12 @@ from kinematics.symbolic.inverse_model.first_three import (
 )
 from kinematics.symbolic.inverse_model.parallel_axes import SIDES, TURNS, parallel_axes
 from kinematics.symbolic.inverse_model.plane_arm import ELBOW
-from kinematics.symbolic.inverse_model.statements import Coordinate, Derivation
+from kinematics.symbolic.inverse_model.statements import (
+    Coordinate,
+    Derivation,
+    hoisted,
+    symbols_of,
+)
 from kinematics.symbolic.inverse_model.target import (
     Target,
     named_rotation,
@@ -78,7 +84,11 @@ def derive(table: DHTable, request: SymbolicRequest) -> Derivation:
                 " it, as POST /v1/urdf-to-dh or /v1/robots/{{id}}/dh?convention=modified gives it"
             )
         ) from None
-    builder = Builder(names, khalil=table.convention is Convention.KHALIL)
+    builder = Builder(
+        names,
+        khalil=table.convention is Convention.KHALIL,
+        first_matrix="A1" if table.convention is Convention.STANDARD else "0T1",
+    )
     back = _back(table, arm)
     target = target_of(builder)
     kind, description, postures, most = _solved(builder, arm, target)
@@ -169,15 +179,19 @@ def _six(
 
 
 def _wrist_centre(builder: Builder, arm: Arm, target: Target) -> tuple[object, Vector]:
-    builder.step(
-        say("the centre of the wrist")
-        if not _three_parallel(builder, arm)
-        else say("where axes 5 and 6 meet")
-    )
+    if _three_parallel(builder, arm):
+        builder.step(say("The point where axes 5 and 6 meet"))
+        count = 4
+    else:
+        builder.step(say("The centre of the wrist, where axes 4, 5 and 6 meet (Pieper)"))
+        count = 3
+    builder.remark(say("It depends on the first {count} joints alone.", count=count))
     last = arm.links[-1].slide
     say_taken_off(builder, arm, last)
     R, origin = without_base_and_tool(builder, arm, target, last)
     R = named_rotation(builder, R)
+    if origin == target.origin:
+        builder.remark(say("It is the origin of the frame itself: X, Y, Z."))
     x, y, z = (builder.let(f"{a}w", p) for a, p in zip("xyz", origin, strict=True))
     return R, (x, y, z)
 
@@ -338,6 +352,9 @@ def _derivation(
         for k, link in enumerate(arm.links)
         if link.is_revolute
     }
+    steps = tuple(hoisted(step) for step in builder.steps)
+    used = set().union(*(symbols_of(one) for step in steps for one in step.statements))
+    used = used.union(*(symbols(one.value) for one in found))
     notes = []
     if arm.rounded:
         notes.append(
@@ -351,9 +368,9 @@ def _derivation(
         table.dof,
         len(arm.links),
         target.places,
-        dict(builder.names.lengths),
+        {name: value for name, value in builder.names.lengths.items() if name in used},
         arm.size,
-        tuple(builder.steps),
+        steps,
         tuple(found),
         given,
         postures,

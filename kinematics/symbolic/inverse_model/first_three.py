@@ -16,7 +16,7 @@ from kinematics.symbolic.inverse_model.builder import (
     turned_back,
     twist,
 )
-from kinematics.symbolic.inverse_model.plane_arm import plane_arm
+from kinematics.symbolic.inverse_model.plane_arm import on_axis, out_of_reach, plane_arm
 from kinematics.symbolic.inverse_model.target import turned, upright
 from kinematics.symbolic.polynomial import ONE, ZERO, Polynomial
 from kinematics.symbolic.steps import Vector
@@ -86,11 +86,12 @@ def shoulder_angle(
     """
     c, s = twist(builder.names, arm.links[0].alpha)
     (x, y, rest), seen = from_axis_2(builder, arm, w)
-    builder.step(say("theta1: joint 1 turned back, the component along axis 2"))
+    builder.step(say("{angle} from the component along axis {axis}", angle="theta1", axis=2))
+    builder.remark(say("Multiplied by the inverse of {matrix} from the left: joint 1 turned back.", matrix=builder.first_matrix))
     builder.remark(
-        say("multiplied by the inverse of A1, it is constant, as the axes after it are parallel")
+        say("The component along axis 2 does not change with the joints parallel to it:")
         if arm.links[2].is_revolute
-        else say("multiplied by the inverse of A1, it is constant: joint 3 slides across axis 2")
+        else say("The component along axis 2 does not change, as joint 3 slides across it:")
     )
     sense = builder.sign(s)
     unit = Polynomial.constant(sense)
@@ -101,15 +102,23 @@ def shoulder_angle(
     builder.equation(x * S1 + y * C1, z)
     # x C1 - y S1 = s ξ, with ξ along the common normal: -orient e has the sign of s ξ.
     orient = Polynomial.constant(-front * (1 if right else sense))
-    e = builder.sine_cosine(1, x, y, z, 1, orient, "e1")
-    builder.remark(
-        say("no solution where the root is not real: too near to axis 1")
-        if along
-        else say("the root is always real: two directions, half a turn apart")
+    near = say("Too near to axis 1 where what is under the root is negative: no solution.")
+    free = on_axis(1)
+    e = builder.sine_cosine(
+        1, x, y, z, 1, orient, "e1", fails=near if along or not right else "", free=free
     )
-    builder.remark(say("both arguments of the first are 0 on axis 1: then theta1 is free"))
+    say_side(builder, names)
     builder.posture(0, names, e)
     return seen
+
+
+def say_side(builder: Builder, names: tuple[str, str]) -> None:
+    """Say what the names of the first choice mean."""
+    builder.remark(
+        say("Front: the wrist centre is on the forward side of axis 1.")
+        if names == FRONT
+        else say("Left: the point is on the -(z1 x z2) side of axis 1.")
+    )
 
 
 def elbow(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
@@ -119,7 +128,7 @@ def elbow(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
     sense = flat(second.alpha)
     fixed = second.slide + c[2].scaled(sense)
     seen = shoulder_angle(builder, arm, w, fixed, FRONT, forward(builder, arm))
-    builder.step(say("the wrist centre in the plane of links 2 and 3"))
+    builder.step(say("The wrist centre in the plane of links 2 and 3"))
     x, y = builder.let("xs", seen[0]), builder.let("ys", seen[1])
     normal = upright(builder, arm, turned(builder, arm, 0, 1), (-y, x, ZERO))
     # seen from axis 2 the second link is mirrored where axis 3 points against it
@@ -179,15 +188,17 @@ def shoulder(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
     """Solve axes 1 and 2 that meet, joint 3 turning."""
     c = in_third(builder, arm, along)
     height = builder.let("zs", w[2] - arm.links[0].slide)
-    builder.step(say("theta3: the distance to where axes 1 and 2 meet"))
-    builder.remark(say("squares added: theta1 and theta2 vanish, as they do not change it"))
+    builder.step(say("{angle} from the distance to where axes 1 and 2 meet", angle="theta3"))
+    builder.remark(say("Squares added, {one} and {two} vanish, as they do not change it:", one="theta1", two="theta2"))
     sine, cosine, fixed = _split(builder, _length_of_arm(builder, arm, c), 3)
     square = w[0] * w[0] + w[1] * w[1] + height * height
     C3, S3 = builder.cos_sin((3, 1))
     builder.equation(sine * S3 + cosine * C3, square - fixed)
     orient = Polynomial.constant(arm.links[2].sign)
-    e = builder.sine_cosine(3, sine, cosine, square - fixed, 2, orient, "e3")
-    builder.remark(say("no solution where the root is not real: the target is out of reach"))
+    e = builder.sine_cosine(
+        3, sine, cosine, square - fixed, 2, orient, "e3", fails=out_of_reach()
+    )
+    builder.remark(say("Positive: joint 3 bends the arm positively about its axis."))
     builder.posture(1, SENSE, e)
     _two_turns(builder, arm, w, height, _carried(builder, arm, _placed(builder, c)))
 
@@ -206,14 +217,16 @@ def telescope(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
     middle = k[2] + lever[2]
     fixed = _dot(k, k) + _dot(lever, lever) + _dot(lever, k).scaled(2)
     name = builder.slide_name(3)
-    builder.step(say("{name}: the distance to where axes 1 and 2 meet", name=name))
-    builder.remark(say("squares added: theta1 and theta2 vanish, as they do not change it"))
+    builder.step(say("{angle} from the distance to where axes 1 and 2 meet", angle=name))
+    builder.remark(say("Squares added, {one} and {two} vanish, as they do not change it:", one="theta1", two="theta2"))
     square = w[0] * w[0] + w[1] * w[1] + height * height
     under = square - fixed + middle * middle
-    builder.remark(say("a square in {name}: both roots", name=name))
+    builder.remark(say("A quadratic equation in {angle}: both roots.", angle=name))
+    builder.remark(out_of_reach())
     root = builder.root("w3", under, 2)
     e = builder.branch("e3", root)
     found = builder.slide(3, (e * root).scaled(link.sign) - middle)
+    builder.remark(say("Extended: beyond where the wrist centre is nearest to the shoulder."))
     builder.posture(1, REACH, e)
     _two_turns(builder, arm, w, height, _carried(builder, arm, (k[0], k[1], k[2] + found)))
 
@@ -225,34 +238,31 @@ def _across(builder: Builder, arm: Arm, w: Vector, k: Vector, sine: Polynomial) 
     front = forward(builder, arm)
     seen = shoulder_angle(builder, arm, w, fixed, FRONT, front)
     name = builder.slide_name(3)
-    builder.step(say("{name}: the two other components, squares added", name=name))
+    builder.step(say("{angle} from the two other components, squares added", angle=name))
     x, y = builder.let("xs", seen[0]), builder.let("ys", seen[1])
     near = second.a + k[0]
-    root = builder.root("w3", x * x + y * y - near * near, 2)
+    if near:
+        builder.remark(
+            say("Too near to axis 2 where what is under the root is negative: no solution.")
+        )
+    root = builder.root("w3", x * x + y * y - near * near, 2, is_sum=not near)
     e = builder.branch("e3", root)
     found = builder.slide(3, (e * root).scaled(third.sign) - k[2])
-    builder.remark(say("no solution where the root is not real: too near to axis 2"))
+    builder.remark(say("Extended: beyond where the wrist centre is nearest to the shoulder."))
     builder.posture(1, REACH, e)
-    builder.step(say("{angle}: two equations in its sine and cosine", angle="theta2"))
+    builder.step(say("{angle} from both components in the plane", angle="theta2"))
     out = (-sine) * (found + k[2])
     out = builder.let("g2", out)
     C2, S2 = builder.cos_sin((2, 1))
     builder.equation(near * C2 - out * S2, x)
     builder.equation(near * S2 + out * C2, y)
-    builder.two_equations(2, (near, out), (x, y), 2)
-    builder.remark(
-        say(
-            "both arguments are 0 where the end is on axis {axis}: then {angle} is free",
-            axis=2,
-            angle="theta2",
-        )
-    )
+    builder.two_equations(2, (near, out), (x, y), 2, free=on_axis(2))
 
 
 def _two_turns(builder: Builder, arm: Arm, w: Vector, height: Polynomial, g: Vector) -> None:
     """Solve joints 2 and 1 of axes that meet, where the end is known as seen from joint 2."""
     c, s = twist(builder.names, arm.links[0].alpha)
-    builder.step(say("theta2: the height along axis 1"))
+    builder.step(say("{angle} from the component along axis 1", angle="theta2"))
     gx, gy, gz = (builder.let(f"{a}2", p) for a, p in zip("fgh", g, strict=True))
     C2, S2 = builder.cos_sin((2, 1))
     z = height - c * gz
@@ -262,17 +272,18 @@ def _two_turns(builder: Builder, arm: Arm, w: Vector, height: Polynomial, g: Vec
     scaled = (gx, gy, z * unit) if right else (s * gx, s * gy, z)
     # gx C2 - gy S2 is along the common normal's direction of axis 1 and 2: the front side.
     front = forward(builder, arm) * (1 if right else builder.sign(s))
-    e = builder.sine_cosine(2, *scaled, 1, Polynomial.constant(-front), "e2")
-    builder.remark(say("no solution where the root is not real: the target is out of reach"))
+    e = builder.sine_cosine(
+        2, *scaled, 1, Polynomial.constant(-front), "e2", fails=out_of_reach()
+    )
+    say_side(builder, FRONT)
     builder.posture(0, FRONT, e)
-    builder.step(say("{angle}: two equations in its sine and cosine", angle="theta1"))
+    builder.step(say("{angle} from both components in the plane", angle="theta1"))
     x = builder.let("f1", gx * C2 - gy * S2)
     y = builder.let("g1", c * (gx * S2 + gy * C2) - s * gz)
     C1, S1 = builder.cos_sin((1, 1))
     builder.equation(x * C1 - y * S1, w[0])
     builder.equation(x * S1 + y * C1, w[1])
-    builder.two_equations(1, (x, y), (w[0], w[1]), 2)
-    builder.remark(say("both arguments of the first are 0 on axis 1: then theta1 is free"))
+    builder.two_equations(1, (x, y), (w[0], w[1]), 2, free=on_axis(1))
 
 
 def column(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
@@ -281,18 +292,18 @@ def column(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
     first, second, third = arm.links[:3]
     sense = flat(first.alpha)
     cosine, sine = twist(builder.names, second.alpha)
-    builder.step(say("theta3: the height along axes 1 and 2"))
-    builder.remark(say("theta1 and theta2 vanish, as they do not change it"))
+    builder.step(say("{angle} from the component along axes 1 and 2", angle="theta3"))
+    builder.remark(say("The component along them does not change with {one} and {two}:", one="theta1", two="theta2"))
     height = (w[2] - first.slide).scaled(sense) - second.slide - cosine * c[2]
     C3, S3 = builder.cos_sin((3, 1))
     x, y = sine * c[0], sine * c[1]
     builder.equation(x * S3 + y * C3, height)
     orient = Polynomial.constant(-first.sign * third.sign * sense)
-    e = builder.sine_cosine(3, x, y, height, 1, orient, "e3")
-    builder.remark(say("no solution where the root is not real: the target is out of reach"))
+    e = builder.sine_cosine(3, x, y, height, 1, orient, "e3", fails=out_of_reach())
+    builder.remark(say("Positive: the wrist centre is on the z1 x z3 side of axis 3."))
     builder.posture(1, SENSE, e)
     v = _placed(builder, c)
-    builder.step(say("the wrist centre in the plane across axes 1 and 2"))
+    builder.step(say("The arm across axes 1 and 2"))
     gx = builder.let("fs", second.a + v[0])
     gy = builder.let("gs", (cosine * v[1] - sine * c[2]).scaled(sense))
     normal = upright(builder, arm, _identity(), (-w[1], w[0], ZERO))

@@ -37,13 +37,13 @@ def parallel_axes(builder: Builder, arm: Arm, R: Rotation, w: Vector) -> None:
     _fifth(builder, arm, R, first, b)
     _sum_of_three(builder, R, first, (c4, s4, c5, s5), b)
     C234, S234 = builder.cos_sin((SUM, 1))
-    builder.step(say("the end of link 3 in the plane of links 2 and 3"))
+    builder.step(say("The end of link 3 in the plane of links 2 and 3"))
     ax, ay = four.a, (s4 * five.slide).scaled(-b)
     x = builder.let("xs", seen[0] - (ax * C234 - ay * S234))
     y = builder.let("ys", seen[1] - (ax * S234 + ay * C234))
     normal = upright(builder, arm, first, (-y, x, ZERO))
     plane_arm(builder, (2, 3), (x, y), ((two.a, ZERO), (three.a, ZERO)), b2, normal, 1)
-    builder.step(say("theta4: what is left of the sum"))
+    builder.step(say("{angle} from what is left of the sum", angle="theta4"))
     total, second, third = (builder.theta(link) for link in (SUM, 2, 3))
     builder.sum_of_angles(4, (total - second - third.scaled(b2)).scaled(b))
 
@@ -57,7 +57,11 @@ def _fifth(builder: Builder, arm: Arm, R: Rotation, first: Rotation, b: int) -> 
     _, two, _, four, five, six = arm.links
     c4, s4 = twist(builder.names, four.alpha)
     c5, s5 = twist(builder.names, five.alpha)
-    builder.step(say("theta5, theta6: the target's axes along axis 2, third row of R01^T R"))
+    builder.step(say(
+            "{one}, {two} from the rotation, its components along axis 2",
+            one="theta5",
+            two="theta6",
+        ))
     m1, m2, m3 = (
         builder.let(f"m3{j + 1}", sum((first[2][n] * R[j][n] for n in range(3)), ZERO))
         for j in range(3)
@@ -68,14 +72,19 @@ def _fifth(builder: Builder, arm: Arm, R: Rotation, first: Rotation, b: int) -> 
     builder.equation((c4 * c5 - s4 * s5 * C5).scaled(b), m3)
     builder.equation((h1 * C6 + h2 * S6).scaled(b), m1)
     builder.equation((h2 * C6 - h1 * S6).scaled(b), m2)
+    free = say(
+        "Both arguments are 0 where axis 6 is parallel to axes 2, 3 and 4: there {angle} is free.",
+        angle="theta6",
+    )
     senses = two.sign * five.sign * six.sign * b
     if not c4 and not c5:
         # in: -s4 s5 S5 senses > 0
-        root = builder.root("w5", m1 * m1 + m2 * m2, 0)
+        root = builder.root("w5", m1 * m1 + m2 * m2, 0, is_sum=True)
         e = builder.branch("e5", root)
         known = -(s4 * s5)
         side = known.scaled(senses) * e
         builder.angle(5, (ONE, side * root, known.scaled(b) * m3), power=0, free=False)
+        builder.remark(free)
         builder.angle(
             6, (ONE, (s4 * side * m2).scaled(-b), (s4 * side * m1).scaled(b)), power=0
         )
@@ -83,14 +92,9 @@ def _fifth(builder: Builder, arm: Arm, R: Rotation, first: Rotation, b: int) -> 
         e = builder.sine_cosine(
             5, ZERO, -(s4 * s5), m3.scaled(b) - c4 * c5, 0, ONE.scaled(senses), "e5"
         )
-        builder.two_equations(6, (h2, h1), (m2.scaled(b), m1.scaled(b)), 0)
+        builder.two_equations(6, (h2, h1), (m2.scaled(b), m1.scaled(b)), 0, free=free)
+    builder.remark(say("In: (z4 x z6) . z5 > 0 with z4 along axis 2."))
     builder.posture(2, TURNS, e)
-    builder.remark(
-        say(
-            "both arguments are 0 where axis 6 is parallel to axes 2, 3 and 4: then theta6 is"
-            " free"
-        )
-    )
 
 
 def _sum_of_three(
@@ -102,7 +106,10 @@ def _sum_of_three(
 ) -> None:
     """Find the turn of joints 2, 3 and 4 together from the direction of axis 5."""
     _, s4, c5, s5 = twists
-    builder.step(say("theta2, theta3 and theta4 together: the direction of axis 5"))
+    builder.step(say(
+            "The turn {angle} of joints 2, 3 and 4 together, from the direction of axis 5",
+            angle="theta234",
+        ))
     C6, S6 = builder.cos_sin((6, 1))
     axis = [s5 * (S6 * R[0][n] + C6 * R[1][n]) + c5 * R[2][n] for n in range(3)]
     named = [builder.let(f"a{a}", p) for a, p in zip("xyz", axis, strict=True)]
@@ -110,7 +117,7 @@ def _sum_of_three(
         builder.let(name, sum((first[j][n] * named[n] for n in range(3)), ZERO))
         for j, name in enumerate(("bx", "by"))
     )
-    builder.remark(say("axis 5 is across axis 2 by the twist of link 4: one angle"))
+    builder.remark(say("Its angle to axis 2 is the twist of link 4; seen along axis 2 it has this direction:"))
     builder.angle(
         SUM, (ONE, (s4 * x).scaled(b), (s4 * y).scaled(-b)), power=0, free=False
     )

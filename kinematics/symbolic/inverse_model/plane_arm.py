@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from dh_to_urdf.messages import say
 from kinematics.symbolic.inverse_model.builder import Builder
-from kinematics.symbolic.polynomial import ONE, ZERO, Polynomial
+from kinematics.symbolic.polynomial import ONE, Polynomial
 
 ELBOW = ("up", "down")
 
@@ -34,11 +34,11 @@ def plane_arm(
     i, j = joints
     (ax, ay), (bx, by) = links
     x, y = goal
-    builder.step(say("{angle}: the distance of the two axes' ends", angle=f"theta{j}"))
+    builder.step(say("{angle} from the distance to the end (law of cosines)", angle=f"theta{j}"))
     builder.remark(
         say(
-            "squares added: {first} vanishes, as the distance to the end does not depend on it",
-            first=f"theta{i}",
+            "Squares added, {angle} vanishes, as it does not change the distance:",
+            angle=f"theta{i}",
         )
     )
     C, S = builder.cos_sin((j, 1))
@@ -49,24 +49,36 @@ def plane_arm(
     builder.equation(sine * S + cosine * C, square - fixed)
     orient = Polynomial.constant(-sense)
     facing = [p for p in normal if p]
-    e = builder.sine_cosine(j, sine, cosine, square - fixed, 2, orient, f"e{j}")
-    builder.remark(say("no solution where the root is not real: the target is out of reach"))
+    e = builder.sine_cosine(
+        j, sine, cosine, square - fixed, 2, orient, f"e{j}", fails=out_of_reach()
+    )
+    builder.remark(
+        say(
+            "Up: axis {j} is above the line from axis {i} to the end, seen along the axes.",
+            i=i,
+            j=j,
+        )
+    )
     up = builder.upwards(f"k{j}", facing) if facing else ONE
     builder.posture(choice, ELBOW, e * up)
-    builder.step(say("{angle}: two equations in its sine and cosine", angle=f"theta{i}"))
+    builder.step(say("{angle} from both components in the plane", angle=f"theta{i}"))
     first = ax + bx * C - by * S.scaled(sense), ay + by * C + bx * S.scaled(sense)
     Ci, Si = builder.cos_sin((i, 1))
     k1, k2 = builder.let(f"f{i}", first[0]), builder.let(f"g{i}", first[1])
     builder.equation(k1 * Ci - k2 * Si, x)
     builder.equation(k1 * Si + k2 * Ci, y)
-    builder.two_equations(i, (k1, k2), (x, y), 2)
-    builder.remark(
-        say(
-            "both arguments are 0 where the end is on axis {axis}: then {angle} is free",
-            axis=i,
-            angle=f"theta{i}",
-        )
+    builder.two_equations(i, (k1, k2), (x, y), 2, free=on_axis(i))
+
+
+def out_of_reach() -> str:
+    """Say what a root that is not real means."""
+    return say("Out of reach where what is under the root is negative: no solution.")
+
+
+def on_axis(axis: int) -> str:
+    """Say where an angle is free."""
+    return say(
+        "Both arguments are 0 where the point is on axis {axis}: there {angle} is free.",
+        axis=axis,
+        angle=f"theta{axis}",
     )
-
-
-__all__ = ["ELBOW", "ZERO", "plane_arm"]

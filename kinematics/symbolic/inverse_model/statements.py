@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from kinematics.symbolic.expressions import Sum
+from kinematics.symbolic.expressions import Sum, symbols
 
 
 @dataclass(frozen=True)
@@ -31,11 +31,13 @@ class Root:
         name: What it is called.
         square: Under the root.
         power: The square's power of a length, for what counts as rounding: 0, 2 or 4.
+        is_sum: Whether the square is a sum of squares, which is never negative.
     """
 
     name: str
     square: Sum
     power: int
+    is_sum: bool = False
 
 
 @dataclass(frozen=True)
@@ -233,3 +235,37 @@ class Derivation:
     postures: tuple[tuple[str, ...], ...]
     most: int
     notes: tuple[str, ...] = ()
+
+
+def symbols_of(one: Statement) -> set[str]:
+    """Return the symbols that a statement reads."""
+    values: list[Sum | None] = []
+    if isinstance(one, Let):
+        values = [one.value, one.over]
+    elif isinstance(one, Root):
+        values = [one.square]
+    elif isinstance(one, Roots):
+        values = [*one.coefficients]
+    elif isinstance(one, Upwards):
+        values = [*one.values]
+    elif isinstance(one, Posture):
+        values = [one.rule]
+    elif isinstance(one, Angle):
+        values = [v for part in one.parts for v in (part.y, part.x, part.sign)]
+    return set().union(*(symbols(value) for value in values if value is not None))
+
+
+def hoisted(step: Step) -> Step:
+    """Return a step with its cosines and sines before the definitions they are used in."""
+    found: list[Statement] = []
+    for one in step.statements:
+        place = len(found)
+        if isinstance(one, Trig):
+            needed = {name for name, _ in one.terms}
+            while place and isinstance(found[place - 1], (Let, Equation, Remark, Trig)):
+                before = found[place - 1]
+                if isinstance(before, Trig) or (isinstance(before, Let) and before.name in needed):
+                    break
+                place -= 1
+        found.insert(place, one)
+    return Step(step.title, found)

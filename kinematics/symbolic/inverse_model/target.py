@@ -8,6 +8,7 @@ from dh_to_urdf.messages import say
 from kinematics.symbolic.angles import Angle, twelfths
 from kinematics.symbolic.inverse_model.arm import Arm, pose_of
 from kinematics.symbolic.inverse_model.builder import Builder, transposed
+from kinematics.symbolic.inverse_model.notation import PYTHON
 from kinematics.symbolic.polynomial import ZERO, Polynomial
 from kinematics.symbolic.steps import (
     AboutX,
@@ -130,16 +131,18 @@ def say_taken_off(builder: Builder, arm: Arm, last: Polynomial) -> None:
     if base and tool:
         builder.remark(
             say(
-                "the target without base and tool: the inverse of the base times T times the"
-                " inverse of the tool"
+                "The base and the tool are taken off: the inverse of the base, T, the inverse of"
+                " the tool."
             )
         )
     elif base:
-        builder.remark(say("the target seen from axis 1: the inverse of the base times T"))
+        builder.remark(say("The base is taken off: the inverse of the base from the left."))
     elif tool:
-        builder.remark(say("the target without the tool: T times the inverse of the tool"))
+        builder.remark(say("The tool is taken off: the inverse of the tool from the right."))
     if last:
-        builder.remark(say("and back along the last axis to where the arm's last axes meet"))
+        builder.remark(
+            say("Back along the last axis by {length}.", length=PYTHON.sum(builder.plain(last)))
+        )
 
 
 __all__ = ["ELEMENTS", "Target", "named_rotation", "target_of", "turned", "twelfths"]

@@ -36,10 +36,10 @@ def wrist(
     senses = links[first].sign * links[first + 1].sign * links[first + 2].sign
     builder.step(
         say(
-            "theta{i}, theta{j}, theta{k}: the rotation that is left, M = R0{first}^T R",
-            i=i,
-            j=j,
-            k=k,
+            "{one}, {two}, {three} from the rotation that is left, M = (R0{first} transposed) R",
+            one=f"theta{i}",
+            two=f"theta{j}",
+            three=f"theta{k}",
             first=first,
         )
     )
@@ -59,10 +59,18 @@ def wrist(
         builder.equation(left, found)
     e_name = f"e{j}"
     if right:
-        e = builder.branch(e_name)
+        builder.remark(
+            say(
+                "The ratio of the first two gives {one}; then {two} has sine and cosine.",
+                one=f"theta{i}",
+                two=f"theta{j}",
+            )
+        )
+        root = builder.root(f"w{j}", m3[0] * m3[0] + m3[1] * m3[1], 0, is_sum=True)
+        e = builder.branch(e_name, root)
         rho = s1.scaled(senses) * e
-        builder.angle(i, (ONE, rho * m3[1], rho * m3[0]), power=0)
         _say_in_line(builder, i, k)
+        builder.angle(i, (ONE, rho * m3[1], rho * m3[0]), power=0)
         builder.angle(
             j, (ONE, s2 * (C4 * m3[0] + S4 * m3[1]), (-s1) * s2 * m3[2]), power=0, free=False
         )
@@ -76,15 +84,22 @@ def wrist(
             ONE.scaled(-senses),
             e_name,
         )
-        builder.two_equations(i, (s2 * S5, axis[1]), (m3[0], m3[1]), 0)
         _say_in_line(builder, i, k)
+        builder.two_equations(i, (s2 * S5, axis[1]), (m3[0], m3[1]), 0)
+    builder.remark(
+        say("Flip: (z{i} x z{k}) . z{j} > 0, z the directions of the axes.", i=i, j=j, k=k)
+    )
     builder.posture(choice, FLIP, e)
     x5 = about_z(C4, S4, about_x(c1, s1, (C5, S5, ZERO)))
     y5 = about_z(C4, S4, about_x(c1, s1, about_z(C5, S5, (ZERO, c2, s2))))
     cosine = x5[0] * m1[0] + x5[1] * m1[1] + x5[2] * m1[2]
     sine = y5[0] * m1[0] + y5[1] * m1[1] + y5[2] * m1[2]
     builder.remark(
-        say("theta{i} and theta{j} turned back, the first column of what is left:", i=i, j=j)
+        say(
+            "{one} and {two} turned back, too, the first column gives:",
+            one=f"theta{i}",
+            two=f"theta{j}",
+        )
     )
     builder.equation(C6, cosine)
     builder.equation(S6, sine)
@@ -94,9 +109,9 @@ def wrist(
 def _say_in_line(builder: Builder, i: int, k: int) -> None:
     builder.remark(
         say(
-            "both arguments are 0 where axes {i} and {k} are in line: then theta{i} is free, and"
-            " only theta{i} and theta{k} together are determined",
+            "Both arguments are 0 where axes {i} and {k} are in line: there {angle} is free.",
             i=i,
             k=k,
+            angle=f"theta{i}",
         )
     )

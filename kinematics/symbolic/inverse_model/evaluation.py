@@ -1,0 +1,49 @@
+"""The function of a derivation run at a few targets, before it is given to anyone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dh_to_urdf.matrices import dh_matrices
+from dh_to_urdf.poses import Matrix
+from dh_to_urdf.table import DHTable
+from kinematics.symbolic.inverse_model.python import Python
+from kinematics.symbolic.inverse_model.statements import Derivation
+
+TOLERANCE = 1e-7
+"""Largest difference of poses, m or 1, relative to the arm: twists may have been rounded."""
+
+
+def evaluated(derivation: Derivation, table: DHTable, samples: Matrix) -> bool:
+    """Return whether the function's solutions reach the targets of some q, and hold these q.
+
+    Args:
+        derivation: The derivation.
+        table: The table it is of.
+        samples: Shape (n, dof).
+    """
+    scope: dict[str, Any] = {}
+    exec(compile(Python(derivation).source(), "inverse_model", "exec"), scope)  # noqa: S102
+    position_only = derivation.kind == "planar_2r"
+    for q in samples:
+        T = _pose(table, q, derivation)
+        found = scope["inverse_model"](T.tolist(), given=q.tolist())
+        if not found:
+            return False
+        for one in found:
+            error = _pose(table, np.array(one["q"]), derivation) - T
+            error = error[:3, 3] if position_only else error
+            if np.abs(error).max() > TOLERANCE * max(1.0, derivation.size):
+                return False
+    return True
+
+
+def _pose(table: DHTable, q: Matrix, derivation: Derivation) -> Matrix:
+    """Return the pose of the derivation's frame in its base, shape (4, 4)."""
+    T0 = dh_matrices(table, q).T0
+    is_tool = derivation.frame == "tool"
+    row = table.tip_row if is_tool else int(derivation.frame.split("_")[1])
+    T = T0[row - 1] @ (table.tool if is_tool else np.eye(4))
+    return np.asarray(table.base @ T if derivation.base == "base_link" else T)

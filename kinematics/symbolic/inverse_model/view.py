@@ -1,0 +1,233 @@
+"""A derivation for people: steps with their lines, in text that is valid Python, or in LaTeX."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from dh_to_urdf.messages import Message, chained, plural, say
+from kinematics.symbolic.angles import turn_text
+from kinematics.symbolic.inverse_model.notation import LATEX, PYTHON, Style
+from kinematics.symbolic.inverse_model.statements import (
+    Angle,
+    Branch,
+    Derivation,
+    Equation,
+    Let,
+    Posture,
+    Remark,
+    Root,
+    Roots,
+    Statement,
+    Trig,
+    Upwards,
+)
+from kinematics.symbolic.latex import bracketed
+
+REMARK, EQUATION, FORMULA = "remark", "equation", "formula"
+_SYMBOL = re.compile(r"(theta|[dr])\d+")
+_SPECIAL = re.compile(r"([_&%#$])")
+
+
+def model_view(d: Derivation, *, latex: bool) -> dict[str, Any]:
+    """Return an inverse model as an answer has it.
+
+    Args:
+        d: The derivation.
+        latex: Whether formulas are LaTeX.
+    """
+    style = LATEX if latex else PYTHON
+    elements = {(row, column): name for name, row, column in d.target}
+    matrix = [[style.name(elements[i, j]) for j in range(4)] for i in range(3)]
+    steps = [
+        {
+            "title": step.title,
+            "lines": [
+                {"kind": kind, "text": text}
+                for one in step.statements
+                for kind, text in _lines(one, style)
+            ],
+        }
+        for step in d.steps
+    ]
+    return {
+        "kind": d.kind,
+        "description": d.description,
+        "target": [*matrix, ["0", "0", "0", "1"]],
+        "steps": steps,
+        "q": {style.name(one.name): _coordinate(one, style) for one in d.coordinates},
+        "postures": [[name for name in names if name] for names in d.postures],
+        "most_solutions": d.most,
+    }
+
+
+def _coordinate(one: Any, style: Style) -> str:
+    turn = turn_text(abs(one.turn))
+    if style.is_latex:
+        turn = re.sub(r"(?:(\d+)\*)?pi/(\d+)", r"\\frac{\1 \\pi}{\2}", turn)
+        turn = turn.replace("{ ", "{").replace("*pi", r" \pi")
+        turn = re.sub(r"(?<!\\)\bpi\b", r"\\pi", turn)
+    return style.coordinate(one, turn)
+
+
+def _lines(one: Statement, style: Style) -> Iterator[tuple[str, str]]:
+    latex = style.is_latex
+    if isinstance(one, Remark):
+        yield REMARK, one.text
+    elif isinstance(one, Equation):
+        yield EQUATION, f"{style.sum(one.left)} = {style.sum(one.right)}"
+    elif isinstance(one, Let):
+        yield FORMULA, f"{style.name(one.name)} = {style.let(one)}"
+    elif isinstance(one, Root):
+        square = style.sum(one.square)
+        root = rf"\sqrt{{{square}}}" if latex else f"sqrt({square})"
+        yield FORMULA, f"{style.name(one.name)} = {root}"
+    elif isinstance(one, Branch):
+        sign = style.name(one.sign)
+        yield FORMULA, rf"{sign} = \pm 1" if latex else f"{sign} = 1  # +-1"
+    elif isinstance(one, Trig):
+        yield from _trig(one, style)
+    elif isinstance(one, Upwards):
+        yield from _upwards(one, style)
+    elif isinstance(one, Posture):
+        yield FORMULA, _posture(one, style)
+    elif isinstance(one, Angle):
+        yield FORMULA, f"{style.name(one.name)} = {style.angle(one)}"
+    else:
+        yield from _roots(one, style)
+
+
+def _trig(one: Trig, style: Style) -> Iterator[tuple[str, str]]:
+    argument = style.argument(one)
+    if style.is_latex:
+        inside = argument if len(one.terms) == 1 else rf"\left({argument}\right)"
+        C, S = (style.name(f"{letter}{one.label}") for letter in "CS")
+        yield FORMULA, rf"{C} = \cos {inside}, \quad {S} = \sin {inside}"
+    else:
+        yield FORMULA, f"C{one.label}, S{one.label} = cos({argument}), sin({argument})"
+
+
+def _upwards(one: Upwards, style: Style) -> Iterator[tuple[str, str]]:
+    first, *rest = map(style.sum, one.values)
+    name = style.name(one.name)
+    if style.is_latex:
+        yield FORMULA, rf"{name} = \mathrm{{sgn}}\left({first}\right)"
+        if rest:
+            yield REMARK, say("Where that is 0, the sign of what comes next counts:")
+            yield EQUATION, r", \quad ".join(rest)
+        return
+    if rest:
+        yield (
+            REMARK,
+            say("The sign of the first that is not 0 of {values}:", values=", ".join([first, *rest])),
+        )
+    yield FORMULA, f"{name} = 1 if {first} >= 0 else -1"
+
+
+def _posture(one: Posture, style: Style) -> str:
+    rule = style.sum(one.rule)
+    if one.is_rank:
+        names = [f'"{name}"' for name in one.names]
+        if style.is_latex:
+            return r", \quad ".join(
+                rf"{rule} = {k}: \; \mathrm{{{name}}}" for k, name in enumerate(one.names)
+            )
+        return f"posture{one.choice + 1} = [{', '.join(names)}][{rule}]"
+    first, second = one.names
+    if style.is_latex:
+        return (
+            rf"{rule} \geq 0: \; \mathrm{{{first}}}, \quad {rule} < 0: \; \mathrm{{{second}}}"
+        )
+    return f'posture{one.choice + 1} = "{first}" if {rule} >= 0 else "{second}"'
+
+
+def _roots(one: Roots, style: Style) -> Iterator[tuple[str, str]]:
+    name, rank = style.name(one.name), style.name(one.rank)
+    half = rf"\tan\left({name}/2\right)" if style.is_latex else f"tan({one.name}/2)"
+    yield REMARK, say("An equation of the fourth degree in the tangent of half the angle.")
+    k = [style.sum(value) for value in one.coefficients]
+    del half
+    if style.is_latex:
+        C, S = rf"\cos {name}", rf"\sin {name}"
+        yield (
+            FORMULA,
+            rf"k_0 + k_1 {C} + k_2 {S} + k_3 \cos^2 {name} + k_4 {C} {S} = 0",
+        )
+        for n, value in enumerate(k):
+            yield FORMULA, rf"k_{n} = {value}"
+        return
+    yield FORMULA, f"{rank} = 0  # 0 to 3, the real roots in order"
+    yield FORMULA, f"{name} = angles({', '.join(k)})[{rank}]"
+
+
+def text_lines(view: dict[str, Any], frame: str, base: str) -> list[str]:
+    """Return the lines of a listing, valid in Python.
+
+    Args:
+        view: What :func:`model_view` gives.
+        frame: Frame whose pose is the target.
+        base: Frame in which it is given.
+    """
+    lines: list[str] = [chained("", ("# ", one)) for one in _about(view, frame, base)]
+    for start, row in zip(("T = [", *["     "] * 3), view["target"], strict=True):
+        lines.append(f"#   {start}[{', '.join(row)}]")
+    for number, step in enumerate(view["steps"], start=1):
+        lines += ["", chained("", (f"# {number}. ", step["title"]))]
+        for line in step["lines"]:
+            mark = {REMARK: "#    ", EQUATION: "#        "}.get(line["kind"], "")
+            lines.append(chained("", (mark, line["text"])))
+    lines += ["", chained("", ("# ", say("The joint coordinates, angles in (-pi, pi]")))]
+    return [*lines, *(f"{name} = {value}" for name, value in view["q"].items())]
+
+
+def latex_lines(view: dict[str, Any], frame: str, base: str) -> list[str]:
+    """Return paragraphs and formulas in LaTeX; arguments as of :func:`text_lines`."""
+    lines: list[str] = [latex_text(one) for one in _about(view, frame, base)]
+    lines.append(f"\\[ T = {bracketed(view['target'])} \\]")
+    for number, step in enumerate(view["steps"], start=1):
+        title = latex_text(step["title"])
+        lines += ["", chained("", (r"\textbf{", f"{number}. ", title, "}"))]
+        for line in step["lines"]:
+            if line["kind"] == REMARK:
+                lines.append(chained("", ("\n", latex_text(line["text"]))))
+            else:
+                lines.append(f"\\[ {line['text']} \\]")
+    lines += ["", latex_text(say("The joint coordinates, angles in (-pi, pi]"))]
+    return [*lines, *(f"\\[ {name} = {value} \\]" for name, value in view["q"].items())]
+
+
+def _about(view: dict[str, Any], frame: str, base: str) -> list[str]:
+    return [
+        chained("", (say("Inverse model"), ": ", view["description"], ".")),
+        plural(
+            "At most {count} solution.",
+            "At most {count} solutions, one for each choice of the signs.",
+            view["most_solutions"],
+        ),
+        say(
+            "The target T is {frame} in {base}, with columns u, v, w (n, o, a of Paul) and the"
+            " position X, Y, Z:",
+            frame=frame,
+            base=base,
+        ),
+    ]
+
+
+def latex_text(text: str) -> str:
+    """Return a sentence with its symbols as formulas, and what LaTeX takes for its own escaped."""
+    if not isinstance(text, Message):
+        return _escaped(text)
+    if text.template is None:
+        return chained("", (latex_text(str(part)) for part in text.values.values()))
+    values = {
+        name: latex_text(value) if isinstance(value, str) else value
+        for name, value in text.values.items()
+    }
+    return text.having(**values)
+
+
+def _escaped(text: str) -> str:
+    if _SYMBOL.fullmatch(text):
+        return f"${LATEX.name(text)}$"
+    return _SPECIAL.sub(r"\\\1", text)
