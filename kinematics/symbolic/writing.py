@@ -56,6 +56,7 @@ class Writing:
         self.determinant: Determinant | None = None
         self.inverse: Inverse | None = None
         self.model: Derivation | None = None
+        self.no_inverse: str | None = None
         self.left_out: dict[Quantity, str] = {}
         self.code: str | None = None
         self._shared = False
@@ -74,7 +75,10 @@ class Writing:
                     self.model = limited(left, self._derived)
                 else:
                     self.entries.append(limited(left, partial(self._plain, quantity)))
-            except (Unfinished, NoClosedForm) as reason:
+            except NoClosedForm as reason:
+                self.no_inverse = str(reason)
+                self.left_out[quantity] = say("inverse is left out: {reason}", reason=reason)
+            except Unfinished as reason:
                 self.left_out[quantity] = say(
                     "{quantity} is left out: {reason}", quantity=quantity, reason=reason
                 )
@@ -124,6 +128,8 @@ class Writing:
             found["notes"].append(self.inverse.note)
         if self.model is not None:
             found["notes"] += self.model.notes
+        if self.no_inverse is not None:
+            found["no_inverse"] = self.no_inverse
         if request.notation in CODE:
             found["code"] = self.code
         if request.listing:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 from dh_to_urdf.messages import say
 from kinematics.symbolic.angles import Angle as JointAngle
-from kinematics.symbolic.inverse_model.arm import Arm, pose_of
+from kinematics.symbolic.inverse_model.arm import LENGTH, Arm, pose_of
 from kinematics.symbolic.inverse_model.builder import Builder, flat, transposed
 from kinematics.symbolic.inverse_model.plane_arm import plane_arm
 from kinematics.symbolic.inverse_model.target import (
@@ -20,8 +22,8 @@ from kinematics.symbolic.steps import added, negated
 Plane = tuple[Polynomial, Polynomial]
 
 
-def all_parallel(builder: Builder, arm: Arm, target: Target) -> None:
-    """Solve two or three turns, and a slide anywhere among them.
+def all_parallel(builder: Builder, arm: Arm, target: Target) -> bool:
+    """Solve two or three turns, and a slide anywhere among them; False without two links.
 
     Args:
         builder: The derivation.
@@ -45,11 +47,16 @@ def all_parallel(builder: Builder, arm: Arm, target: Target) -> None:
         R = named_rotation(builder, R, "1")
     if point == target.origin:
         builder.remark(say("It is the origin of the frame itself: X, Y, Z."))
+    for link in links[1:3]:
+        if math.hypot(*map(builder.constant, link)) <= LENGTH * arm.size:
+            return False
     x, y = builder.let("xp", point[0] - links[0][0]), builder.let("yp", point[1] - links[0][1])
     z = builder.let("zp", point[2])
     if len(turning) == 3:
         i, j, k = (n + 1 for n in turning)
-        builder.step(say("The sum of the turns, {angle}, from the direction of the x axis", angle="theta123"))
+        builder.step(
+            say("The sum of the turns, {angle}, from the direction of the x axis", angle="theta123")
+        )
         c, s = builder.names.cos_sin(JointAngle((), constant))
         sine, cosine = c * R[0][1] - s * R[0][0], c * R[0][0] + s * R[0][1]
         builder.angle(SUM, (ONE, sine, cosine), power=0, free=False)
@@ -85,6 +92,7 @@ def all_parallel(builder: Builder, arm: Arm, target: Target) -> None:
         found = Polynomial.symbol(name)
         builder.equation(found.scaled(senses[n]) + height, z)
         builder.slide(n + 1, (z - height).scaled(senses[n]))
+    return True
 
 
 SUM = 123

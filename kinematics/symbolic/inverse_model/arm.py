@@ -174,7 +174,9 @@ def _groups(table: DHTable, names: Names, k: int) -> list[_Group]:
     a, d, b = (known.get((k + 1, column), ZERO) for column in ("a", "d", "b"))
     moves = row.type is not JointType.FIXED
     theta = 0.0 if row.type.is_revolute else row.theta
-    joint = _Group(True, theta, ZERO if row.type is JointType.PRISMATIC else d, k if moves else None)
+    joint = _Group(
+        True, theta, ZERO if row.type is JointType.PRISMATIC else d, k if moves else None
+    )
     across = _Group(False, row.alpha, a)
     if table.convention is Convention.STANDARD:
         return [joint, across]

@@ -157,14 +157,14 @@ class Builder:
         self.steps[-1].statements.append(Branch(sign, over))
         return Polynomial.symbol(sign)
 
-    def roots(self, link: int, coefficients: Iterable[Polynomial]) -> Polynomial:
-        """Go on with each angle at which a trigonometric polynomial is 0; return its number."""
-        values = tuple(self.sum(p) for p in coefficients)
-        rank = self.names.fresh(f"n{link}")
+    def roots(self, link: int, coefficients: Iterable[Polynomial]) -> None:
+        """Go on with each angle at which ``k0 + k1 C + k2 S + k3 C² + k4 C S`` is 0."""
+        names = [f"k{link}{letter}" for letter in "abcde"]
+        found = [self.let(name, p) for name, p in zip(names, coefficients, strict=True)]
+        values = tuple(self.sum(p) for p in found)
         self._thetas[link] = self._added(
-            f"theta{link}", lambda fresh: Roots(fresh, values, rank), *values
+            f"theta{link}", lambda fresh: Roots(fresh, values), *values
         )
-        return Polynomial.symbol(rank)
 
     def angle(
         self,
@@ -202,12 +202,10 @@ class Builder:
         name = self._added(name, lambda fresh: Upwards(fresh, found), *found)
         return Polynomial.symbol(name)
 
-    def posture(
-        self, choice: int, names: tuple[str, ...], rule: Polynomial, *, is_rank: bool = False
-    ) -> None:
+    def posture(self, choice: int, names: tuple[str, str], rule: Polynomial) -> None:
         """Name a posture."""
         value = self.sum(rule)
-        self._added("", lambda _: Posture(choice, names, value, is_rank), value)
+        self._added("", lambda _: Posture(choice, names, value), value)
 
     def slide(self, link: int, p: Polynomial) -> Polynomial:
         """Find a slide."""

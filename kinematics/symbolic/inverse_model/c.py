@@ -70,7 +70,7 @@ class CSource(Code):
             "",
             "typedef struct {",
             f"    double q[{d.dof}];",
-            f"    const char *posture[{len(d.postures)}];",
+            f"    const char *posture[{len(self.named())}];",
             f"    int free[{d.links}]; /* 1: free */",
             "} inverse_solution;",
             *(line for part in helpers for line in part.splitlines()),
@@ -109,9 +109,9 @@ class CSource(Code):
     def roots(self, one: Roots) -> None:
         values = ", ".join(map(self.style.sum, one.coefficients))
         self.put(f"double {one.name}s[4];")
-        self.put(f"const int {one.rank}_end = angles({values}, {one.name}s);")
-        self.put(f"for (int {one.rank} = 0; {one.rank} < {one.rank}_end; {one.rank}++) {{")
-        self.put(f"    const double {one.name} = {one.name}s[{one.rank}];")
+        self.put(f"const int {one.name}_end = angles({values}, {one.name}s);")
+        self.put(f"for (int i = 0; i < {one.name}_end; i++) {{")
+        self.put(f"    const double {one.name} = {one.name}s[i];")
         self.in_loop += 1
 
     def trig(self, one: Trig) -> None:
@@ -124,28 +124,20 @@ class CSource(Code):
 
     def posture(self, one: Posture) -> None:
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
-        if one.is_rank:
-            names = ", ".join(f'"{text}"' for text in one.names)
-            self.put(f"const char *{name}_of[] = {{{names}}};")
-            self.put(f"const char *{name} = {name}_of[{rule}];")
-        else:
-            self.put(
-                f'const char *{name} = {rule} >= 0 ? "{one.names[0]}" : "{one.names[1]}";'
-            )
+        self.put(f'const char *{name} = {rule} >= 0 ? "{one.names[0]}" : "{one.names[1]}";')
 
     def angle_or_given(self, one: Angle, is_free: str) -> None:
         self.put(f"const int free{one.link} = {is_free};")
         given = self.given(one.link or 0, "given[{k0}]")
-        self.put(
-            f"const double {one.name} = free{one.link} ? {given} : {self.style.angle(one)};"
-        )
+        self.put(f"const double {one.name} = free{one.link} ? {given} : {self.style.angle(one)};")
 
     def solution(self) -> None:
         d = self.derivation
         for k, value in enumerate(self.entries("", "given[{k0}]", "wrap({})")):
             self.put(f"out[count].q[{k}] = {value};")
-        for k in range(len(d.postures)):
-            self.put(f"out[count].posture[{k}] = posture{k + 1};")
+        for k, name in enumerate(self.named()):
+            found = name or '""'
+            self.put(f"out[count].posture[{k}] = {found};")
         for k in range(1, d.links + 1):
             self.put(f"out[count].free[{k - 1}] = {f'free{k}' if k in self.free else '0'};")
         self.put("count++;")
@@ -155,5 +147,84 @@ class CSource(Code):
             self.depth -= 1
             self.put("}")
 
+    def ranks(self) -> None:
+        k = self.derivation.ranked - 1
+        names = ", ".join(f'"{name}"' for name in self.derivation.postures[0])
+        self.put(f"static const char *const ranks[] = {{{names}}};")
+        self.put("for (int i = 0; i < count; i++) {")
+        self.put("    int rank = 0;")
+        self.put("    for (int j = 0; j < count; j++) {")
+        self.put(f"        int below = out[j].q[{k}] < out[i].q[{k}] - 1e-7;")
+        self.put("        for (int n = 0; n < j; n++) {")
+        self.put(f"            if (fabs(out[n].q[{k}] - out[j].q[{k}]) <= 1e-7) below = 0;")
+        self.put("        }")
+        self.put("        rank += below;")
+        self.put("    }")
+        self.put("    out[i].posture[0] = ranks[rank];")
+        self.put("}")
 
-_ROOTS = ""
+
+_ROOTS = """
+static double polynomial(const double *p, int n, double t)
+{
+    double total = 0;
+    for (int i = 0; i <= n; i++) total = total*t + p[i];
+    return total;
+}
+
+/* The real roots of a polynomial, highest power first, each once; their number. */
+static int real_roots(const double *p, int n, double *out)
+{
+    if (n == 1) {
+        out[0] = -p[1]/p[0];
+        return 1;
+    }
+    double slope[4], ends[6], bound = 0, scale = 0;
+    for (int i = 0; i < n; i++) slope[i] = (n - i)*p[i];
+    const int turning = real_roots(slope, n - 1, ends + 1);
+    for (int i = 0; i <= n; i++) {
+        bound = fmax(bound, fabs(p[i]/p[0]));
+        scale += fabs(p[i]);
+    }
+    ends[0] = -1 - bound, ends[turning + 1] = 1 + bound;
+    int count = 0;
+    for (int i = 0; i <= turning; i++) {
+        double low = ends[i], high = ends[i + 1];
+        const double first = polynomial(p, n, low), last = polynomial(p, n, high);
+        if (fabs(last) <= 1e-14*scale*pow(fmax(1, fabs(high)), n)) {
+            out[count++] = high;
+        } else if (first*last < 0) {
+            if (first > 0) {
+                const double kept = low;
+                low = high, high = kept;
+            }
+            for (int k = 0; k < 200; k++) {
+                const double middle = (low + high)/2;
+                if (middle == low || middle == high) break;
+                if (polynomial(p, n, middle) < 0) low = middle;
+                else high = middle;
+            }
+            out[count++] = (low + high)/2;
+        }
+    }
+    return count;
+}
+
+/* All angles with k0 + k1 cos + k2 sin + k3 cos^2 + k4 cos sin = 0; their number. */
+static int angles(double k0, double k1, double k2, double k3, double k4, double *out)
+{
+    /* t = tan((a - s)/2), with s so that a = s + pi, where t has no value, is far from one */
+    double s = 0, most = -1;
+    for (int n = 0; n < 16; n++) {
+        const double a = (n + 8)*0.39269908169872414;
+        const double f = k0 + k1*cos(a) + k2*sin(a) + cos(a)*(k3*cos(a) + k4*sin(a));
+        if (fabs(f) > most) most = fabs(f), s = n*0.39269908169872414;
+    }
+    const double mean = k0 + k3/2, a = k1*cos(s) + k2*sin(s), b = k2*cos(s) - k1*sin(s);
+    const double c = (k3*cos(2*s) + k4*sin(2*s))/2, d = (k4*cos(2*s) - k3*sin(2*s))/2;
+    const double p[5] = {mean - a + c, 2*b - 4*d, 2*mean - 6*c, 2*b + 4*d, mean + a + c};
+    const int count = real_roots(p, 4, out);
+    for (int i = 0; i < count; i++) out[i] = wrap(2*atan(out[i]) + s);
+    return count;
+}
+"""

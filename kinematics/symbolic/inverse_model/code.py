@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dh_to_urdf.messages import chained, say
 from kinematics.symbolic.angles import turn_text
-from kinematics.symbolic.expressions import Sum, symbols
+from kinematics.symbolic.expressions import symbols
 from kinematics.symbolic.inverse_model.notation import Style
 from kinematics.symbolic.inverse_model.statements import (
     Angle,
@@ -57,6 +57,10 @@ class Code:
         self.comment(say("The joint coordinates"))
         self.solution()
         self.close_all()
+        if self.derivation.ranked:
+            self.put("")
+            self.comment(say("Names by the order of q{joint}", joint=self.derivation.ranked))
+            self.ranks()
         return chained("\n", (*self.head(), *self.lines, *self.tail(), ""))
 
     def head(self) -> list[str]:
@@ -80,9 +84,7 @@ class Code:
         """Return what the function does, in sentences."""
         d = self.derivation
         return [
-            say(
-                "All q that bring {frame} to T in {base}; rad and m.", frame=d.frame, base=d.base
-            ),
+            say("All q that bring {frame} to T in {base}; rad and m.", frame=d.frame, base=d.base),
             chained("", (d.description, ".")),
             say("given: q of joints that are free in a singular posture."),
         ]
@@ -97,8 +99,9 @@ class Code:
 
     def has(self, kind: type) -> bool:
         """Return whether a kind of statement occurs."""
-        return any(isinstance(one, kind) for step in self.derivation.steps
-                   for one in step.statements)
+        return any(
+            isinstance(one, kind) for step in self.derivation.steps for one in step.statements
+        )
 
     def statement(self, one: Statement) -> None:
         """Add a statement."""
@@ -203,6 +206,20 @@ class Code:
     def close_all(self) -> None:
         """Close all blocks."""
         raise NotImplementedError
+
+    def ranks(self) -> None:
+        """Add what gives the first names by the order of an entry of q."""
+        raise NotImplementedError
+
+    def named(self) -> list[str]:
+        """Return the variables with the names of the posture, as strings of Python."""
+        d = self.derivation
+        found = [f"posture{k + 1}" for k in range(len(d.postures))]
+        if d.ranked:
+            found[0] = ""
+        return [
+            name for name, names in zip(found, d.postures, strict=True) if name == "" or names[0]
+        ]
 
 
 def turn_in(turn: float, pi: str) -> str:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from fractions import Fraction
 
 from dh_to_urdf.messages import chained, plural, say
 from dh_to_urdf.table import Convention, DHTable
-from kinematics.symbolic.inverse_model.all_parallel import all_parallel
 from kinematics.symbolic.expressions import symbols
+from kinematics.symbolic.inverse_model.all_parallel import all_parallel
 from kinematics.symbolic.inverse_model.arm import (
     LENGTH,
     Arm,
@@ -22,10 +23,12 @@ from kinematics.symbolic.inverse_model.arm import (
 from kinematics.symbolic.inverse_model.builder import Builder, InverseNames, flat
 from kinematics.symbolic.inverse_model.first_three import (
     FRONT,
+    RANKS,
     REACH,
     SENSE,
     column,
     elbow,
+    general,
     shoulder,
     telescope,
 )
@@ -39,6 +42,7 @@ from kinematics.symbolic.inverse_model.statements import (
 )
 from kinematics.symbolic.inverse_model.target import (
     Target,
+    end_of_three,
     named_rotation,
     say_taken_off,
     target_of,
@@ -46,7 +50,8 @@ from kinematics.symbolic.inverse_model.target import (
     without_base_and_tool,
 )
 from kinematics.symbolic.inverse_model.wrist import FLIP, wrist
-from kinematics.symbolic.parameters import unusual_angles
+from kinematics.symbolic.length_names import Length, written_name
+from kinematics.symbolic.parameters import lengths_of, unusual_angles
 from kinematics.symbolic.polynomial import Polynomial
 from kinematics.symbolic.request import SymbolicRequest
 from kinematics.symbolic.steps import Vector
@@ -69,10 +74,11 @@ def derive(table: DHTable, request: SymbolicRequest) -> Derivation:
     Raises:
         NoClosedForm: There is none.
     """
+    taken = reserved(table, request)
     names = InverseNames(
         table.dof,
         request.parameters == "symbolic",
-        dict(request.symbols),
+        {**dict(request.symbols), **{length.name: length.name for length in taken}},
         rounded=unusual_angles(table) > MAX_UNUSUAL,
     )
     try:
@@ -92,9 +98,42 @@ def derive(table: DHTable, request: SymbolicRequest) -> Derivation:
     back = _back(table, arm)
     target = target_of(builder)
     kind, description, postures, most = _solved(builder, arm, target)
+    notes = [
+        say(
+            "{name} is a word of the functions here; the length is called {default}",
+            name=named,
+            default=length.name,
+        )
+        for length, named in taken.items()
+    ]
     return _derivation(
-        table, request, builder, arm, target, (kind, description, postures, most), back
+        table, request, builder, arm, target, (kind, description, postures, most), back, notes
     )
+
+
+_WORDS = frozenset(
+    ("T", "given", "size", "count", "solutions", "root", "signs", "wrap", "either", "angles")
+    + ("hypot", "atan2", "free", "posture", "values", "value", "rank", "ranks", "i", "j", "k", "n")
+    + ("first_sign", "real_roots", "polynomial", "inverse_model", "inverse_solution", "isnan")
+    + ("NAN", "fabs", "fmax", "pow", "sorted", "sum", "enumerate", "nargin", "zeros", "struct")
+    + ("find", "numel", "norm", "abs", "sign", "end", "function", "otherwise", "roots", "all")
+)
+
+
+def reserved(table: DHTable, request: SymbolicRequest) -> dict[Length, str]:
+    """Return the lengths whose names the functions need themselves, with these names."""
+    symbolic = request.parameters == "symbolic"
+    chosen = dict(request.symbols)
+    found = {}
+    for length in lengths_of(table):
+        name, _ = written_name(length, chosen, symbolic=symbolic)
+        if (
+            name is not None
+            and name != length.name
+            and (name in _WORDS or re.fullmatch(r"(theta|posture|free)\d*", name))
+        ):
+            found[length] = name
+    return found
 
 
 def _solved(
@@ -113,6 +152,8 @@ def _solved(
         return _flat(builder, arm, target)
     if count == 6:
         return _six(builder, arm, target)
+    if count == 3:
+        return _three(builder, arm, target)
     raise NoClosedForm(_why(builder, arm))
 
 
@@ -137,7 +178,10 @@ def _flat(
                 " base are no target for it"
             )
         )
-    all_parallel(builder, arm, target)
+    if not all_parallel(builder, arm, target):
+        raise NoClosedForm(
+            say("one of the two links of this plane arm has no length; ask ik/solutions")
+        )
     kind, text = {
         (2, 0): ("planar_2r", say("planar 2R: two parallel axes")),
         (3, 0): ("planar_3r", say("planar 3R: three parallel axes")),
@@ -147,6 +191,23 @@ def _flat(
         ),
     }[turning, slides]
     return kind, text, (ELBOW,), 2
+
+
+def _three(
+    builder: Builder, arm: Arm, target: Target
+) -> tuple[str, str, tuple[tuple[str, ...], ...], int]:
+    """Solve three joints for the position of the frame."""
+    found = _first_three(builder, arm) if arm.types in ("RRR", "RRP") else None
+    if found is None:
+        raise NoClosedForm(_why(builder, arm))
+    solve, text, choices = found
+    builder.step(say("The position seen from axis 1"))
+    w = end_of_three(builder, arm, target)
+    if w == target.origin:
+        builder.remark(say("It is the origin of the frame itself: X, Y, Z."))
+    x, y, z = (builder.let(f"{a}w", p) for a, p in zip("xyz", w, strict=True))
+    solve(builder, arm, (x, y, z), Polynomial({}))
+    return "three_joints", say("three joints; {text}", text=text), choices, 4
 
 
 def _six(
@@ -171,16 +232,22 @@ def _six(
         parallel_axes(builder, arm, R, centre)
         return (
             "parallel_axes",
-            say("axes 2, 3 and 4 parallel, axes 5 and 6 meeting"),
-            (SIDES, ELBOW, TURNS),
-            8,
+            say("axes 2, 3 and 4 parallel, axes 5 and 6 apart")
+            if arm.links[4].a
+            else say("axes 2, 3 and 4 parallel, axes 5 and 6 meeting"),
+            (RANKS if arm.links[4].a else SIDES, ELBOW, TURNS),
+            16 if arm.links[4].a else 8,
         )
     raise NoClosedForm(_why(builder, arm))
 
 
 def _wrist_centre(builder: Builder, arm: Arm, target: Target) -> tuple[object, Vector]:
     if _three_parallel(builder, arm):
-        builder.step(say("The point where axes 5 and 6 meet"))
+        builder.step(
+            say("The point of axis 6 nearest to axis 5")
+            if arm.links[4].a
+            else say("The point where axes 5 and 6 meet")
+        )
         count = 4
     else:
         builder.step(say("The centre of the wrist, where axes 4, 5 and 6 meet (Pieper)"))
@@ -222,7 +289,12 @@ def _first_three(
         if one.a or flat(one.alpha) or flat(two.alpha):
             return None
         return telescope, say("axes 1 and 2 meet, joint 3 slides"), (FRONT, REACH)
-    on_axis_3 = not three.a and (flat(three.alpha) or _is_zero(builder, arm, arm.links[3].slide))
+    if len(arm.links) == 3:
+        x, y, _ = pose_of(arm.after, builder.names).origin
+        on_axis_3 = _is_zero(builder, arm, x) and _is_zero(builder, arm, y)
+    else:
+        along = arm.links[3].slide
+        on_axis_3 = not three.a and (bool(flat(three.alpha)) or _is_zero(builder, arm, along))
     if on_axis_3:
         return None
     if flat(two.alpha) and not flat(one.alpha):
@@ -235,7 +307,7 @@ def _first_three(
         if not two.a and _is_zero(builder, arm, two.slide):
             return None
         return shoulder, say("axes 1 and 2 meet"), (FRONT, SENSE)
-    return None
+    return general, say("axes 1, 2 and 3 in general position"), (RANKS, ("",))
 
 
 def _three_parallel(builder: Builder, arm: Arm) -> bool:
@@ -245,7 +317,6 @@ def _three_parallel(builder: Builder, arm: Arm) -> bool:
         and bool(flat(two.alpha) and flat(three.alpha))
         and not (flat(one.alpha) or flat(four.alpha) or flat(five.alpha))
         and bool(two.a and three.a)
-        and not five.a
     )
 
 
@@ -262,8 +333,7 @@ def _why(builder: Builder, arm: Arm) -> str:
     else:
         del names
         text = say(
-            "axes 4, 5 and 6 do not meet in one point with axes 1 to 3 as Pieper asks, nor are"
-            " axes 2, 3 and 4 parallel with axes 5 and 6 meeting"
+            "axes 4, 5 and 6 do not meet in one point (Pieper), nor are axes 2, 3 and 4 parallel"
         )
     return chained("", (text, say("; ik/solutions finds all solutions by algebra or search")))
 
@@ -286,13 +356,13 @@ def _back(table: DHTable, arm: Arm) -> list[tuple[dict[int, Fraction], int]]:
                 count=len(entries),
             )
         )
-    matrix = [[Fraction(terms.get(number, 0.0)).limit_denominator(10**6) for number in entries]
-              for terms, _ in lines]
+    matrix = [
+        [Fraction(terms.get(number, 0.0)).limit_denominator(10**6) for number in entries]
+        for terms, _ in lines
+    ]
     inverse = _inverted(matrix)
     if inverse is None:
-        raise NoClosedForm(
-            say("the couplings of the joints have no inverse; ask ik/solutions")
-        )
+        raise NoClosedForm(say("the couplings of the joints have no inverse; ask ik/solutions"))
     return [
         ({k: value for k, value in enumerate(row) if value}, number)
         for row, number in zip(inverse, entries, strict=True)
@@ -323,8 +393,11 @@ def _derivation(
     target: Target,
     about: tuple[str, str, tuple[tuple[str, ...], ...], int],
     back: list[tuple[dict[int, Fraction], int]],
+    notes: list[str],
 ) -> Derivation:
     kind, description, postures, most = about
+    numbers = {k: number for terms, number in back for k in terms}
+    ranked = numbers[2 if kind == "spherical_wrist" else 0] if postures[0] == RANKS else 0
     lines = coordinates(table, arm)
     found = []
     for terms, number in back:
@@ -355,7 +428,6 @@ def _derivation(
     steps = tuple(hoisted(step) for step in builder.steps)
     used = set().union(*(symbols_of(one) for step in steps for one in step.statements))
     used = used.union(*(symbols(one.value) for one in found))
-    notes = []
     if arm.rounded:
         notes.append(
             say("twists within 1e-8 rad of a multiple of pi/2, and tiny lengths, are taken as such")
@@ -375,5 +447,6 @@ def _derivation(
         given,
         postures,
         most,
+        ranked,
         tuple(notes),
     )

@@ -25,8 +25,8 @@ def evaluated(derivation: Derivation, table: DHTable, samples: Matrix) -> bool:
         samples: Shape (n, dof).
     """
     scope: dict[str, Any] = {}
-    exec(compile(Python(derivation).source(), "inverse_model", "exec"), scope)  # noqa: S102
-    position_only = derivation.kind == "planar_2r"
+    exec(compile(Python(derivation).source(), "inverse_model", "exec"), scope)
+    position_only = derivation.kind in ("planar_2r", "three_joints")
     for q in samples:
         T = _pose(table, q, derivation)
         found = scope["inverse_model"](T.tolist(), given=q.tolist())

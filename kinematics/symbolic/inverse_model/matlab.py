@@ -82,10 +82,7 @@ class Matlab(Code):
             "    end",
             f"    size = {d.size!r};",
             *(f"    {name} = {value!r};" for name, value in self.lengths()),
-            *(
-                f"    {name} = T({row + 1}, {column + 1});"
-                for name, row, column in self.elements()
-            ),
+            *(f"    {name} = T({row + 1}, {column + 1});" for name, row, column in self.elements()),
             "    solutions = struct('q', {}, 'posture', {}, 'free', {});",
         ]
 
@@ -112,9 +109,7 @@ class Matlab(Code):
 
     def roots(self, one: Roots) -> None:
         values = ", ".join(map(self.style.sum, one.coefficients))
-        self.put(f"{one.name}s = angles({values});")
-        self.put(f"for {one.rank} = 0:numel({one.name}s) - 1")
-        self.put(f"    {one.name} = {one.name}s({one.rank} + 1);")
+        self.put(f"for {one.name} = angles({values})")
         self.in_loop += 1
 
     def trig(self, one: Trig) -> None:
@@ -128,12 +123,7 @@ class Matlab(Code):
 
     def posture(self, one: Posture) -> None:
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
-        if one.is_rank:
-            names = ", ".join(f"'{text}'" for text in one.names)
-            self.put(f"{name}s = {{{names}}};")
-            self.put(f"{name} = {name}s{{{rule} + 1}};")
-        else:
-            self.put(f"{name} = either({rule}, '{one.names[0]}', '{one.names[1]}');")
+        self.put(f"{name} = either({rule}, '{one.names[0]}', '{one.names[1]}');")
 
     def angle_or_given(self, one: Angle, is_free: str) -> None:
         given = self.given(one.link or 0, "given({k})")
@@ -148,10 +138,9 @@ class Matlab(Code):
         for number, value in enumerate(self.entries("pi", "given({k})", "wrap({})"), start=1):
             self.put(f"q{number} = {value};")
         q = ", ".join(f"q{k}" for k in range(1, self.derivation.dof + 1))
-        names = ", ".join(f"posture{k + 1}" for k in range(len(self.derivation.postures)))
+        names = ", ".join(name or "''" for name in self.named())
         free = ", ".join(
-            f"free{k}" if k in self.free else "false"
-            for k in range(1, self.derivation.links + 1)
+            f"free{k}" if k in self.free else "false" for k in range(1, self.derivation.links + 1)
         )
         self.put(
             f"solutions(end + 1) = struct('q', [{q}], 'posture', {{{{{names}}}}},"
@@ -163,5 +152,47 @@ class Matlab(Code):
             self.depth -= 1
             self.put("end")
 
+    def ranks(self) -> None:
+        k = self.derivation.ranked
+        names = ", ".join(f"'{name}'" for name in self.derivation.postures[0])
+        self.put(f"ranks = {{{names}}};")
+        self.put("values = [];")
+        self.put("for i = 1:numel(solutions)")
+        self.put(f"    if all(abs(values - solutions(i).q({k})) > 1e-7)")
+        self.put(f"        values = [values, solutions(i).q({k})];")
+        self.put("    end")
+        self.put("end")
+        self.put("for i = 1:numel(solutions)")
+        self.put(f"    rank = 1 + sum(values < solutions(i).q({k}) - 1e-7);")
+        self.put("    solutions(i).posture{1} = ranks{rank};")
+        self.put("end")
 
-_ROOTS = ""
+
+_ROOTS = """
+function found = angles(k0, k1, k2, k3, k4)
+% All angles with k0 + k1 cos + k2 sin + k3 cos^2 + k4 cos sin = 0.
+    % t = tan((a - s)/2), with s so that a = s + pi, where t has no value, is far from one
+    s = 0;
+    most = -1;
+    for n = 0:15
+        a = (n + 8)*pi/8;
+        f = abs(k0 + k1*cos(a) + k2*sin(a) + cos(a)*(k3*cos(a) + k4*sin(a)));
+        if f > most
+            most = f;
+            s = n*pi/8;
+        end
+    end
+    mean = k0 + k3/2;
+    a = k1*cos(s) + k2*sin(s);
+    b = k2*cos(s) - k1*sin(s);
+    c = (k3*cos(2*s) + k4*sin(2*s))/2;
+    d = (k4*cos(2*s) - k3*sin(2*s))/2;
+    t = roots([mean - a + c, 2*b - 4*d, 2*mean - 6*c, 2*b + 4*d, mean + a + c]);
+    found = [];
+    for k = 1:numel(t)
+        if abs(imag(t(k))) <= 1e-8*(1 + abs(t(k)))
+            found = [found, wrap(2*atan(real(t(k))) + s)];
+        end
+    end
+end
+"""

@@ -90,7 +90,7 @@ class Python(Code):
 
     def roots(self, one: Roots) -> None:
         values = ", ".join(map(self.style.sum, one.coefficients))
-        self.put(f"for {one.rank}, {one.name} in enumerate(angles({values})):")
+        self.put(f"for {one.name} in angles({values}):")
         self.in_loop += 1
 
     def trig(self, one: Trig) -> None:
@@ -102,10 +102,7 @@ class Python(Code):
 
     def posture(self, one: Posture) -> None:
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
-        if one.is_rank:
-            self.put(f"{name} = {list(one.names)!r}[{rule}]".replace("'", '"'))
-        else:
-            self.put(f'{name} = "{one.names[0]}" if {rule} >= 0 else "{one.names[1]}"')
+        self.put(f'{name} = "{one.names[0]}" if {rule} >= 0 else "{one.names[1]}"')
 
     def angle_or_given(self, one: Angle, is_free: str) -> None:
         self.put(f"free{one.link} = {is_free}")
@@ -116,7 +113,7 @@ class Python(Code):
         for number, value in enumerate(self.entries("pi", "given[{k0}]", "wrap({})"), start=1):
             self.put(f"q{number} = {value}")
         q = ", ".join(f"q{k}" for k in range(1, self.derivation.dof + 1))
-        names = ", ".join(f"posture{k + 1}" for k in range(len(self.derivation.postures)))
+        names = ", ".join(name or '""' for name in self.named())
         pairs = ", ".join(f"{link}: free{link}" for link in sorted(self.free))
         self.put("solutions.append({")
         self.put(f'    "q": [{q}],')
@@ -127,5 +124,58 @@ class Python(Code):
     def close_all(self) -> None:
         self.depth = 1
 
+    def ranks(self) -> None:
+        k = self.derivation.ranked - 1
+        names = ", ".join(f'"{name}"' for name in self.derivation.postures[0])
+        self.put(f'values = sorted(one["q"][{k}] for one in solutions)')
+        self.put("values = [b for a, b in zip([-9, *values], values) if b - a > 1e-7]")
+        self.put("for one in solutions:")
+        self.put(f'    rank = sum(value < one["q"][{k}] - 1e-7 for value in values)')
+        self.put(f'    one["posture"][0] = ({names})[rank]')
 
-_ROOTS = ""
+
+_ROOTS = '''
+def real_roots(p):
+    """Return the real roots of a polynomial, highest power first, each once."""
+    n = len(p) - 1
+    if n == 1:
+        return [-p[1]/p[0]]
+
+    def value(t):
+        total = 0.0
+        for c in p:
+            total = total*t + c
+        return total
+
+    turning = real_roots([(n - i)*c for i, c in enumerate(p[:-1])])
+    bound = 1 + max(abs(c/p[0]) for c in p)
+    ends, found = [-bound, *turning, bound], []
+    scale = sum(abs(c) for c in p)
+    for low, high in zip(ends, ends[1:]):
+        if abs(value(high)) <= 1e-14*scale*max(1, abs(high))**n:
+            found.append(high)
+        elif value(low)*value(high) < 0:
+            if value(low) > 0:
+                low, high = high, low
+            for _ in range(200):
+                middle = (low + high)/2
+                if middle in (low, high):
+                    break
+                low, high = (middle, high) if value(middle) < 0 else (low, middle)
+            found.append((low + high)/2)
+    return found
+
+
+def angles(k0, k1, k2, k3, k4):
+    """Return all angles with k0 + k1 cos + k2 sin + k3 cos^2 + k4 cos sin = 0."""
+    def value(a):
+        return k0 + k1*cos(a) + k2*sin(a) + cos(a)*(k3*cos(a) + k4*sin(a))
+
+    # t = tan((a - s)/2), with s so that a = s + pi, where t has no value, is far from a solution
+    s = max((n*pi/8 for n in range(16)), key=lambda a: abs(value(a + pi)))
+    mean = k0 + k3/2
+    a, b = k1*cos(s) + k2*sin(s), k2*cos(s) - k1*sin(s)
+    c, d = (k3*cos(2*s) + k4*sin(2*s))/2, (k4*cos(2*s) - k3*sin(2*s))/2
+    p = [mean - a + c, 2*b - 4*d, 2*mean - 6*c, 2*b + 4*d, mean + a + c]
+    return [wrap(2*atan2(t, 1) + s) for t in real_roots(p)]
+'''

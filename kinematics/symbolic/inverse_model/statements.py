@@ -61,12 +61,10 @@ class Roots:
     Attributes:
         name: The angle.
         coefficients: k0 to k4.
-        rank: Name of the number of the angle among them, the smallest first, from 0.
     """
 
     name: str
     coefficients: tuple[Sum, ...]
-    rank: str
 
 
 @dataclass(frozen=True)
@@ -135,16 +133,13 @@ class Posture:
 
     Attributes:
         choice: Which choice it is, from 0.
-        names: Its values: the first where the rule is 0 or above, the second below; of a rank
-            all of them.
+        names: The first where the rule is 0 or above, the second below.
         rule: The expression.
-        is_rank: Whether the rule is the number of the name.
     """
 
     choice: int
-    names: tuple[str, ...]
+    names: tuple[str, str]
     rule: Sum
-    is_rank: bool = False
 
 
 @dataclass(frozen=True)
@@ -217,6 +212,8 @@ class Derivation:
             ``given1``, …: terms and a constant.
         postures: The choices with their names, as ``ik/solutions`` has them.
         most: Largest number of solutions.
+        ranked: The number of the entry of q by whose value solutions have the first name of the
+            posture, the smallest first; 0 where that is decided by a sign.
         notes: What is to be known of it.
     """
 
@@ -234,6 +231,7 @@ class Derivation:
     given: dict[int, tuple[tuple[tuple[int, float], ...], float]]
     postures: tuple[tuple[str, ...], ...]
     most: int
+    ranked: int = 0
     notes: tuple[str, ...] = ()
 
 

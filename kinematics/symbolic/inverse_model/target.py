@@ -74,17 +74,20 @@ def without_base_and_tool(
     rows = [[column[i] for column in columns] for i in range(3)]
     # R_U = R_Bᵀ R R_Eᵀ: row i, column j is row i of R_Bᵀ R along row j of R_E.
     turned = [
-        [
-            sum((row[k] * after.axes[k][j] for k in range(3)), ZERO)
-            for j in range(3)
-        ]
-        for row in rows
+        [sum((row[k] * after.axes[k][j] for k in range(3)), ZERO) for j in range(3)] for row in rows
     ]
     return (
         (turned[0][0], turned[1][0], turned[2][0]),
         (turned[0][1], turned[1][1], turned[2][1]),
         (turned[0][2], turned[1][2], turned[2][2]),
     ), inside
+
+
+def end_of_three(builder: Builder, arm: Arm, target: Target) -> Vector:
+    """Return the target's position seen from axis 1."""
+    before = pose_of(arm.before, builder.names)
+    origin = added(target.origin, negated(before.origin))
+    return transposed(before.axes, origin)
 
 
 def named_rotation(builder: Builder, R: Rotation, columns: str = "123") -> Rotation:

@@ -120,45 +120,44 @@ def _upwards(one: Upwards, style: Style) -> Iterator[tuple[str, str]]:
     if rest:
         yield (
             REMARK,
-            say("The sign of the first that is not 0 of {values}:", values=", ".join([first, *rest])),
+            say(
+                "The sign of the first that is not 0 of {values}:", values=", ".join([first, *rest])
+            ),
         )
     yield FORMULA, f"{name} = 1 if {first} >= 0 else -1"
 
 
 def _posture(one: Posture, style: Style) -> str:
     rule = style.sum(one.rule)
-    if one.is_rank:
-        names = [f'"{name}"' for name in one.names]
-        if style.is_latex:
-            return r", \quad ".join(
-                rf"{rule} = {k}: \; \mathrm{{{name}}}" for k, name in enumerate(one.names)
-            )
-        return f"posture{one.choice + 1} = [{', '.join(names)}][{rule}]"
     first, second = one.names
     if style.is_latex:
-        return (
-            rf"{rule} \geq 0: \; \mathrm{{{first}}}, \quad {rule} < 0: \; \mathrm{{{second}}}"
-        )
+        return rf"{rule} \geq 0: \; \mathrm{{{first}}}, \quad {rule} < 0: \; \mathrm{{{second}}}"
     return f'posture{one.choice + 1} = "{first}" if {rule} >= 0 else "{second}"'
 
 
 def _roots(one: Roots, style: Style) -> Iterator[tuple[str, str]]:
-    name, rank = style.name(one.name), style.name(one.rank)
-    half = rf"\tan\left({name}/2\right)" if style.is_latex else f"tan({one.name}/2)"
-    yield REMARK, say("An equation of the fourth degree in the tangent of half the angle.")
+    angle = style.name(one.name)
     k = [style.sum(value) for value in one.coefficients]
-    del half
+    yield (
+        REMARK,
+        say(
+            "With t = tan({angle}/2) an equation of the fourth degree: up to four real roots.",
+            angle=one.name,
+        ),
+    )
     if style.is_latex:
-        C, S = rf"\cos {name}", rf"\sin {name}"
-        yield (
-            FORMULA,
-            rf"k_0 + k_1 {C} + k_2 {S} + k_3 \cos^2 {name} + k_4 {C} {S} = 0",
-        )
-        for n, value in enumerate(k):
-            yield FORMULA, rf"k_{n} = {value}"
+        C, S = rf"\cos {angle}", rf"\sin {angle}"
+        parts = [
+            k[0],
+            *(
+                f"{p} \\, {q}"
+                for p, q in zip(k[1:], (C, S, rf"\cos^2 {angle}", rf"{C} \, {S}"), strict=True)
+            ),
+        ]
+        yield FORMULA, f"{' + '.join(parts)} = 0"
         return
-    yield FORMULA, f"{rank} = 0  # 0 to 3, the real roots in order"
-    yield FORMULA, f"{name} = angles({', '.join(k)})[{rank}]"
+    yield EQUATION, f"{k[0]} + {k[1]}*C + {k[2]}*S + {k[3]}*C**2 + {k[4]}*C*S = 0"
+    yield FORMULA, f"{angle} = angles({', '.join(k)})[0]  # 0, 1, 2, 3"
 
 
 def text_lines(view: dict[str, Any], frame: str, base: str) -> list[str]:
