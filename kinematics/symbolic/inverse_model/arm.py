@@ -11,13 +11,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 from dh_to_urdf.table import Convention, DHTable, JointType
 from kinematics.symbolic.chain import Steps, path_to, values_of
 from kinematics.symbolic.names import Names
 from kinematics.symbolic.parameters import lengths_of
 from kinematics.symbolic.polynomial import ZERO, Polynomial
-from kinematics.symbolic.steps import AboutX, Pose, Step, Turn, Walker, about_z, along
+from kinematics.symbolic.steps import AboutX, Pose, Step, Walker, about_z, along
 
 ANGLE = 1e-8
 """Angle, rad, within which a twist counts as a multiple of π/2, as for the closed forms."""
@@ -146,9 +147,9 @@ def arm_of(table: DHTable, names: Names, base: str, frame: str) -> Arm:
         links.append(_link(table, names, groups[i], between))
     return Arm(
         tuple(links),
-        tuple([*(placed if base == "base_link" else []), *head]),
-        tuple([*tail, *tool]),
-        tuple([*placed, *head]),
+        (*(placed if base == "base_link" else []), *head),
+        (*tail, *tool),
+        (*placed, *head),
         size,
         rounded,
     )
@@ -220,7 +221,7 @@ def _regrouped(groups: Sequence[_Group]) -> list[_Group]:
     if not joints:
         return list(rest)
     found = list(rest[: joints[0] + 1])
-    for start, end in zip(joints, joints[1:], strict=False):
+    for start, end in pairwise(joints):
         found += _between(found[-1], list(rest[start + 1 : end]))
         found.append(rest[end])
     return [*found, *rest[joints[-1] + 1 :]]
@@ -266,11 +267,3 @@ def coordinates(table: DHTable, arm: Arm) -> list[tuple[dict[int, float], float]
     """Return the coordinate of each link as entries of q, by number from 1, and a constant."""
     values = values_of(table)
     return [(dict(values[link.row][0]), values[link.row][1]) for link in arm.links]
-
-
-def is_placed(steps: Sequence[Step]) -> bool:
-    """Return whether constant steps do anything."""
-    return any(not (isinstance(step, AboutX) and step.angle == 0.0) for step in steps)
-
-
-__all__ = ["Arm", "FixedBetween", "Link", "Turn", "arm_of", "constant", "coordinates", "pose_of"]

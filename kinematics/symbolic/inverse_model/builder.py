@@ -252,17 +252,20 @@ class Builder:
         alone = (not x and self.is_constant(y)) or (not y and self.is_constant(x))
         if alone:
             turned, over = (C, y) if not x else (S, x)
+            factor, value = over, z
+            if self.sum(over).terms[0].coefficient < 0:
+                factor, value = -over, -z
             self.remark(
                 say("The cosine alone is known: both signs of the sine.")
                 if not x
                 else say("The sine alone is known: both signs of the cosine.")
             )
-            known = self._define_trig(turned, z, over)
+            known = self._define_trig(turned, value, factor)
             self._remark(fails)
             w = self.root(f"w{link}", ONE - known * known, 0, plain=True)
             e = self.branch(sign, w)
-            factor = orient.scaled(self.sign(over) * (1 if not x else -1))
-            other = self._define_trig(S if not x else C, factor * e * w, ONE)
+            side = orient.scaled(self.sign(over) * (1 if not x else -1))
+            other = self._define_trig(S if not x else C, side * e * w, ONE)
             sine, cosine = (other, known) if not x else (known, other)
             self.angle(link, (ONE, sine, cosine), power=0, free=False)
             return e

@@ -51,6 +51,7 @@ class CSource(Code):
     comment_end = " */"
 
     def head(self) -> list[str]:
+        """Return the lines before the body."""
         d = self.derivation
         lengths = "".join(f"double {name}, " for name, _ in self.lengths())
         values = ", ".join(f"{name} = {value!r}" for name, value in self.lengths())
@@ -92,21 +93,26 @@ class CSource(Code):
         ]
 
     def tail(self) -> list[str]:
+        """Return the lines after it."""
         return ["    return count;", "}"]
 
     def define(self, name: str, value: str) -> None:
+        """Add ``name = value``."""
         self.put(f"const double {name} = {value};")
 
     def root(self, one: Root, size: str) -> None:
+        """Add a root."""
         self.put(f"const double {one.name} = root({self.style.sum(one.square)}, {size});")
         self.put(f"if (isnan({one.name})) {'continue' if self.in_loop else 'return count'};")
 
     def branch(self, one: Branch) -> None:
+        """Open a loop over both signs."""
         last = f"({one.root} > 0 ? -1 : 1)" if one.root else "-1"
         self.put(f"for (int {one.sign} = 1; {one.sign} >= {last}; {one.sign} -= 2) {{")
         self.in_loop += 1
 
     def roots(self, one: Roots) -> None:
+        """Open a loop over the roots of a trigonometric polynomial."""
         values = ", ".join(map(self.style.sum, one.coefficients))
         self.put(f"double {one.name}s[4];")
         self.put(f"const int {one.name}_end = angles({values}, {one.name}s);")
@@ -115,23 +121,28 @@ class CSource(Code):
         self.in_loop += 1
 
     def trig(self, one: Trig) -> None:
+        """Add a cosine and a sine."""
         argument = self.style.argument(one)
         self.put(f"const double C{one.label} = cos({argument}), S{one.label} = sin({argument});")
 
     def upwards(self, one: Upwards) -> None:
+        """Add the sign of the first number that is not 0."""
         values = [*map(self.style.sum, one.values), "0", "0"][:3]
         self.put(f"const int {one.name} = first_sign({', '.join(values)});")
 
     def posture(self, one: Posture) -> None:
+        """Add a name of the posture."""
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
         self.put(f'const char *{name} = {rule} >= 0 ? "{one.names[0]}" : "{one.names[1]}";')
 
     def angle_or_given(self, one: Angle, is_free: str) -> None:
+        """Add an angle, or the given one where it is free."""
         self.put(f"const int free{one.link} = {is_free};")
         given = self.given(one.link or 0, "given[{k0}]")
         self.put(f"const double {one.name} = free{one.link} ? {given} : {self.style.angle(one)};")
 
     def solution(self) -> None:
+        """Add what keeps a solution."""
         d = self.derivation
         for k, value in enumerate(self.entries("", "given[{k0}]", "wrap({})")):
             self.put(f"out[count].q[{k}] = {value};")
@@ -143,11 +154,13 @@ class CSource(Code):
         self.put("count++;")
 
     def close_all(self) -> None:
+        """Close all blocks."""
         while self.depth > 1:
             self.depth -= 1
             self.put("}")
 
     def ranks(self) -> None:
+        """Add what gives the first names by the order of an entry of q."""
         k = self.derivation.ranked - 1
         names = ", ".join(f'"{name}"' for name in self.derivation.postures[0])
         self.put(f"static const char *const ranks[] = {{{names}}};")

@@ -54,7 +54,7 @@ from kinematics.symbolic.length_names import Length, written_name
 from kinematics.symbolic.parameters import lengths_of, unusual_angles
 from kinematics.symbolic.polynomial import Polynomial
 from kinematics.symbolic.request import SymbolicRequest
-from kinematics.symbolic.steps import Vector
+from kinematics.symbolic.steps import Rotation, Vector
 
 MAX_UNUSUAL = 2
 FirstThree = Callable[[Builder, Arm, Vector, Polynomial], None]
@@ -86,8 +86,8 @@ def derive(table: DHTable, request: SymbolicRequest) -> Derivation:
     except FixedBetween:
         raise NoClosedForm(
             say(
-                "a fixed row between two joints turns and shifts at once: write the table without"
-                " it, as POST /v1/urdf-to-dh or /v1/robots/{{id}}/dh?convention=modified gives it"
+                "a fixed row between two joints turns and shifts at once; write the table of the"
+                " joints that move alone"
             )
         ) from None
     builder = Builder(
@@ -98,7 +98,7 @@ def derive(table: DHTable, request: SymbolicRequest) -> Derivation:
     back = _back(table, arm)
     target = target_of(builder)
     kind, description, postures, most = _solved(builder, arm, target)
-    notes = [
+    notes: list[str] = [
         say(
             "{name} is a word of the functions here; the length is called {default}",
             name=named,
@@ -112,12 +112,15 @@ def derive(table: DHTable, request: SymbolicRequest) -> Derivation:
 
 
 _WORDS = frozenset(
-    ("T", "given", "size", "count", "solutions", "root", "signs", "wrap", "either", "angles")
-    + ("hypot", "atan2", "free", "posture", "values", "value", "rank", "ranks", "i", "j", "k", "n")
-    + ("first_sign", "real_roots", "polynomial", "inverse_model", "inverse_solution", "isnan")
-    + ("NAN", "fabs", "fmax", "pow", "sorted", "sum", "enumerate", "nargin", "zeros", "struct")
-    + ("find", "numel", "norm", "abs", "sign", "end", "function", "otherwise", "roots", "all")
+    (
+        *("T", "given", "size", "count", "solutions", "root", "signs", "wrap", "either", "angles"),
+        *("hypot", "atan2", "free", "posture", "values", "value", "rank", "ranks", "i", "j", "k"),
+        *("n", "first_sign", "real_roots", "polynomial", "inverse_model", "inverse_solution"),
+        *("isnan", "NAN", "fabs", "fmax", "pow", "sorted", "sum", "enumerate", "nargin", "zeros"),
+        *("struct", "find", "numel", "norm", "abs", "sign", "end", "function", "roots", "all"),
+    )
 )
+"""Words that the functions use themselves."""
 
 
 def reserved(table: DHTable, request: SymbolicRequest) -> dict[Length, str]:
@@ -145,7 +148,7 @@ def _solved(
             plural(
                 "the frame has {count} joint before it; closed forms are known of 2 to 7",
                 "the frame has {count} joints before it; closed forms are known of 2 to 7",
-                count,
+                count=count,
             )
         )
     if all(flat(link.alpha) for link in links[:-1]):
@@ -227,7 +230,7 @@ def _six(
                 (*choices, FLIP),
                 8,
             )
-    if _three_parallel(builder, arm):
+    if _three_parallel(arm):
         R, centre = _wrist_centre(builder, arm, target)
         parallel_axes(builder, arm, R, centre)
         return (
@@ -241,8 +244,8 @@ def _six(
     raise NoClosedForm(_why(builder, arm))
 
 
-def _wrist_centre(builder: Builder, arm: Arm, target: Target) -> tuple[object, Vector]:
-    if _three_parallel(builder, arm):
+def _wrist_centre(builder: Builder, arm: Arm, target: Target) -> tuple[Rotation, Vector]:
+    if _three_parallel(arm):
         builder.step(
             say("The point of axis 6 nearest to axis 5")
             if arm.links[4].a
@@ -310,7 +313,7 @@ def _first_three(
     return general, say("axes 1, 2 and 3 in general position"), (RANKS, ("",))
 
 
-def _three_parallel(builder: Builder, arm: Arm) -> bool:
+def _three_parallel(arm: Arm) -> bool:
     one, two, three, four, five, _ = arm.links
     return (
         arm.types == "RRRRRR"
@@ -372,16 +375,16 @@ def _back(table: DHTable, arm: Arm) -> list[tuple[dict[int, Fraction], int]]:
 def _inverted(matrix: list[list[Fraction]]) -> list[list[Fraction]] | None:
     n = len(matrix)
     rows = [[*row, *(Fraction(int(i == k)) for k in range(n))] for i, row in enumerate(matrix)]
-    for column in range(n):
-        pivot = next((i for i in range(column, n) if rows[i][column]), None)
+    for place in range(n):
+        pivot = next((i for i in range(place, n) if rows[i][place]), None)
         if pivot is None:
             return None
-        rows[column], rows[pivot] = rows[pivot], rows[column]
-        rows[column] = [value / rows[column][column] for value in rows[column]]
+        rows[place], rows[pivot] = rows[pivot], rows[place]
+        rows[place] = [value / rows[place][place] for value in rows[place]]
         for i in range(n):
-            if i != column and rows[i][column]:
-                factor = rows[i][column]
-                rows[i] = [a - factor * b for a, b in zip(rows[i], rows[column], strict=True)]
+            if i != place and rows[i][place]:
+                factor = rows[i][place]
+                rows[i] = [a - factor * b for a, b in zip(rows[i], rows[place], strict=True)]
     return [row[n:] for row in rows]
 
 

@@ -87,7 +87,7 @@ def shoulder_angle(
         names: Names of the posture.
         front: Sign along the common normal of axes 1 and 2 of the first of these.
     """
-    c, s = twist(builder.names, arm.links[0].alpha)
+    _, s = twist(builder.names, arm.links[0].alpha)
     (x, y, rest), seen = from_axis_2(builder, arm, w)
     builder.step(say("{angle} from the component along axis {axis}", angle="theta1", axis=2))
     builder.remark(
@@ -374,7 +374,8 @@ def general(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
     hs, hc, h0 = _split(builder, g[2], 3)
     rest = builder.let("rs", square - first.a * first.a - fixed)
     up = builder.let("us", height - cosine * h0)
-    # (rest - s3 S - c3 C)²/(4 a1²) + (up - cos α1 (hs S + hc C))²/sin² α1 + gz² = fixed + s3 S + c3 C
+    # (rest - s3 S - c3 C)²/(4 a1²) + (up - cos α1 (hs S + hc C))²/sin² α1 + gz²
+    # = fixed + s3 S + c3 C
     four = (first.a * first.a).scaled(4)
     s2 = sine * sine
     ms, mc = cosine * hs, cosine * hc

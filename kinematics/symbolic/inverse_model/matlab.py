@@ -72,6 +72,7 @@ class Matlab(Code):
     comment_mark = "%"
 
     def head(self) -> list[str]:
+        """Return the lines before the body."""
         d = self.derivation
         return [
             "function solutions = inverse_model(T, given)",
@@ -87,6 +88,7 @@ class Matlab(Code):
         ]
 
     def tail(self) -> list[str]:
+        """Return the lines after it."""
         helpers = [
             _ROOT,
             *([_UPWARDS] if self.has(Upwards) else []),
@@ -95,37 +97,45 @@ class Matlab(Code):
         return ["end", *(line for part in helpers for line in part.splitlines())]
 
     def define(self, name: str, value: str) -> None:
+        """Add ``name = value``."""
         self.put(f"{name} = {value};")
 
     def root(self, one: Root, size: str) -> None:
+        """Add a root."""
         self.put(f"{one.name} = root({self.style.sum(one.square)}, {size});")
         self.put(f"if isnan({one.name})")
         self.put("    continue" if self.in_loop else "    return")
         self.put("end")
 
     def branch(self, one: Branch) -> None:
+        """Open a loop over both signs."""
         self.put(f"for {one.sign} = {f'signs({one.root})' if one.root else '[1 -1]'}")
         self.in_loop += 1
 
     def roots(self, one: Roots) -> None:
+        """Open a loop over the roots of a trigonometric polynomial."""
         values = ", ".join(map(self.style.sum, one.coefficients))
         self.put(f"for {one.name} = angles({values})")
         self.in_loop += 1
 
     def trig(self, one: Trig) -> None:
+        """Add a cosine and a sine."""
         argument = self.style.argument(one)
         self.put(f"C{one.label} = cos({argument});")
         self.put(f"S{one.label} = sin({argument});")
 
     def upwards(self, one: Upwards) -> None:
+        """Add the sign of the first number that is not 0."""
         values = ", ".join(map(self.style.sum, one.values))
         self.put(f"{one.name} = first_sign([{values}]);")
 
     def posture(self, one: Posture) -> None:
+        """Add a name of the posture."""
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
         self.put(f"{name} = either({rule}, '{one.names[0]}', '{one.names[1]}');")
 
     def angle_or_given(self, one: Angle, is_free: str) -> None:
+        """Add an angle, or the given one where it is free."""
         given = self.given(one.link or 0, "given({k})")
         self.put(f"free{one.link} = {is_free};")
         self.put(f"if free{one.link}")
@@ -135,6 +145,7 @@ class Matlab(Code):
         self.put("end")
 
     def solution(self) -> None:
+        """Add what keeps a solution."""
         for number, value in enumerate(self.entries("pi", "given({k})", "wrap({})"), start=1):
             self.put(f"q{number} = {value};")
         q = ", ".join(f"q{k}" for k in range(1, self.derivation.dof + 1))
@@ -148,11 +159,13 @@ class Matlab(Code):
         )
 
     def close_all(self) -> None:
+        """Close all blocks."""
         while self.depth > 1:
             self.depth -= 1
             self.put("end")
 
     def ranks(self) -> None:
+        """Add what gives the first names by the order of an entry of q."""
         k = self.derivation.ranked
         names = ", ".join(f"'{name}'" for name in self.derivation.postures[0])
         self.put(f"ranks = {{{names}}};")

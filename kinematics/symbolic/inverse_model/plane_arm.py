@@ -46,7 +46,10 @@ def plane_arm(
     cosine = (ax * bx + ay * by).scaled(2)
     fixed = ax * ax + ay * ay + bx * bx + by * by
     square = x * x + y * y
-    builder.equation(sine * S + cosine * C, square - fixed)
+    left, right = sine * S + cosine * C, square - fixed
+    if builder.sum(left).terms[0].coefficient < 0:
+        left, right = -left, -right
+    builder.equation(left, right)
     orient = Polynomial.constant(-sense)
     facing = [p for p in normal if p]
     e = builder.sine_cosine(

@@ -47,9 +47,14 @@ class Python(Code):
     comment_mark = "#"
 
     def head(self) -> list[str]:
+        """Return the lines before the body."""
         d = self.derivation
         lengths = "".join(f", {name}={value!r}" for name, value in self.lengths())
-        helpers = [_ROOT, *([_UPWARDS] if self.has(Upwards) else []), *self.polynomials()]
+        helpers = [
+            _ROOT,
+            *([_UPWARDS] if self.has(Upwards) else []),
+            *([_ROOTS] if self.has(Roots) else []),
+        ]
         first, *more = self.about()
         return [
             "from math import atan2, cos, hypot, pi, sin, sqrt",
@@ -69,47 +74,54 @@ class Python(Code):
             "    solutions = []",
         ]
 
-    def polynomials(self) -> list[str]:
-        return [_ROOTS] if self.has(Roots) else []
-
     def tail(self) -> list[str]:
+        """Return the lines after it."""
         return ["    return solutions"]
 
     def define(self, name: str, value: str) -> None:
+        """Add ``name = value``."""
         self.put(f"{name} = {value}")
 
     def root(self, one: Root, size: str) -> None:
+        """Add a root."""
         self.put(f"{one.name} = root({self.style.sum(one.square)}, {size})")
         self.put(f"if {one.name} is None:")
         self.put("    continue" if self.in_loop else "    return solutions")
 
     def branch(self, one: Branch) -> None:
+        """Open a loop over both signs."""
         over = f"signs({one.root})" if one.root else "(1, -1)"
         self.put(f"for {one.sign} in {over}:")
         self.in_loop += 1
 
     def roots(self, one: Roots) -> None:
+        """Open a loop over the roots of a trigonometric polynomial."""
         values = ", ".join(map(self.style.sum, one.coefficients))
         self.put(f"for {one.name} in angles({values}):")
         self.in_loop += 1
 
     def trig(self, one: Trig) -> None:
+        """Add a cosine and a sine."""
         argument = self.style.argument(one)
         self.put(f"C{one.label}, S{one.label} = cos({argument}), sin({argument})")
 
     def upwards(self, one: Upwards) -> None:
+        """Add the sign of the first number that is not 0."""
         self.put(f"{one.name} = first_sign({', '.join(map(self.style.sum, one.values))})")
 
     def posture(self, one: Posture) -> None:
+        """Add a name of the posture."""
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
         self.put(f'{name} = "{one.names[0]}" if {rule} >= 0 else "{one.names[1]}"')
 
     def angle_or_given(self, one: Angle, is_free: str) -> None:
+        """Add an angle, or the given one where it is free."""
         self.put(f"free{one.link} = {is_free}")
         given = self.given(one.link or 0, "given[{k0}]")
         self.put(f"{one.name} = {given} if free{one.link} else {self.style.angle(one)}")
 
     def solution(self) -> None:
+        """Add what keeps a solution."""
         for number, value in enumerate(self.entries("pi", "given[{k0}]", "wrap({})"), start=1):
             self.put(f"q{number} = {value}")
         q = ", ".join(f"q{k}" for k in range(1, self.derivation.dof + 1))
@@ -122,9 +134,11 @@ class Python(Code):
         self.put("})")
 
     def close_all(self) -> None:
+        """Close all blocks."""
         self.depth = 1
 
     def ranks(self) -> None:
+        """Add what gives the first names by the order of an entry of q."""
         k = self.derivation.ranked - 1
         names = ", ".join(f'"{name}"' for name in self.derivation.postures[0])
         self.put(f'values = sorted(one["q"][{k}] for one in solutions)')

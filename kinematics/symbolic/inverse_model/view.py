@@ -202,7 +202,7 @@ def _about(view: dict[str, Any], frame: str, base: str) -> list[str]:
         plural(
             "At most {count} solution.",
             "At most {count} solutions, one for each choice of the signs.",
-            view["most_solutions"],
+            count=view["most_solutions"],
         ),
         say(
             "The target T is {frame} in {base}, with columns u, v, w (n, o, a of Paul) and the"
