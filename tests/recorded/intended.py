@@ -509,8 +509,10 @@ def _without_inverse(old: Answer, text: str) -> str:
     """Closed forms without the inverse of J and what is said of it."""
     if text[:1] == "{":
         payload = orjson.loads(text)
+        payload.pop("inverse", None)
         if payload.pop("inverse_jacobian", None) is not None or "simplified" in payload:
             payload.get("simplified", {}).pop("inverse_jacobian", None)
+            payload.get("simplified", {}).pop("inverse", None)
             payload["notes"] = [one for one in payload.get("notes", []) if "inverse" not in one]
             return orjson.dumps(payload).decode()
         return text.replace(", det_jacobian, inverse_jacobian", ", det_jacobian")
