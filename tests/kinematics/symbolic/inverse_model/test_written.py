@@ -55,9 +55,7 @@ def test_text_runs_for_every_choice_of_signs(name):
 def test_every_formula_is_latex(name):
     mathtext = pytest.importorskip("matplotlib.mathtext").MathTextParser("path")
     table = random_table(name, seed=3)
-    answer = written(
-        table, "inverse", notation=Notation.LATEX, parameters="symbolic", listing=True
-    )
+    answer = written(table, "inverse", notation=Notation.LATEX, parameters="symbolic", listing=True)
     for step in answer["inverse"]["steps"]:
         for line in step["lines"]:
             if line["kind"] != "remark":
