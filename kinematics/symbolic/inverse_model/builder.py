@@ -15,6 +15,7 @@ from kinematics.symbolic.arrange import expanded, folded, shortest_form
 from kinematics.symbolic.expressions import Sum, symbols
 from kinematics.symbolic.inverse_model.arm import constant
 from kinematics.symbolic.inverse_model.statements import (
+    Across,
     Angle,
     Branch,
     Equation,
@@ -144,10 +145,11 @@ class Builder:
         *,
         plain: bool = False,
         is_sum: bool = False,
+        is_divisor: bool = False,
     ) -> Polynomial:
         """Return a square root that must be real; ``plain`` leaves 1 - C² as it is."""
         value = self.plain(square) if plain else self.sum(square)
-        name = self._added(name, lambda fresh: Root(fresh, value, power, is_sum), value)
+        name = self._added(name, lambda fresh: Root(fresh, value, power, is_sum, is_divisor), value)
         return Polynomial.symbol(name)
 
     def branch(self, sign: str, root: Polynomial | None = None) -> Polynomial:
@@ -201,6 +203,23 @@ class Builder:
         found = tuple(one for one in found if one.terms)
         name = self._added(name, lambda fresh: Upwards(fresh, found), *found)
         return Polynomial.symbol(name)
+
+    def across(
+        self, name: str, of: Iterable[Vector], to: Vector, least: float, power: int
+    ) -> Vector:
+        """Return the unit vector across another that is nearest to the first of some vectors."""
+        given = [(self.sum(x), self.sum(y), self.sum(z)) for x, y, z in of]
+        axis = self.sum(to[0]), self.sum(to[1]), self.sum(to[2])
+        self._require(*axis, *(value for one in given for value in one))
+        x, y, z = (self.names.fresh(f"{name}{a}") for a in AXES)
+        self.steps[-1].statements.append(Across((x, y, z), tuple(given), axis, least, power))
+        return Polynomial.symbol(x), Polynomial.symbol(y), Polynomial.symbol(z)
+
+    def turn(self, label: str, angle: str) -> tuple[Polynomial, Polynomial]:
+        """Return cosine and sine, under a label, of an angle that is given."""
+        cosine, sine = (Polynomial.symbol(self.names.fresh(f"{one}{label}")) for one in "CS")
+        self.steps[-1].statements.append(Trig(label, ((angle, 1),), 0.0))
+        return cosine, sine
 
     def posture(self, choice: int, names: tuple[str, str], rule: Polynomial) -> None:
         """Name a posture."""

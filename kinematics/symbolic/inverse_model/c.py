@@ -6,6 +6,7 @@ from dh_to_urdf.messages import chained, say
 from kinematics.symbolic.inverse_model.code import Code
 from kinematics.symbolic.inverse_model.notation import C
 from kinematics.symbolic.inverse_model.statements import (
+    Across,
     Angle,
     Branch,
     Posture,
@@ -43,6 +44,25 @@ static int first_sign(double a, double b, double c)
 """
 
 
+_ACROSS = """
+/* The unit vector across the unit vector n nearest to the first of two not along it. */
+static void across(const double n[3], double least, const double v[2][3], double out[3])
+{
+    for (int i = 0; i < 2; i++) {
+        const double along = v[i][0]*n[0] + v[i][1]*n[1] + v[i][2]*n[2];
+        double square = 0;
+        for (int k = 0; k < 3; k++) {
+            out[k] = v[i][k] - along*n[k];
+            square += out[k]*out[k];
+        }
+        const double length = sqrt(square);
+        for (int k = 0; k < 3; k++) out[k] /= length;
+        if (length > least) return;
+    }
+}
+"""
+
+
 class CSource(Code):
     """Writes C."""
 
@@ -60,7 +80,9 @@ class CSource(Code):
             *([_WRAP] if any(one.is_angle for one in d.coordinates) else []),
             *([_UPWARDS] if self.has(Upwards) else []),
             *([_ROOTS] if self.has(Roots) else []),
+            *([_ACROSS] if self.has(Across) else []),
         ]
+        swivel = f"double {d.swivel}, " if d.swivel else ""
         about = [
             *self.about(),
             *([values] if values else []),
@@ -81,7 +103,7 @@ class CSource(Code):
                 for k, one in enumerate(about)
             ),
             f"int inverse_model(const double T[4][4], {lengths}const double given[{d.dof}],",
-            f"                  inverse_solution out[{d.most}])",
+            f"                  {swivel}inverse_solution out[{d.most}])",
             "{",
             f"    const double size = {d.size!r};",
             *(
@@ -103,7 +125,8 @@ class CSource(Code):
     def root(self, one: Root, size: str) -> None:
         """Add a root."""
         self.put(f"const double {one.name} = root({self.style.sum(one.square)}, {size});")
-        self.put(f"if (isnan({one.name})) {'continue' if self.in_loop else 'return count'};")
+        none = f"!({one.name} > 0)" if one.is_divisor else f"isnan({one.name})"
+        self.put(f"if ({none}) {'continue' if self.in_loop else 'return count'};")
 
     def branch(self, one: Branch) -> None:
         """Open a loop over both signs."""
@@ -134,6 +157,16 @@ class CSource(Code):
         """Add a name of the posture."""
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
         self.put(f'const char *{name} = {rule} >= 0 ? "{one.names[0]}" : "{one.names[1]}";')
+
+    def across(self, one: Across, least: str) -> None:
+        """Add the unit vector across another."""
+        to, *of = self.vectors(one, "{", "}")
+        name = one.names[0][:-1]
+        self.put(f"const double {name}_to[3] = {to}, {name}_of[2][3] = {{{', '.join(of)}}};")
+        self.put(f"double {name}[3];")
+        self.put(f"across({name}_to, {least}, {name}_of, {name});")
+        parts = ", ".join(f"{part} = {name}[{k}]" for k, part in enumerate(one.names))
+        self.put(f"const double {parts};")
 
     def angle_or_given(self, one: Angle, is_free: str) -> None:
         """Add an angle, or the given one where it is free."""

@@ -7,6 +7,7 @@ from kinematics.symbolic.angles import turn_text
 from kinematics.symbolic.expressions import symbols
 from kinematics.symbolic.inverse_model.notation import Style
 from kinematics.symbolic.inverse_model.statements import (
+    Across,
     Angle,
     Branch,
     Derivation,
@@ -126,6 +127,8 @@ class Code:
             self.upwards(one)
         elif isinstance(one, Posture):
             self.posture(one)
+        elif isinstance(one, Across):
+            self.across(one, f"{one.least!r}{'*size' * one.power}")
         elif isinstance(one, Angle):
             self.angle(one)
         else:
@@ -194,6 +197,17 @@ class Code:
     def posture(self, one: Posture) -> None:
         """Add a name of the posture."""
         raise NotImplementedError
+
+    def across(self, one: Across, least: str) -> None:
+        """Add the unit vector across another."""
+        raise NotImplementedError
+
+    def vectors(self, one: Across, opening: str, closing: str) -> list[str]:
+        """Return the vectors of a statement, the unit vector first."""
+        return [
+            f"{opening}{', '.join(map(self.style.sum, vector))}{closing}"
+            for vector in (one.to, *one.of)
+        ]
 
     def angle_or_given(self, one: Angle, is_free: str) -> None:
         """Add an angle, or the given one where it is free."""

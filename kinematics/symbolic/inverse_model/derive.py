@@ -34,6 +34,7 @@ from kinematics.symbolic.inverse_model.first_three import (
 )
 from kinematics.symbolic.inverse_model.parallel_axes import SIDES, TURNS, parallel_axes
 from kinematics.symbolic.inverse_model.plane_arm import ELBOW
+from kinematics.symbolic.inverse_model.shoulder_elbow_wrist import ends, shoulder_elbow_wrist
 from kinematics.symbolic.inverse_model.statements import (
     Coordinate,
     Derivation,
@@ -157,6 +158,11 @@ def _solved(
         return _six(builder, arm, target)
     if count == 3:
         return _three(builder, arm, target)
+    if arm.types == "RRRRRRR" and _is_srs(builder, arm):
+        R, centre = _wrist_centre(builder, arm, target)
+        shoulder_elbow_wrist(builder, arm, R, centre, builder.names.fresh(SWIVEL))
+        text = say("spherical shoulder, elbow, spherical wrist")
+        return "srs", text, (SENSE, SENSE, SENSE), 8
     raise NoClosedForm(_why(builder, arm))
 
 
@@ -245,7 +251,10 @@ def _six(
 
 
 def _wrist_centre(builder: Builder, arm: Arm, target: Target) -> tuple[Rotation, Vector]:
-    if _three_parallel(arm):
+    if len(arm.links) == 7:
+        builder.step(say("The centre of the wrist, where axes 5, 6 and 7 meet"))
+        count = 4
+    elif _three_parallel(arm):
         builder.step(
             say("The point of axis 6 nearest to axis 5")
             if arm.links[4].a
@@ -264,6 +273,23 @@ def _wrist_centre(builder: Builder, arm: Arm, target: Target) -> tuple[Rotation,
         builder.remark(say("It is the origin of the frame itself: X, Y, Z."))
     x, y, z = (builder.let(f"{a}w", p) for a, p in zip("xyz", origin, strict=True))
     return R, (x, y, z)
+
+
+SWIVEL = "swivel"
+
+
+def _is_srs(builder: Builder, arm: Arm) -> bool:
+    """Return whether axes 1, 2, 3 meet in one point and axes 5, 6, 7 in another, off axis 4."""
+    one, two, _, _, five, six, _ = arm.links
+    meeting = not (one.a or two.a or five.a or six.a) and all(
+        _is_zero(builder, arm, link.slide) for link in (two, six)
+    )
+    if not meeting or any(flat(link.alpha) for link in (one, two, five, six)):
+        return False
+    return all(
+        not (_is_zero(builder, arm, x) and _is_zero(builder, arm, y))
+        for x, y, _ in ends(builder, arm)
+    )
 
 
 def _is_zero(builder: Builder, arm: Arm, p: Polynomial) -> bool:
@@ -328,8 +354,9 @@ def _why(builder: Builder, arm: Arm) -> str:
     names = builder.names
     if len(arm.links) != 6:
         text = say(
-            "of {count} joints ({types}) closed forms are written for plane arms, SCARA, and six"
-            " joints with a spherical wrist or axes 2, 3 and 4 parallel",
+            "of {count} joints ({types}) closed forms are written for plane arms, SCARA, six joints"
+            " with a spherical wrist or axes 2, 3 and 4 parallel, and seven with a spherical"
+            " shoulder and wrist",
             count=len(arm.links),
             types=arm.types,
         )
@@ -451,5 +478,6 @@ def _derivation(
         postures,
         most,
         ranked,
+        SWIVEL if kind == "srs" else "",
         tuple(notes),
     )

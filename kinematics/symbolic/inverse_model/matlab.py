@@ -6,6 +6,7 @@ from dh_to_urdf.messages import chained, say
 from kinematics.symbolic.inverse_model.code import Code
 from kinematics.symbolic.inverse_model.notation import MATLAB
 from kinematics.symbolic.inverse_model.statements import (
+    Across,
     Angle,
     Branch,
     Posture,
@@ -65,6 +66,20 @@ end
 """
 
 
+_ACROSS = """
+function part = across(n, least, vectors)
+% The unit vector across the unit vector n nearest to the first row that is not along it.
+    for k = 1:2
+        part = vectors(k, :) - (vectors(k, :)*n')*n;
+        if norm(part) > least
+            break
+        end
+    end
+    part = part/norm(part);
+end
+"""
+
+
 class Matlab(Code):
     """Writes MATLAB."""
 
@@ -74,13 +89,16 @@ class Matlab(Code):
     def head(self) -> list[str]:
         """Return the lines before the body."""
         d = self.derivation
+        swivel = f", {d.swivel}" if d.swivel else ""
+        default = ["    if nargin < 3", f"        {d.swivel} = 0;", "    end"]
         return [
-            "function solutions = inverse_model(T, given)",
+            f"function solutions = inverse_model(T, given{swivel})",
             *(chained("", ("% ", one)) for one in self.about()),
             chained("", ("% ", say("Returns structs: q, names of the posture, and free joints."))),
             "    if nargin < 2",
             f"        given = zeros(1, {d.dof});",
             "    end",
+            *(default if d.swivel else []),
             f"    size = {d.size!r};",
             *(f"    {name} = {value!r};" for name, value in self.lengths()),
             *(f"    {name} = T({row + 1}, {column + 1});" for name, row, column in self.elements()),
@@ -93,6 +111,7 @@ class Matlab(Code):
             _ROOT,
             *([_UPWARDS] if self.has(Upwards) else []),
             *([_ROOTS] if self.has(Roots) else []),
+            *([_ACROSS] if self.has(Across) else []),
         ]
         return ["end", *(line for part in helpers for line in part.splitlines())]
 
@@ -103,7 +122,7 @@ class Matlab(Code):
     def root(self, one: Root, size: str) -> None:
         """Add a root."""
         self.put(f"{one.name} = root({self.style.sum(one.square)}, {size});")
-        self.put(f"if isnan({one.name})")
+        self.put(f"if ~({one.name} > 0)" if one.is_divisor else f"if isnan({one.name})")
         self.put("    continue" if self.in_loop else "    return")
         self.put("end")
 
@@ -133,6 +152,15 @@ class Matlab(Code):
         """Add a name of the posture."""
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
         self.put(f"{name} = either({rule}, '{one.names[0]}', '{one.names[1]}');")
+
+    def across(self, one: Across, least: str) -> None:
+        """Add the unit vector across another."""
+        to, *of = self.vectors(one, "[", "]")
+        rows = "; ".join(row[1:-1] for row in of)
+        name = one.names[0][:-1]
+        self.put(f"{name} = across({to}, {least}, [{rows}]);")
+        for k, part in enumerate(one.names, start=1):
+            self.put(f"{part} = {name}({k});")
 
     def angle_or_given(self, one: Angle, is_free: str) -> None:
         """Add an angle, or the given one where it is free."""

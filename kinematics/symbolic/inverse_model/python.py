@@ -6,6 +6,7 @@ from dh_to_urdf.messages import chained, say
 from kinematics.symbolic.inverse_model.code import Code
 from kinematics.symbolic.inverse_model.notation import PYTHON
 from kinematics.symbolic.inverse_model.statements import (
+    Across,
     Angle,
     Branch,
     Posture,
@@ -40,6 +41,18 @@ def first_sign(*values):
 '''
 
 
+_ACROSS = '''
+def across(n, least, *vectors):
+    """Return the unit vector across the unit vector n nearest to the first that is not along it."""
+    for v in vectors:
+        along = sum(a*b for a, b in zip(v, n))
+        part = [a - along*b for a, b in zip(v, n)]
+        if hypot(*part) > least:
+            break
+    return [a/hypot(*part) for a in part]
+'''
+
+
 class Python(Code):
     """Writes Python."""
 
@@ -54,14 +67,16 @@ class Python(Code):
             _ROOT,
             *([_UPWARDS] if self.has(Upwards) else []),
             *([_ROOTS] if self.has(Roots) else []),
+            *([_ACROSS] if self.has(Across) else []),
         ]
+        swivel = f", {d.swivel}=0.0" if d.swivel else ""
         first, *more = self.about()
         return [
             "from math import atan2, cos, hypot, pi, sin, sqrt",
             *(line for part in helpers for line in f"\n{part}".splitlines()),
             "",
             "",
-            f"def inverse_model(T{lengths}, given=(0,) * {d.dof}):",
+            f"def inverse_model(T{lengths}, given=(0,) * {d.dof}{swivel}):",
             chained("", ('    """', first)),
             "",
             *(chained("", ("    ", one)) for one in more),
@@ -85,7 +100,7 @@ class Python(Code):
     def root(self, one: Root, size: str) -> None:
         """Add a root."""
         self.put(f"{one.name} = root({self.style.sum(one.square)}, {size})")
-        self.put(f"if {one.name} is None:")
+        self.put(f"if not {one.name}:" if one.is_divisor else f"if {one.name} is None:")
         self.put("    continue" if self.in_loop else "    return solutions")
 
     def branch(self, one: Branch) -> None:
@@ -113,6 +128,11 @@ class Python(Code):
         """Add a name of the posture."""
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
         self.put(f'{name} = "{one.names[0]}" if {rule} >= 0 else "{one.names[1]}"')
+
+    def across(self, one: Across, least: str) -> None:
+        """Add the unit vector across another."""
+        to, *of = self.vectors(one, "(", ")")
+        self.put(f"{', '.join(one.names)} = across({to}, {least}, {', '.join(of)})")
 
     def angle_or_given(self, one: Angle, is_free: str) -> None:
         """Add an angle, or the given one where it is free."""

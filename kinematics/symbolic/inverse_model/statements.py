@@ -32,12 +32,14 @@ class Root:
         square: Under the root.
         power: The square's power of a length, for what counts as rounding: 0, 2 or 4.
         is_sum: Whether the square is a sum of squares, which is never negative.
+        is_divisor: Whether there is no solution where it is 0, either.
     """
 
     name: str
     square: Sum
     power: int
     is_sum: bool = False
+    is_divisor: bool = False
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,25 @@ class Posture:
 
 
 @dataclass(frozen=True)
+class Across:
+    """The unit vector across a unit vector that is nearest to another.
+
+    Attributes:
+        names: Its components.
+        of: The other; where it is along the unit vector, the next is taken: three components each.
+        to: The unit vector.
+        least: How small its part across may be, beside ``power`` of a length.
+        power: Power of a length that it is.
+    """
+
+    names: tuple[str, str, str]
+    of: tuple[tuple[Sum, Sum, Sum], ...]
+    to: tuple[Sum, Sum, Sum]
+    least: float
+    power: int
+
+
+@dataclass(frozen=True)
 class Equation:
     """An equation that is shown, ``left = right``."""
 
@@ -158,7 +179,7 @@ class Remark:
 
 
 Statement: TypeAlias = (
-    Let | Root | Branch | Roots | Angle | Trig | Upwards | Posture | Equation | Remark
+    Let | Root | Branch | Roots | Angle | Trig | Upwards | Posture | Across | Equation | Remark
 )
 
 
@@ -212,6 +233,7 @@ class Derivation:
             ``given1``, …: terms and a constant.
         postures: The choices with their names, as ``ik/solutions`` has them.
         most: Largest number of solutions.
+        swivel: Name of the swivel angle that the function takes; empty where it takes none.
         ranked: The number of the entry of q by whose value solutions have the first name of the
             posture, the smallest first; 0 where that is decided by a sign.
         notes: What is to be known of it.
@@ -232,6 +254,7 @@ class Derivation:
     postures: tuple[tuple[str, ...], ...]
     most: int
     ranked: int = 0
+    swivel: str = ""
     notes: tuple[str, ...] = ()
 
 
@@ -246,6 +269,8 @@ def symbols_of(one: Statement) -> set[str]:
         values = [*one.coefficients]
     elif isinstance(one, Upwards):
         values = [*one.values]
+    elif isinstance(one, Across):
+        values = [*one.to, *(value for vector in one.of for value in vector)]
     elif isinstance(one, Posture):
         values = [one.rule]
     elif isinstance(one, Angle):

@@ -10,6 +10,7 @@ from dh_to_urdf.messages import Message, chained, plural, say
 from kinematics.symbolic.angles import turn_text
 from kinematics.symbolic.inverse_model.notation import LATEX, PYTHON, Style
 from kinematics.symbolic.inverse_model.statements import (
+    Across,
     Angle,
     Branch,
     Derivation,
@@ -90,6 +91,8 @@ def _lines(one: Statement, style: Style) -> Iterator[tuple[str, str]]:
         yield from _trig(one, style)
     elif isinstance(one, Upwards):
         yield from _upwards(one, style)
+    elif isinstance(one, Across):
+        yield from _across(one, style)
     elif isinstance(one, Posture):
         yield FORMULA, _posture(one, style)
     elif isinstance(one, Angle):
@@ -133,6 +136,20 @@ def _posture(one: Posture, style: Style) -> str:
     if style.is_latex:
         return rf"{rule} \geq 0: \; \mathrm{{{first}}}, \quad {rule} < 0: \; \mathrm{{{second}}}"
     return f'posture{one.choice + 1} = "{first}" if {rule} >= 0 else "{second}"'
+
+
+def _across(one: Across, style: Style) -> Iterator[tuple[str, str]]:
+    names = [style.name(name) for name in one.names]
+    v, n = ([*map(style.sum, vector)] for vector in (one.of[0], one.to))
+    yield REMARK, say("The unit vector across n in the plane of v and n:")
+    if style.is_latex:
+        left, first, second = (rf"\left({', '.join(part)}\right)" for part in (names, v, n))
+        yield EQUATION, rf"v = {first}, \quad n = {second}"
+        length = r"\left|v - \left(v \cdot n\right) n\right|"
+        yield FORMULA, rf"{left} = \frac{{v - \left(v \cdot n\right) n}}{{{length}}}"
+        return
+    call = f"across(({', '.join(n)}), {one.least!r}, ({', '.join(v)}))"
+    yield FORMULA, f"{', '.join(names)} = {call}"
 
 
 def _roots(one: Roots, style: Style) -> Iterator[tuple[str, str]]:

@@ -18,7 +18,13 @@ FLIP = ("noflip", "flip")
 
 
 def wrist(
-    builder: Builder, arm: Arm, first: int, arm_turned: Rotation, R: Rotation, choice: int
+    builder: Builder,
+    arm: Arm,
+    first: int,
+    arm_turned: Rotation,
+    R: Rotation,
+    choice: int,
+    names: tuple[str, str] = FLIP,
 ) -> None:
     """Solve the last three joints of ``Rz(θ4) Rx(α4) Rz(θ5) Rx(α5) Rz(θ6) = arm_turnedᵀ R``.
 
@@ -29,11 +35,13 @@ def wrist(
         arm_turned: Rotation of the joints before, in their sines and cosines.
         R: Rotation of the target, as named.
         choice: Which choice of the posture the wrist is.
+        names: Of the choice; ``FLIP``, or one whose first is where ``(z4 × z6) · z5`` is positive.
     """
     i, j, k = first + 1, first + 2, first + 3
-    names, links = builder.names, arm.links
-    (c1, s1), (c2, s2) = (twist(names, links[n].alpha) for n in (first, first + 1))
+    links = arm.links
+    (c1, s1), (c2, s2) = (twist(builder.names, links[n].alpha) for n in (first, first + 1))
     senses = links[first].sign * links[first + 1].sign * links[first + 2].sign
+    senses = senses if names == FLIP else -senses
     builder.step(
         say(
             "{one}, {two}, {three} from the rotation that is left, M = (R0{first} transposed) R",
@@ -46,7 +54,8 @@ def wrist(
     columns: list[Vector] = []
     for column in (0, 2):
         m = transposed(arm_turned, R[column])
-        x, y, z = (builder.let(f"m{n + 1}{column + 1}", p) for n, p in enumerate(m))
+        letter = "m" if first else "p"
+        x, y, z = (builder.let(f"{letter}{n + 1}{column + 1}", p) for n, p in enumerate(m))
         columns.append((x, y, z))
     m1, m3 = columns
     C4, S4 = builder.cos_sin((i, 1))
@@ -88,8 +97,10 @@ def wrist(
         builder.two_equations(i, (s2 * S5, axis[1]), (m3[0], m3[1]), 0)
     builder.remark(
         say("Flip: (z{i} x z{k}) . z{j} > 0, z the directions of the axes.", i=i, j=j, k=k)
+        if names == FLIP
+        else say("Positive: (z{i} x z{k}) . z{j} > 0, z the directions of the axes.", i=i, j=j, k=k)
     )
-    builder.posture(choice, FLIP, e)
+    builder.posture(choice, names, e)
     x5 = about_z(C4, S4, about_x(c1, s1, (C5, S5, ZERO)))
     y5 = about_z(C4, S4, about_x(c1, s1, about_z(C5, S5, (ZERO, c2, s2))))
     cosine = x5[0] * m1[0] + x5[1] * m1[1] + x5[2] * m1[2]
