@@ -15,6 +15,9 @@ from kinematics.symbolic.inverse_model.statements import Derivation
 TOLERANCE = 1e-7
 """Largest difference of poses, m or 1, relative to the arm: twists may have been rounded."""
 
+SWIVELS = 24
+"""At some of them an arm whose twists are no right angles has no solution."""
+
 
 def evaluated(derivation: Derivation, table: DHTable, samples: Matrix) -> bool:
     """Return whether the function's solutions reach the targets of some q, and hold these q.
@@ -27,9 +30,17 @@ def evaluated(derivation: Derivation, table: DHTable, samples: Matrix) -> bool:
     scope: dict[str, Any] = {}
     exec(compile(Python(derivation).source(), "inverse_model", "exec"), scope)
     position_only = derivation.kind in ("planar_2r", "three_joints")
+    function = scope["inverse_model"]
     for q in samples:
         T = _pose(table, q, derivation)
-        found = scope["inverse_model"](T.tolist(), given=q.tolist())
+        if derivation.swivel:
+            found = [
+                one
+                for swivel in np.linspace(-np.pi, np.pi, SWIVELS, endpoint=False)
+                for one in function(T.tolist(), swivel=float(swivel))
+            ]
+        else:
+            found = function(T.tolist(), given=q.tolist())
         if not found:
             return False
         for one in found:

@@ -86,7 +86,12 @@ def _turn_of_forearm(
     mount = pose_of(arm.mount, builder.names).axes
     along_axis_1 = abs(builder.constant(mount[2][0])) < 0.9
     beside = tuple(axis[0 if along_axis_1 else 1] for axis in mount)
-    builder.step(say("The plane of the arm, turned by {angle} about the line", angle=swivel))
+    builder.step(
+        say(
+            "The plane of the arm, turned by {angle} about the line from shoulder to wrist",
+            angle=swivel,
+        )
+    )
     builder.remark(
         say("{angle} is the swivel angle of ik/solutions: 0 where axis 1 is in it.", angle=swivel)
     )
@@ -102,7 +107,7 @@ def _turn_of_forearm(
     k = _divided(builder, "k", (x - shoulder[0], y - shoulder[1], z - shoulder[2]), length)
     bent = Polynomial.constant(arm.links[3].sign)
     v = builder.across(
-        "v",
+        "f",
         ((-shoulder[0], -shoulder[1], ZERO), (-k[1] * bent, k[0] * bent, ZERO)),
         k,
         STRETCHED,

@@ -141,12 +141,19 @@ def _posture(one: Posture, style: Style) -> str:
 def _across(one: Across, style: Style) -> Iterator[tuple[str, str]]:
     names = [style.name(name) for name in one.names]
     v, n = ([*map(style.sum, vector)] for vector in (one.of[0], one.to))
-    yield REMARK, say("The unit vector across n in the plane of v and n:")
+    yield (
+        REMARK,
+        say(
+            "The part of ({v}) across ({n}), divided by its length:",
+            v=", ".join(map(PYTHON.sum, one.of[0])),
+            n=", ".join(map(PYTHON.sum, one.to)),
+        ),
+    )
     if style.is_latex:
         left, first, second = (rf"\left({', '.join(part)}\right)" for part in (names, v, n))
         yield EQUATION, rf"v = {first}, \quad n = {second}"
-        length = r"\left|v - \left(v \cdot n\right) n\right|"
-        yield FORMULA, rf"{left} = \frac{{v - \left(v \cdot n\right) n}}{{{length}}}"
+        part = r"v - \left(v \cdot n\right) n"
+        yield FORMULA, rf"{left} = \frac{{{part}}}{{\left|{part}\right|}}"
         return
     call = f"across(({', '.join(n)}), {one.least!r}, ({', '.join(v)}))"
     yield FORMULA, f"{', '.join(names)} = {call}"

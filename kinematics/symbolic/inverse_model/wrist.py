@@ -44,6 +44,13 @@ def wrist(
     senses = senses if names == FLIP else -senses
     builder.step(
         say(
+            "{one}, {two}, {three} from this rotation",
+            one=f"theta{i}",
+            two=f"theta{j}",
+            three=f"theta{k}",
+        )
+        if not first
+        else say(
             "{one}, {two}, {three} from the rotation that is left, M = (R0{first} transposed) R",
             one=f"theta{i}",
             two=f"theta{j}",

@@ -15,10 +15,11 @@ from kinematics.task import TASKS
 
 CLASSES = (
     *("elbow", "three_parallel_then_wrist", "shoulder", "column", "telescope", "general"),
-    *("parallel_axes", "parallel_axes_apart", "planar_2r", "planar_3r", "scara"),
+    *("parallel_axes", "parallel_axes_apart", "planar_2r", "planar_3r", "scara", "srs"),
 )
 PLANAR = ("planar_2r", "planar_3r")
 RIGHT = math.pi / 2
+SWIVEL = 0.7
 
 
 def random_table(name, seed, *, any_twist=False):
@@ -96,6 +97,9 @@ def _links(name, rng, any_twist):
         return [turn(None, None, across()), turn(True, None, along()), turn(True, None, along()),
                 turn(None, None, across()), turn(name != "parallel_axes", None, across()),
                 turn(None, None, across())]  # fmt: skip
+    if name == "srs":
+        return [turn(False, None, across()), turn(False, False, across()),
+                turn(None, True, across()), turn(None, None, across()), *wrist]  # fmt: skip
     links = [turn(True, None, along()) for _ in range(2 if name == "planar_2r" else 3)]
     if name == "scara":
         links.insert(int(rng.integers(0, 4)), ("P", length(), length(), along()))
@@ -117,7 +121,10 @@ def _placement(rng, kind):
 
 
 class Judge:
-    """All solutions of the service's closed form, and how they compare with others."""
+    """All solutions of the service's closed form, and how they compare with others.
+
+    Of an arm with a swivel angle those at ``SWIVEL``.
+    """
 
     def __init__(self, robot):
         self.robot = robot
@@ -133,7 +140,8 @@ class Judge:
 
     def solutions(self, T):
         """q, shape (n, dof), and the names of their postures."""
-        found = solutions(self.form, self.chain.mechanism, T, task=TASKS[self.form.tasks[0]])
+        task = TASKS[self.form.tasks[0]]
+        found = solutions(self.form, self.chain.mechanism, T, task=task, swivel=SWIVEL)
         q = found.q
         if self.chain.inverse is not None:
             q = (q - self.chain.offset) @ self.chain.inverse.T

@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,20 +11,21 @@ from kinematics.symbolic import Notation
 from robots.robot import robot_from_table
 from robots.shipped import shipped_robot
 from tests.kinematics.symbolic.formulas import written
-from tests.kinematics.symbolic.inverse_model.arms import CLASSES, Judge, random_table
+from tests.kinematics.symbolic.inverse_model.arms import CLASSES, SWIVEL, Judge, random_table
 
 ARMS = ("puma560", "ur5", "stanford", "scara", "rx90", "kr6_r900", "fanuc_m10ia", "planar_2r")
-ARMS += ("planar_3r", "abb_irb140", "ur10e")
+ARMS += ("planar_3r", "abb_irb140", "ur10e", "iiwa14", "pa10")
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 OCTAVE = shutil.which("octave-cli") or shutil.which("octave")
 
 
 def python_function(table, **options):
-    """``inverse_model`` of the printed module."""
+    """``inverse_model`` of the printed module, at ``SWIVEL`` where it takes a swivel angle."""
     code = written(table, "inverse", notation=Notation.PYTHON, **options)["code"]
     scope = {}
     exec(compile(code, "printed", "exec"), scope)
-    return scope["inverse_model"]
+    function = scope["inverse_model"]
+    return partial(function, swivel=SWIVEL) if "swivel=0.0" in code else function
 
 
 def pairs(found):
@@ -77,7 +79,7 @@ int main(void)
     inverse_solution out[%(most)d];
     for (;;) {
         for (int i = 0; i < 16; i++) if (scanf("%%lf", &T[i/4][i%%4]) != 1) return 0;
-        const int count = inverse_model(T, %(lengths)sgiven, out);
+        const int count = inverse_model(T, %(lengths)sgiven, %(swivel)sout);
         printf("%%d\\n", count);
         for (int n = 0; n < count; n++) {
             for (int i = 0; i < %(dof)d; i++) printf("%%.17g ", out[n].q[i]);
@@ -94,12 +96,15 @@ def c_solutions(table, targets, folder, parameters):
     answer = written(table, "inverse", notation=Notation.C, parameters=parameters)
     code = answer["code"]
     signature = code.split("int inverse_model(")[1].split(")")[0]
-    names = [part.split()[-1] for part in signature.split(",")[1:-2]]
+    takes_swivel = "double swivel" in signature
+    last = -3 if takes_swivel else -2
+    names = [part.split()[-1] for part in signature.split(",")[1:last]]
     values = {
         "dof": table.dof,
         "most": int(signature.split("out[")[1].rstrip("]")),
         "choices": int(code.split("*posture[")[1].split("]")[0]),
         "lengths": "".join(f"{answer['values'][name]!r}, " for name in names),
+        "swivel": f"{SWIVEL}, " if takes_swivel else "",
     }
     source, program = folder / "printed.c", folder / "printed"
     source.write_text(f"{code}{MAIN % values}")
@@ -142,7 +147,7 @@ def test_c_of_random_tables(name, tmp_path):
 SCRIPT = """
 targets = dlmread('targets.txt');
 for n = 1:rows(targets)
-    found = inverse_model(reshape(targets(n, :), 4, 4)');
+    found = inverse_model(reshape(targets(n, :), 4, 4)'ARGUMENTS);
     printf('%d\\n', numel(found));
     for i = 1:numel(found)
         printf('%.17g ', found(i).q);
@@ -157,7 +162,8 @@ def matlab_solutions(table, targets, folder):
     """What the printed MATLAB finds for each target, run by GNU Octave."""
     code = written(table, "inverse", notation=Notation.MATLAB, parameters="symbolic")["code"]
     (folder / "inverse_model.m").write_text(code)
-    (folder / "main.m").write_text(SCRIPT)
+    more = f", zeros(1, {table.dof}), {SWIVEL}" if "swivel" in code else ""
+    (folder / "main.m").write_text(SCRIPT.replace("ARGUMENTS", more))
     np.savetxt(folder / "targets.txt", targets.reshape(-1, 16), fmt="%.17g")
     command = [OCTAVE, "--no-gui", "--quiet", "--norc", "main.m"]
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
