@@ -226,11 +226,14 @@ class Builder:
         value = self.sum(rule)
         self._added("", lambda _: Posture(choice, names, value), value)
 
-    def slide(self, link: int, p: Polynomial) -> Polynomial:
-        """Find a slide."""
+    def slide(self, link: int, p: Polynomial, over: Polynomial = ONE) -> Polynomial:
+        """Find a slide, a quotient."""
+        if over == -ONE:
+            p, over = -p, ONE
         value, name = self.sum(p), self.slide_name(link)
+        below = None if self.sum(over) == self.sum(ONE) else self.sum(over)
         self._require(value)
-        self.steps[-1].statements.append(Let(name, value))
+        self.steps[-1].statements.append(Let(name, value, below))
         return Polynomial.symbol(name)
 
     def slide_name(self, link: int) -> str:

@@ -7,6 +7,8 @@ import re
 from collections.abc import Callable
 from fractions import Fraction
 
+import numpy as np
+
 from dh_to_urdf.messages import chained, plural, say
 from dh_to_urdf.table import Convention, DHTable
 from kinematics.symbolic.expressions import symbols
@@ -20,13 +22,14 @@ from kinematics.symbolic.inverse_model.arm import (
     coordinates,
     pose_of,
 )
-from kinematics.symbolic.inverse_model.builder import Builder, InverseNames, flat
+from kinematics.symbolic.inverse_model.builder import Builder, InverseNames, flat, twist
 from kinematics.symbolic.inverse_model.first_three import (
     FRONT,
     RANKS,
     REACH,
     SENSE,
     column,
+    column_slide,
     elbow,
     general,
     shoulder,
@@ -35,6 +38,7 @@ from kinematics.symbolic.inverse_model.first_three import (
 from kinematics.symbolic.inverse_model.parallel_axes import SIDES, TURNS, parallel_axes
 from kinematics.symbolic.inverse_model.plane_arm import ELBOW
 from kinematics.symbolic.inverse_model.shoulder_elbow_wrist import ends, shoulder_elbow_wrist
+from kinematics.symbolic.inverse_model.slides import directions, three_slides, turn_and_slides
 from kinematics.symbolic.inverse_model.statements import (
     Coordinate,
     Derivation,
@@ -58,6 +62,8 @@ from kinematics.symbolic.request import SymbolicRequest
 from kinematics.symbolic.steps import Rotation, Vector
 
 MAX_UNUSUAL = 2
+FIRST = ("RRR", "RRP", "RPP", "PPP")
+"""Three joints that place a point in closed form."""
 FirstThree = Callable[[Builder, Arm, Vector, Polynomial], None]
 
 
@@ -152,7 +158,8 @@ def _solved(
                 count=count,
             )
         )
-    if all(flat(link.alpha) for link in links[:-1]):
+    lifted = count == 3 and arm.types in FIRST and arm.types != "RRR"
+    if all(flat(link.alpha) for link in links[:-1]) and not lifted:
         return _flat(builder, arm, target)
     if count == 6:
         return _six(builder, arm, target)
@@ -206,7 +213,7 @@ def _three(
     builder: Builder, arm: Arm, target: Target
 ) -> tuple[str, str, tuple[tuple[str, ...], ...], int]:
     """Solve three joints for the position of the frame."""
-    found = _first_three(builder, arm) if arm.types in ("RRR", "RRP") else None
+    found = _first_three(builder, arm) if arm.types in FIRST else None
     if found is None:
         raise NoClosedForm(_why(builder, arm))
     solve, text, choices = found
@@ -300,7 +307,7 @@ def _meet_in_one_point(builder: Builder, arm: Arm) -> bool:
     """Return whether axes 4, 5 and 6 meet in one point, and do turn."""
     four, five, _ = arm.links[3:6]
     return (
-        arm.types[:2] == "RR"
+        arm.types[:3] in FIRST
         and arm.types[3:] == "RRR"
         and not four.a
         and not five.a
@@ -314,10 +321,22 @@ def _first_three(
     builder: Builder, arm: Arm
 ) -> tuple[FirstThree, str, tuple[tuple[str, ...], ...]] | None:
     one, two, three = arm.links[:3]
-    if not three.is_revolute:
-        if one.a or flat(one.alpha) or flat(two.alpha):
+    kind = arm.types[:3]
+    if kind in ("PPP", "RPP"):
+        return _slides(builder, arm)
+    if kind == "RRP":
+        if flat(one.alpha):
+            across = not twist(builder.names, two.alpha)[0]
+            if across or not one.a:
+                return None
+            return column_slide, say("axes 1 and 2 parallel, joint 3 slides"), (ELBOW, ("",))
+        if flat(two.alpha):
             return None
-        return telescope, say("axes 1 and 2 meet, joint 3 slides"), (FRONT, REACH)
+        if not one.a:
+            return telescope, say("axes 1 and 2 meet, joint 3 slides"), (FRONT, REACH)
+        if not twist(builder.names, two.alpha)[0]:
+            return telescope, say("joint 3 slides across axis 2"), (FRONT, REACH)
+        return None
     if len(arm.links) == 3:
         x, y, _ = pose_of(arm.after, builder.names).origin
         on_axis_3 = _is_zero(builder, arm, x) and _is_zero(builder, arm, y)
@@ -337,6 +356,22 @@ def _first_three(
             return None
         return shoulder, say("axes 1 and 2 meet"), (FRONT, SENSE)
     return general, say("axes 1, 2 and 3 in general position"), (RANKS, ("",))
+
+
+def _slides(
+    builder: Builder, arm: Arm
+) -> tuple[FirstThree, str, tuple[tuple[str, ...], ...]] | None:
+    """Return how slides place a point; None where they do not move it in three directions."""
+    zero = Polynomial({})
+    _, (first, second, third) = directions(builder, arm, (zero, zero, zero))
+    one, two, three = (np.array([builder.constant(p) for p in v]) for v in (first, second, third))
+    if abs(np.linalg.det([one, two, three])) <= 1e-8 and arm.types[:3] == "PPP":
+        return None
+    if arm.types[:3] == "PPP":
+        return three_slides, say("joints 1, 2 and 3 slide"), (("",), ("",))
+    if np.linalg.norm(np.cross(two, three)) <= 1e-8 or max(abs(two[2]), abs(three[2])) <= 1e-8:
+        return None
+    return turn_and_slides, say("joint 1 turns, the others slide"), (REACH, ("",))
 
 
 def _three_parallel(arm: Arm) -> bool:

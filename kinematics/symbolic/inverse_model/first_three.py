@@ -249,6 +249,25 @@ def telescope(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
     _two_turns(builder, arm, w, height, _carried(builder, arm, (k[0], k[1], k[2] + found)))
 
 
+def column_slide(builder: Builder, arm: Arm, w: Vector, along: Polynomial) -> None:
+    """Solve axes 1 and 2 parallel, joint 3 sliding along them or aslant."""
+    k = in_third(builder, arm, along)
+    first, second = arm.links[:2]
+    sense = flat(first.alpha)
+    cosine, sine = twist(builder.names, second.alpha)
+    name = builder.slide_name(3)
+    builder.step(say("{angle} from the component along axes 1 and 2", angle=name))
+    rest = (w[2] - first.slide).scaled(sense) - second.slide - sine * k[1]
+    found = Polynomial.symbol(name)
+    builder.equation(cosine * (found + k[2]), rest)
+    found = builder.slide(3, rest - cosine * k[2], cosine)
+    builder.step(say("The arm across axes 1 and 2"))
+    gx = builder.let("fs", second.a + k[0])
+    gy = builder.let("gs", (cosine * k[1] - sine * (found + k[2])).scaled(sense))
+    normal = upright(builder, arm, _identity(), (-w[1], w[0], ZERO))
+    plane_arm(builder, (1, 2), (w[0], w[1]), ((first.a, ZERO), (gx, gy)), sense, normal, 0)
+
+
 def _across(builder: Builder, arm: Arm, w: Vector, k: Vector, sine: Polynomial) -> None:
     """Solve a slide across axis 2 (Paul's solution of the Stanford arm)."""
     second, third = arm.links[1:3]

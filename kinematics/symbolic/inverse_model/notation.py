@@ -134,6 +134,8 @@ class Style:
                 found += f" {'-' if n < 0 else '+'} {size}"
             else:
                 found = f"-{size}" if n < 0 else size
+        if one.constant:
+            found += f" {'-' if one.constant < 0 else '+'} {abs(one.constant)!r}"
         return found
 
     def coordinate(self, one: Coordinate, turn: str) -> str:

@@ -104,7 +104,9 @@ def _lines(one: Statement, style: Style) -> Iterator[tuple[str, str]]:
 def _trig(one: Trig, style: Style) -> Iterator[tuple[str, str]]:
     argument = style.argument(one)
     if style.is_latex:
-        inside = argument if len(one.terms) == 1 else rf"\left({argument}\right)"
+        inside = (
+            argument if len(one.terms) == 1 and not one.constant else rf"\left({argument}\right)"
+        )
         C, S = (style.name(f"{letter}{one.label}") for letter in "CS")
         yield FORMULA, rf"{C} = \cos {inside}, \quad {S} = \sin {inside}"
     else:
