@@ -269,7 +269,7 @@ static int angles(double k0, double k1, double k2, double k3, double k4, double 
     const double mean = k0 + k3/2, a = k1*cos(s) + k2*sin(s), b = k2*cos(s) - k1*sin(s);
     const double c = (k3*cos(2*s) + k4*sin(2*s))/2, d = (k4*cos(2*s) - k3*sin(2*s))/2;
     const double p[5] = {mean - a + c, 2*b - 4*d, 2*mean - 6*c, 2*b + 4*d, mean + a + c};
-    const int count = real_roots(p, 4, out);
+    const int count = p[0] != 0 ? real_roots(p, 4, out) : 0;
     for (int i = 0; i < count; i++) out[i] = wrap(2*atan(out[i]) + s);
     return count;
 }

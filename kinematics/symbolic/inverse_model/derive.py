@@ -223,7 +223,7 @@ def _three(
         builder.remark(say("It is the origin of the frame itself: X, Y, Z."))
     x, y, z = (builder.let(f"{a}w", p) for a, p in zip("xyz", w, strict=True))
     solve(builder, arm, (x, y, z), Polynomial({}))
-    return "three_joints", say("three joints; {text}", text=text), choices, 4
+    return "three_joints", say("three joints; {text}", text=text), (*choices, ("",)), 4
 
 
 def _six(
@@ -371,7 +371,11 @@ def _slides(
         return three_slides, say("joints 1, 2 and 3 slide"), (("",), ("",))
     if np.linalg.norm(np.cross(two, three)) <= 1e-8 or max(abs(two[2]), abs(three[2])) <= 1e-8:
         return None
-    return turn_and_slides, say("joint 1 turns, the others slide"), (REACH, ("",))
+    return (
+        turn_and_slides,
+        say("joint {turning} turns, the others slide", turning=1),
+        (REACH, ("",)),
+    )
 
 
 def _three_parallel(arm: Arm) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -29,8 +30,16 @@ def evaluated(derivation: Derivation, table: DHTable, samples: Matrix) -> bool:
     """
     scope: dict[str, Any] = {}
     exec(compile(Python(derivation).source(), "inverse_model", "exec"), scope)
+    try:
+        return _holds(derivation, table, samples, scope["inverse_model"])
+    except ArithmeticError:
+        return False
+
+
+def _holds(
+    derivation: Derivation, table: DHTable, samples: Matrix, function: Callable[..., Any]
+) -> bool:
     position_only = derivation.kind in ("planar_2r", "three_joints")
-    function = scope["inverse_model"]
     for q in samples:
         T = _pose(table, q, derivation)
         if derivation.swivel:

@@ -211,5 +211,5 @@ def angles(k0, k1, k2, k3, k4):
     a, b = k1*cos(s) + k2*sin(s), k2*cos(s) - k1*sin(s)
     c, d = (k3*cos(2*s) + k4*sin(2*s))/2, (k4*cos(2*s) - k3*sin(2*s))/2
     p = [mean - a + c, 2*b - 4*d, 2*mean - 6*c, 2*b + 4*d, mean + a + c]
-    return [wrap(2*atan2(t, 1) + s) for t in real_roots(p)]
+    return [wrap(2*atan2(t, 1) + s) for t in real_roots(p)] if p[0] else []
 '''

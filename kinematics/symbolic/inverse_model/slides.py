@@ -82,7 +82,7 @@ def turn_and_slides(builder: Builder, arm: Arm, w: Vector, distance: Polynomial)
     builder.remark(out_of_reach())
     root = builder.root(f"w{out}", mixed * mixed + square * (reach - rest), 2)
     sign = builder.branch(f"e{out}", root)
-    sense = arm.links[out - 1].sign * builder.sign(a[2])
+    sense = arm.links[out - 1].sign
     builder.remark(say("Extended: the slide drives the point away from axis 1."))
     builder.posture(0, REACH, sign)
     found = builder.slide(out, (sign * root).scaled(sense) - mixed, square)

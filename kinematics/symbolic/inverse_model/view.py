@@ -58,7 +58,7 @@ def model_view(d: Derivation, *, latex: bool) -> dict[str, Any]:
         "target": [*matrix, ["0", "0", "0", "1"]],
         "steps": steps,
         "q": {style.name(one.name): _coordinate(one, style) for one in d.coordinates},
-        "postures": [[name for name in names if name] for names in d.postures],
+        "postures": [list(names) for names in d.postures if names[0]],
         "most_solutions": d.most,
     }
 
