@@ -36,6 +36,7 @@ def all_parallel(builder: Builder, arm: Arm, target: Target) -> bool:
     builder.step(say("The target seen from axis 1"))
     names = builder.names
     if len(turning) == 2:
+        builder.remark(say("Of the target X and Y count alone."))
         before, after = pose_of(arm.before, names), pose_of(arm.after, names)
         offset = added(target.origin, negated(before.origin))
         point = transposed(before.axes, offset)
@@ -44,7 +45,12 @@ def all_parallel(builder: Builder, arm: Arm, target: Target) -> bool:
     else:
         say_taken_off(builder, arm, ZERO)
         R, point = without_base_and_tool(builder, arm, target)
-        R = named_rotation(builder, R, "1")
+        R = named_rotation(builder, R, "13" if sliding else "1")
+        if sliding:
+            last = Polynomial.constant(senses[-1])
+            builder.require((R[2][0], ZERO), (R[2][1], ZERO), (R[2][2], last))
+        else:
+            builder.remark(say("Of the target X, Y and the angle about z count alone."))
     if point == target.origin:
         builder.remark(say("It is the origin of the frame itself: X, Y, Z."))
     for link in links[1:3]:

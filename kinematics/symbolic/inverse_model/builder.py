@@ -22,6 +22,7 @@ from kinematics.symbolic.inverse_model.statements import (
     Let,
     Posture,
     Remark,
+    Require,
     Root,
     Roots,
     Statement,
@@ -214,6 +215,12 @@ class Builder:
         x, y, z = (self.names.fresh(f"{name}{a}") for a in AXES)
         self.steps[-1].statements.append(Across((x, y, z), tuple(given), axis, least, power))
         return Polynomial.symbol(x), Polynomial.symbol(y), Polynomial.symbol(z)
+
+    def require(self, *pairs: tuple[Polynomial, Polynomial]) -> None:
+        """Go on only where the two of each pair are equal, which are of the size of 1."""
+        found = tuple((self.sum(left), self.sum(right)) for left, right in pairs)
+        self._require(*(value for pair in found for value in pair))
+        self.steps[-1].statements.append(Require(found))
 
     def turn(self, label: str, angle: str) -> tuple[Polynomial, Polynomial]:
         """Return cosine and sine, under a label, of an angle that is given."""

@@ -158,6 +158,10 @@ class CSource(Code):
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
         self.put(f'const char *{name} = {rule} >= 0 ? "{one.names[0]}" : "{one.names[1]}";')
 
+    def require(self, values: list[str]) -> None:
+        """Add the end of the search where numbers are not 0."""
+        self.put(f"if ({' || '.join(f'fabs({value}) > 1e-9' for value in values)}) return count;")
+
     def across(self, one: Across, least: str) -> None:
         """Add the unit vector across another."""
         to, *of = self.vectors(one, "{", "}")

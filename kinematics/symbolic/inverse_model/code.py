@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dh_to_urdf.messages import chained, say
 from kinematics.symbolic.angles import turn_text
-from kinematics.symbolic.expressions import symbols
+from kinematics.symbolic.expressions import Sum, symbols
 from kinematics.symbolic.inverse_model.notation import Style
 from kinematics.symbolic.inverse_model.statements import (
     Across,
@@ -15,6 +15,7 @@ from kinematics.symbolic.inverse_model.statements import (
     Let,
     Posture,
     Remark,
+    Require,
     Root,
     Roots,
     Statement,
@@ -127,6 +128,8 @@ class Code:
             self.upwards(one)
         elif isinstance(one, Posture):
             self.posture(one)
+        elif isinstance(one, Require):
+            self.require([self.difference(*pair) for pair in one.pairs])
         elif isinstance(one, Across):
             self.across(one, f"{one.least!r}{'*size' * one.power}")
         elif isinstance(one, Angle):
@@ -201,6 +204,18 @@ class Code:
     def across(self, one: Across, least: str) -> None:
         """Add the unit vector across another."""
         raise NotImplementedError
+
+    def require(self, values: list[str]) -> None:
+        """Add the end of the search where numbers are not 0."""
+        raise NotImplementedError
+
+    def difference(self, left: Sum, right: Sum) -> str:
+        """Return a difference as text."""
+        known = self.style.sum(right)
+        if known == "0":
+            return self.style.sum(left)
+        sign, size = ("+", known[1:]) if known.startswith("-") else ("-", known)
+        return f"{self.style.sum(left)} {sign} {size}"
 
     def vectors(self, one: Across, opening: str, closing: str) -> list[str]:
         """Return the vectors of a statement, the unit vector first."""

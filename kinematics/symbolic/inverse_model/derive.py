@@ -218,6 +218,7 @@ def _three(
         raise NoClosedForm(_why(builder, arm))
     solve, text, choices = found
     builder.step(say("The position seen from axis 1"))
+    builder.remark(say("Of the target X, Y and Z count alone."))
     w = end_of_three(builder, arm, target)
     if w == target.origin:
         builder.remark(say("It is the origin of the frame itself: X, Y, Z."))

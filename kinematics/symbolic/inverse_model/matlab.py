@@ -153,6 +153,12 @@ class Matlab(Code):
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
         self.put(f"{name} = either({rule}, '{one.names[0]}', '{one.names[1]}');")
 
+    def require(self, values: list[str]) -> None:
+        """Add the end of the search where numbers are not 0."""
+        self.put(f"if norm([{', '.join(values)}]) > 1e-9")
+        self.put("    return")
+        self.put("end")
+
     def across(self, one: Across, least: str) -> None:
         """Add the unit vector across another."""
         to, *of = self.vectors(one, "[", "]")

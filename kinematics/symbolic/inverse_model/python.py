@@ -129,6 +129,11 @@ class Python(Code):
         rule, name = self.style.sum(one.rule), f"posture{one.choice + 1}"
         self.put(f'{name} = "{one.names[0]}" if {rule} >= 0 else "{one.names[1]}"')
 
+    def require(self, values: list[str]) -> None:
+        """Add the end of the search where numbers are not 0."""
+        self.put(f"if hypot({', '.join(values)}) > 1e-9:")
+        self.put("    return solutions")
+
     def across(self, one: Across, least: str) -> None:
         """Add the unit vector across another."""
         to, *of = self.vectors(one, "(", ")")

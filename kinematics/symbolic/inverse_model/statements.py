@@ -172,6 +172,13 @@ class Equation:
 
 
 @dataclass(frozen=True)
+class Require:
+    """Pairs that must be equal; else the target has no solution."""
+
+    pairs: tuple[tuple[Sum, Sum], ...]
+
+
+@dataclass(frozen=True)
 class Remark:
     """A sentence."""
 
@@ -179,7 +186,18 @@ class Remark:
 
 
 Statement: TypeAlias = (
-    Let | Root | Branch | Roots | Angle | Trig | Upwards | Posture | Across | Equation | Remark
+    Let
+    | Root
+    | Branch
+    | Roots
+    | Angle
+    | Trig
+    | Upwards
+    | Posture
+    | Across
+    | Equation
+    | Remark
+    | Require
 )
 
 
@@ -269,6 +287,8 @@ def symbols_of(one: Statement) -> set[str]:
         values = [*one.coefficients]
     elif isinstance(one, Upwards):
         values = [*one.values]
+    elif isinstance(one, Require):
+        values = [value for pair in one.pairs for value in pair]
     elif isinstance(one, Across):
         values = [*one.to, *(value for vector in one.of for value in vector)]
     elif isinstance(one, Posture):

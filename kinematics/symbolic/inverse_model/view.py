@@ -18,6 +18,7 @@ from kinematics.symbolic.inverse_model.statements import (
     Let,
     Posture,
     Remark,
+    Require,
     Root,
     Roots,
     Statement,
@@ -91,6 +92,10 @@ def _lines(one: Statement, style: Style) -> Iterator[tuple[str, str]]:
         yield from _trig(one, style)
     elif isinstance(one, Upwards):
         yield from _upwards(one, style)
+    elif isinstance(one, Require):
+        yield REMARK, say("There is no solution but where")
+        for left, right in one.pairs:
+            yield EQUATION, f"{style.sum(left)} = {style.sum(right)}"
     elif isinstance(one, Across):
         yield from _across(one, style)
     elif isinstance(one, Posture):

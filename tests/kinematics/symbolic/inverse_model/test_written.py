@@ -152,6 +152,17 @@ def test_out_of_reach_has_no_solution(name):
     assert function(T.tolist()) == []
 
 
+@pytest.mark.parametrize("turn", [0.01, math.pi])
+def test_a_tilted_target_is_out_of_reach_of_a_scara(turn):
+    robot = shipped_robot("scara")
+    function = python_function(robot.table, parameters="symbolic")
+    T = fk(robot, np.array([0.3, 0.5, 0.1, 0.2]))["tool"]
+    assert len(function(T.tolist())) == 2
+    tilt = np.eye(4)
+    tilt[1:3, 1:3] = [[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]]
+    assert function((T @ tilt).tolist()) == []
+
+
 def test_a_stretched_arm_has_one_solution():
     function = python_function(shipped_robot("planar_2r").table)
     T = np.eye(4)
