@@ -47,8 +47,8 @@ def all_parallel(builder: Builder, arm: Arm, target: Target) -> bool:
         R, point = without_base_and_tool(builder, arm, target)
         R = named_rotation(builder, R, "13" if sliding else "1")
         if sliding:
-            last = Polynomial.constant(senses[-1])
-            builder.require((R[2][0], ZERO), (R[2][1], ZERO), (R[2][2], last))
+            down = Polynomial.constant(senses[-1])
+            builder.require((R[2][0], ZERO), (R[2][1], ZERO), (R[2][2], down))
         else:
             builder.remark(say("Of the target X, Y and the angle about z count alone."))
     if point == target.origin:
