@@ -134,7 +134,7 @@ def _upwards(one: Upwards, style: Style) -> Iterator[tuple[str, str]]:
                 "The sign of the first that is not 0 of {values}:", values=", ".join([first, *rest])
             ),
         )
-    yield FORMULA, f"{name} = 1 if {first} >= 0 else -1"
+    yield FORMULA, f"{name} = (1, -1)[{first} < 0]"
 
 
 def _posture(one: Posture, style: Style) -> str:
@@ -142,7 +142,7 @@ def _posture(one: Posture, style: Style) -> str:
     first, second = one.names
     if style.is_latex:
         return rf"{rule} \geq 0: \; \mathrm{{{first}}}, \quad {rule} < 0: \; \mathrm{{{second}}}"
-    return f'posture{one.choice + 1} = "{first}" if {rule} >= 0 else "{second}"'
+    return f'posture{one.choice + 1} = ("{first}", "{second}")[{rule} < 0]'
 
 
 def _across(one: Across, style: Style) -> Iterator[tuple[str, str]]:
