@@ -499,6 +499,10 @@ _INVERSE = re.compile(
     r"|\n\n\n?(?=def inverse_jacobian_matrix)(?s:.*)(?=\n)"
     r"|\n\n(?=/\* The inverse of J,)(?s:.*)(?=\n)"
 )
+_MODEL = re.compile(
+    r"\n# Inverse model: (?s:.*)|Inverse model: (?s:.*)"
+    r"|\n\n\n(?:from math import atan2|#include <math.h>)(?s:.*)(?=\n)"
+)
 _NUMBERED = re.compile(r"^  0?A_(\d+) \(.*\):$", re.MULTILINE)
 
 
@@ -521,16 +525,24 @@ def _with_places_of_links(old: Answer, text: str) -> str:
 
 
 def _without_inverse(old: Answer, text: str) -> str:
-    """Closed forms without the inverse of J and what is said of it."""
+    """Closed forms without the inverse of J, the inverse model, and what is said of them."""
     if text[:1] == "{":
         payload = orjson.loads(text)
+        payload.pop("inverse", None)
         if payload.pop("inverse_jacobian", None) is not None or "simplified" in payload:
             payload.get("simplified", {}).pop("inverse_jacobian", None)
+            payload.get("simplified", {}).pop("inverse", None)
             payload["notes"] = [one for one in payload.get("notes", []) if "inverse" not in one]
             return orjson.dumps(payload).decode()
-        return text.replace(", det_jacobian, inverse_jacobian", ", det_jacobian")
+        return _without_its_names(text)
     del old
-    return _INVERSE.sub("", text.replace(", det_jacobian, inverse_jacobian", ", det_jacobian"))
+    return _INVERSE.sub("", _MODEL.sub("", _without_its_names(text)))
+
+
+def _without_its_names(text: str) -> str:
+    text = text.replace(", det_jacobian, inverse_jacobian, inverse", ", det_jacobian")
+    text = text.replace(", text/x-matlab", "").replace("c, latex, matlab", "c, latex")
+    return text.replace("python, c, matlab", "python, c")
 
 
 def _is_picture_of_a_path(asked: Asked, new: Answer) -> bool:
@@ -569,7 +581,7 @@ INTENDED: list[Intended] = [
         ),
     ),
     Intended(
-        "closed forms have the inverse of J",
+        "closed forms have the inverse of J, and the inverse model; and they are in MATLAB",
         lambda asked, answer: asked.operation in ("symbolic", "corpus"),
         _without_inverse,
     ),

@@ -2293,8 +2293,8 @@ export interface components {
          * @description What to write down, and how.
          */
         SymbolicRequest: {
-            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian, inverse_jacobian; or "all". Default T. */
-            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian")[]) | string[] | string;
+            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian, inverse_jacobian, inverse (the inverse model of an arm with a closed form, derived in steps); or "all". Default T. */
+            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian" | "inverse") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian" | "inverse")[]) | string[] | string;
             /**
              * @description numeric (default): lengths as numbers; symbolic: by name, a2 and d4, in khalil D2 and R4, of the base xb yb zb, of the tool xt yt zt.
              * @default numeric
@@ -2329,11 +2329,11 @@ export interface components {
              */
             task?: ((("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | null) | string | number[] | null;
             /**
-             * @description How expressions are written: text, latex, python or c.
+             * @description How expressions are written: text, latex, python, c or matlab.
              * @default text
              * @enum {string}
              */
-            format?: "text" | "latex" | "python" | "c";
+            format?: "text" | "latex" | "python" | "c" | "matlab";
             /**
              * @description For simplification, milliseconds.
              * @default 10000
@@ -2345,8 +2345,8 @@ export interface components {
          * @description What to write down, and how.
          */
         InlineSymbolicRequest: {
-            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian, inverse_jacobian; or "all". Default T. */
-            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian")[]) | string[] | string;
+            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian, inverse_jacobian, inverse (the inverse model of an arm with a closed form, derived in steps); or "all". Default T. */
+            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian" | "inverse") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian" | "inverse")[]) | string[] | string;
             /**
              * @description numeric (default): lengths as numbers; symbolic: by name, a2 and d4, in khalil D2 and R4, of the base xb yb zb, of the tool xt yt zt.
              * @default numeric
@@ -2381,11 +2381,11 @@ export interface components {
              */
             task?: ((("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | null) | string | number[] | null;
             /**
-             * @description How expressions are written: text, latex, python or c.
+             * @description How expressions are written: text, latex, python, c or matlab.
              * @default text
              * @enum {string}
              */
-            format?: "text" | "latex" | "python" | "c";
+            format?: "text" | "latex" | "python" | "c" | "matlab";
             /**
              * @description For simplification, milliseconds.
              * @default 10000
@@ -3336,6 +3336,7 @@ export interface components {
             elapsed_ms: number;
             expressed_in: string;
             frame: string;
+            inverse?: components["schemas"]["InverseModel"] | null;
             inverse_jacobian?: components["schemas"]["InverseForm"] | null;
             jacobian?: components["schemas"]["JacobianForms"] | null;
             notation: string;
@@ -3389,6 +3390,41 @@ export interface components {
         FactorForm: {
             exponent: number;
             factor: string;
+        };
+        /**
+         * InverseModel
+         * @description An inverse model in steps.
+         *
+         *         ``kind``, ``description`` and ``postures`` are those of ``ik/solutions``; ``target`` names the
+         *         elements of the 4x4 target. A formula ``e1 = 1`` stands for both signs; ``q`` is found last.
+         */
+        InverseModel: {
+            description: string;
+            kind: string;
+            most_solutions: number;
+            postures: string[][];
+            q: {
+                [key: string]: string;
+            };
+            steps: components["schemas"]["ModelStep"][];
+            target: string[][];
+        };
+        /**
+         * ModelStep
+         * @description A step of a derivation.
+         */
+        ModelStep: {
+            lines: components["schemas"]["ModelLine"][];
+            title: string;
+        };
+        /**
+         * ModelLine
+         * @description A line of a derivation: a ``remark``, an ``equation`` that is used, or a ``formula``.
+         */
+        ModelLine: {
+            /** @enum {unknown} */
+            kind: "equation" | "formula" | "remark";
+            text: string;
         };
         /**
          * InverseForm
