@@ -9,18 +9,24 @@ import numpy as np
 from kinematics.compiled import inner, jit
 from kinematics.inverse.closed_form import Kind, parallel_axes, planar, spherical_wrist
 from kinematics.inverse.closed_form.candidates import WORK, Candidates, FormConstants, improve
-from kinematics.inverse.damped_least_squares import (
+from kinematics.inverse.criteria import (
     CONVERGED,
     GIVEN_UP,
-    UNREACHABLE,
+    OUT_OF_STEPS,
     Criteria,
-    proceed,
+    criteria_from,
+    last_start,
     reached,
 )
+from kinematics.inverse.damped_least_squares import conclude
 from kinematics.inverse.damped_step import LOWER, TURN, UPPER
+from kinematics.inverse.lanes.problem import problem_of
+from kinematics.inverse.lanes.starts import first_start, later_starts
+from kinematics.inverse.lanes.targets import FOUND, PENDING
 from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, unpacked
-from kinematics.inverse.task_error import residual, workspace
+from kinematics.inverse.task_error import residual
 from kinematics.kernels import Array
+from kinematics.lanes.vector import past, pointer
 
 SPHERICAL_WRIST, PARALLEL_AXES, PLANAR = 0, 1, 2
 KINDS: dict[Kind, int] = {
@@ -32,14 +38,10 @@ KINDS: dict[Kind, int] = {
 }
 """Classes whose solutions are finitely many."""
 
-EXACT = 1e-9
-"""What a closed form promises, m and rad; a finer tolerance is the numeric solver's."""
 TOUCH = 1e-12
 """A limit exceeded by no more than this is rounding, rad or m."""
 MOST = 33
 """Rows for the candidates of any class."""
-DOUBTS = 20
-"""Starts of the numeric solver before a closed form without solution is taken at its word."""
 
 
 @inner
@@ -141,80 +143,89 @@ def _closed(
         errors[index, 0] = np.inf
 
 
-@inner
-def _solve(
-    constants: SolverConstants,
-    criteria: Criteria,
-    target: Array,
-    seed: Array,
-    first: int,
-    budget: int,
-    answer: Array,
-    W: Array,
-) -> tuple[int, int, int]:
-    """Solve one target as :func:`solve_one` does, in a workspace."""
-    proven = False
-    if constants.kind != NUMERIC and criteria.steps > 0.0:
-        if first == 0 and _closed(constants, criteria, target, seed, answer):
-            return 0, 0, CONVERGED
-        # Finding nothing means that there is nothing, where the tolerance is that of the form.
-        proven = criteria.position >= EXACT * EXACT and criteria.rotation >= EXACT * EXACT
-    if proven:
-        criteria = Criteria(
-            criteria.position, criteria.rotation, criteria.steps, min(criteria.restarts, DOUBTS)
-        )
-    steps, start, code = proceed(
-        constants, criteria, target.reshape(16), seed, first, budget, answer, W
-    )
-    if proven and code == GIVEN_UP:
-        code = UNREACHABLE
-    return steps, start, code
-
-
-@inner
-def _criteria(values: Array) -> Criteria:
-    """Return the criteria of :attr:`kinematics.inverse.result.IKOptions.criteria`."""
-    return Criteria(values[0], values[1], values[2], int(values[3]))
-
-
 @jit
 def solve_one(
     P: Array, target: Array, seed: Array, first: int, budget: int, criteria: Array, answer: Array
 ) -> tuple[int, int, int]:
-    """Solve one target, or go on with it; see :func:`~.damped_least_squares.proceed`.
+    """Solve one target, or go on with it: starts first …, until the budget of steps is spent.
+
+    The closed form is asked first, then the numeric solver: its start 0 is the seed, start s the
+    s-th point of the sequence.
 
     Args:
         P: Constants of the chain; see :func:`~.solver_constants.packed`.
         target: Pose of the frame in base axes, shape (4, 4).
         seed: In the chain's order, within the limits, rad and m; shape (K,).
-        first: The start to begin with.
+        first: The start to begin with; above 0, the answer must be as the last call left it.
         budget: Steps after which no new start is begun.
         criteria: Squared tolerances, most steps of a start, most restarts; shape (4,).
-        answer: Filled: q, its two errors, what the next call needs; shape (2 K + 5,).
+        answer: Filled: q, its position and rotation error, then the best q of all starts, its
+            energy and squared errors; shape (2 K + 5,).
 
     Returns:
-        Steps, the start that came last, and a code of :mod:`~.damped_least_squares`.
+        Steps, the start that came last, and a code of :mod:`~.criteria`. After OUT_OF_STEPS the
+        next start may follow.
     """
-    W = workspace(int(P[0]))
-    return _solve(unpacked(P), _criteria(criteria), target, seed, first, budget, answer, W)
+    ending, problem = criteria_from(criteria), problem_of(P)
+    if int(P[2]) != NUMERIC and ending.steps > 0.0 and first == 0:
+        if _closed(unpacked(P), ending, target, seed, answer):
+            return 0, 0, CONVERGED
+    G, origin = pointer(target), pointer(seed)
+    best = past(pointer(answer), problem.n + 2)
+    last, steps, s, converged = last_start(P, ending, G), 0, first, False
+    if first == 0:
+        steps, converged = first_start(problem, ending, G, origin, best)
+    after = max(first, 1)
+    if not converged and after <= last and steps < budget:
+        more, s, converged = later_starts(
+            problem, ending, G, origin, after, last, budget - steps, best
+        )
+        steps += more
+    code = CONVERGED if converged else GIVEN_UP if s >= last else OUT_OF_STEPS
+    more, code = conclude(P, ending, target.reshape(16), seed, code, answer)
+    return steps + more, s, code
 
 
 @jit
-def solve_many(
-    P: Array, targets: Array, seed: Array, budget: int, criteria: Array, answers: Array, ends: Array
+def solve_closed(
+    P: Array, targets: Array, seed: Array, criteria: Array, answers: Array, ends: Array
 ) -> None:
-    """Solve many targets, one after the other.
+    """Solve those of many targets that have a solution in closed form; mark the others.
 
     Args:
         P: Constants of the chain; see :func:`~.solver_constants.packed`.
         targets: Poses of the frame in base axes, shape (n, 4, 4).
         seed: Of all, shape (K,).
-        budget: Steps of each target.
         criteria: Squared tolerances, most steps of a start, most restarts; shape (4,).
         answers: Filled as ``answer`` of :func:`solve_one`; shape (n, 2 K + 5).
-        ends: Filled: steps, last start, code; shape (n, 3).
+        ends: Filled: steps, last start, code, which is ``PENDING`` of the others; shape (n, 3).
     """
-    constants, ending, W = unpacked(P), _criteria(criteria), workspace(int(P[0]))
+    constants, ending = unpacked(P), criteria_from(criteria)
+    asked = constants.kind != NUMERIC and ending.steps > 0.0
     for i in range(len(targets)):
-        steps, start, code = _solve(constants, ending, targets[i], seed, 0, budget, answers[i], W)
-        ends[i, 0], ends[i, 1], ends[i, 2] = steps, start, code
+        ends[i, 0] = ends[i, 1] = 0
+        found = asked and _closed(constants, ending, targets[i], seed, answers[i])
+        ends[i, 2] = CONVERGED if found else PENDING
+
+
+@jit
+def conclude_many(
+    P: Array, targets: Array, seed: Array, criteria: Array, answers: Array, ends: Array
+) -> None:
+    """Make answers of what the starts of many targets have found.
+
+    Args:
+        P: Constants of the chain; see :func:`~.solver_constants.packed`.
+        targets: Poses of the frame in base axes, shape (n, 16).
+        seed: Of all, shape (K,).
+        criteria: Squared tolerances, most steps of a start, most restarts; shape (4,).
+        answers: The best q of each; filled as ``answer`` of :func:`solve_one`; shape (n, 2 K + 5).
+        ends: Codes from ``FOUND`` on become codes of answers; shape (n, 3).
+    """
+    ending = criteria_from(criteria)
+    for i in range(len(targets)):
+        if ends[i, 2] >= FOUND:
+            code = ends[i, 2] - FOUND
+            more, code = conclude(P, ending, targets[i], seed, code, answers[i])
+            ends[i, 0] += more
+            ends[i, 2] = code
