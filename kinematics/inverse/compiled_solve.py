@@ -18,7 +18,7 @@ from kinematics.inverse.criteria import (
     last_start,
     reached,
 )
-from kinematics.inverse.damped_least_squares import conclude
+from kinematics.inverse.damped_least_squares import conclude, near_seed
 from kinematics.inverse.damped_step import LOWER, TURN, UPPER
 from kinematics.inverse.lanes.problem import problem_of
 from kinematics.inverse.lanes.starts import first_start, later_starts
@@ -26,7 +26,7 @@ from kinematics.inverse.lanes.targets import FOUND, PENDING
 from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, unpacked
 from kinematics.inverse.task_error import residual
 from kinematics.kernels import Array
-from kinematics.lanes.vector import past, pointer
+from kinematics.lanes.memory import past, pointer
 
 SPHERICAL_WRIST, PARALLEL_AXES, PLANAR = 0, 1, 2
 KINDS: dict[Kind, int] = {
@@ -167,9 +167,9 @@ def solve_one(
         next start may follow.
     """
     ending, problem = criteria_from(criteria), problem_of(P)
-    if int(P[2]) != NUMERIC and ending.steps > 0.0 and first == 0:
-        if _closed(unpacked(P), ending, target, seed, answer):
-            return 0, 0, CONVERGED
+    asked = int(P[2]) != NUMERIC and ending.steps > 0.0 and first == 0
+    if asked and _closed(unpacked(P), ending, target, seed, answer):
+        return 0, 0, CONVERGED
     G, origin = pointer(target), pointer(seed)
     best = past(pointer(answer), problem.n + 2)
     last, steps, s, converged = last_start(P, ending, G), 0, first, False
@@ -222,10 +222,17 @@ def conclude_many(
         answers: The best q of each; filled as ``answer`` of :func:`solve_one`; shape (n, 2 K + 5).
         ends: Codes from ``FOUND`` on become codes of answers; shape (n, 3).
     """
-    ending = criteria_from(criteria)
+    ending, n = criteria_from(criteria), len(seed)
     for i in range(len(targets)):
         if ends[i, 2] >= FOUND:
             code = ends[i, 2] - FOUND
+            if code == CONVERGED:
+                answer = past(pointer(answers), i * (2 * n + 5))
+                if not near_seed(P, pointer(seed), answer):
+                    answer[n] = math.sqrt(answer[2 * n + 3])
+                    answer[n + 1] = math.sqrt(answer[2 * n + 4])
+                    ends[i, 2] = code
+                    continue
             more, code = conclude(P, ending, targets[i], seed, code, answers[i])
             ends[i, 0] += more
             ends[i, 2] = code

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from kinematics.compiled import inner
 from kinematics.inverse.solver_constants import NUMERIC, layout_of
 from kinematics.kernels import Array
-from kinematics.lanes.vector import Pointer
+from kinematics.lanes.memory import Pointer
 
 DAMPING = 0.03
 FLOOR = 1e-10
@@ -68,7 +68,7 @@ def beyond(P: Array, criteria: Criteria, G: Pointer) -> bool:
     for i in range(3):
         away += P[at.mask + i] * (G[4 * i + 3] - P[at.placements + 4 * i + 3]) ** 2
     limit = P[1] * (1.0 + 1e-9) + math.sqrt(criteria.position)
-    return away > limit * limit
+    return bool(away > limit * limit)
 
 
 @inner
@@ -78,7 +78,7 @@ def is_proof(P: Array, criteria: Criteria) -> bool:
     So it does where the tolerance is that of the form.
     """
     exact = criteria.position >= EXACT * EXACT and criteria.rotation >= EXACT * EXACT
-    return int(P[2]) != NUMERIC and criteria.steps > 0.0 and exact
+    return exact and int(P[2]) != NUMERIC and criteria.steps > 0.0
 
 
 @inner

@@ -1,9 +1,9 @@
 """Compiled inverse kinematics: what a solve ends with, after its starts.
 
 The method is damped least squares, start after start, with damping by the error (Chan and Lawrence
-1988; Sugihara, IEEE T-RO 27(5), 2011): with the residual ``E = ½ eᵀe``, ``Δq = Jᵀ (J Jᵀ + λ I)⁻¹ e``
-and ``λ = 0.03 E + 1e-10``. A start that stalls is given up for the next point of a low-discrepancy
-sequence; see :mod:`kinematics.inverse.lanes`.
+1988; Sugihara, IEEE T-RO 27(5), 2011): with the residual ``E = ½ eᵀe``,
+``Δq = Jᵀ (J Jᵀ + λ I)⁻¹ e`` and ``λ = 0.03 E + 1e-10``. A start that stalls is given up for the
+next point of a low-discrepancy sequence; see :mod:`kinematics.inverse.lanes`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from kinematics.inverse.damped_step import LOWER, UPPER, WRAPS, nearest_turn, st
 from kinematics.inverse.solver_constants import layout_of, unpacked
 from kinematics.inverse.task_error import TaskChain, residual, workspace
 from kinematics.kernels import Array
-from kinematics.lanes.vector import pointer
+from kinematics.lanes.memory import Pointer, past, pointer
 
 
 @inner
@@ -78,6 +78,31 @@ def settle(
 
 
 @inner
+def near_seed(P: Array, seed: Pointer, answer: Pointer) -> bool:
+    """Put the best q into an answer, angles turned as near to the seed as the limits allow.
+
+    Args:
+        P: Constants of the chain; see :func:`~.solver_constants.packed`.
+        seed: n numbers.
+        answer: As of :func:`conclude`.
+
+    Returns:
+        Whether it is yet to be measured: an angle is another, or no start was made.
+    """
+    at, constants = layout_of(P), pointer(P)
+    n, limits = at.n, past(constants, at.limits)
+    turned = not answer[2 * n + 2] < math.inf
+    for k in range(n):
+        value = answer[n + 2 + k]
+        answer[k] = value
+        if limits[WRAPS * n + k] != 0.0:
+            lower, upper = limits[LOWER * n + k], limits[UPPER * n + k]
+            answer[k] = nearest_turn(value, seed[k], lower, upper, True)
+            turned = turned or answer[k] != value
+    return turned
+
+
+@inner
 def conclude(
     P: Array, criteria: Criteria, target: Array, seed: Array, code: int, answer: Array
 ) -> tuple[int, int]:
@@ -98,20 +123,12 @@ def conclude(
     Returns:
         Steps, and the code of the answer.
     """
-    at, steps, n = layout_of(P), 0, len(seed)
-    limits, best = at.limits, n + 2
+    steps, n = 0, len(seed)
+    best = n + 2
     if code == GIVEN_UP and criteria.steps > 0:
         steps = _settled(P, criteria, target, answer)
     position, rotation = answer[best + n + 1], answer[best + n + 2]
-    turned = not answer[best + n] < math.inf
-    for k in range(n):
-        value = answer[best + k]
-        if P[limits + WRAPS * n + k] != 0.0:
-            lower, upper = P[limits + LOWER * n + k], P[limits + UPPER * n + k]
-            answer[k] = nearest_turn(value, seed[k], lower, upper, True)
-            turned = turned or answer[k] != value
-        else:
-            answer[k] = value
+    turned = near_seed(P, pointer(seed), pointer(answer))
     if turned:
         position, rotation = _measured(P, target, answer[:n])
     answer[n], answer[n + 1] = math.sqrt(position), math.sqrt(rotation)

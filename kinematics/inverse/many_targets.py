@@ -18,9 +18,9 @@ from kinematics.kernels import Array
 from kinematics.lanes.vector import LANES
 from robots.robot import FloatArray
 
-PART = 256
+PART = 1024
 """Most targets that a thread takes at once."""
-PART_STEPS = 1_000_000
+PART_STEPS = 2_000_000
 """Most steps, times joints, between two looks at the clock: some hundredths of a second."""
 
 
@@ -63,11 +63,13 @@ class Targets:
         size = min(size, max(2 * LANES, -(-n // (2 * threads))))
         parts = iter([(first, min(first + size, n)) for first in range(0, n, size)])
         workers = min(threads, -(-n // size))
+        made = [_Worker(self, parts) for _ in range(workers)]
         if workers > 1:
             with ThreadPoolExecutor(workers) as pool:
-                list(pool.map(lambda _: _Worker(self, parts).work(deadline), range(workers)))
+                list(pool.map(lambda worker: worker.work(deadline), made))
         else:
-            _Worker(self, parts).work(deadline)
+            for worker in made:
+                worker.work(deadline)
 
 
 class _Worker:
@@ -86,6 +88,8 @@ class _Worker:
         self.state = np.zeros((5, LANES), np.int64)
         self.passes = int(max(1, PART_STEPS // (LANES * max(1, K))))
         self.taken: list[slice] = []
+        self.open: list[slice] = []
+        """Parts of which some targets are not concluded."""
         self.wanted = current()
 
     def work(self, deadline: float) -> None:
@@ -96,6 +100,7 @@ class _Worker:
             row, end = part
             rows = slice(row, end)
             self.taken.append(rows)
+            self.open.append(rows)
             in_time = perf_counter() < deadline
             criteria = asked.criteria if in_time else asked.none_left
             solve_closed(
@@ -112,13 +117,13 @@ class _Worker:
                 in_time = perf_counter() < deadline
             if not in_time:
                 self._stop(row, end)
-            self._conclude(self.taken[-2:-1])
+            self._conclude(self.open[-2:-1])
         while self.state[ACTIVE, 0]:
             self._advance(asked.criteria, 0, 0, is_last=True)
             self.wanted.check_wanted()
             if perf_counter() >= deadline:
                 self._stop(0, 0)
-        self._conclude(self.taken)
+        self._conclude(self.open)
         count = sum(rows.stop - rows.start for rows in self.taken)
         seconds = (perf_counter() - began) / max(1, count)
         for rows in self.taken:
@@ -149,10 +154,11 @@ class _Worker:
         while row < end or self.state[ACTIVE, 0]:
             row = self._advance(asked.none_left, row, end, is_last=True)
             self.wanted.check_wanted()
-        for rows in self.taken:
+        for rows in self.open:
             waiting = asked.ends[rows, 2]
             waiting[waiting == FOUND + GIVEN_UP] = FOUND + OUT_OF_STEPS
-        self._conclude(self.taken)
+        self._conclude(self.open)
+        self.open = []
 
     def _conclude(self, parts: list[slice]) -> None:
         asked = self.asked

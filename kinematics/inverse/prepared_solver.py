@@ -175,8 +175,11 @@ class Solver:
             np.zeros(n),
         )
         asked.solve(threads, deadline)
-        q = np.repeat(start[None], n, axis=0)
-        q[:, columns] = answers[:, :K]
+        if self._whole:
+            q = np.ascontiguousarray(answers[:, :K])
+        else:
+            q = np.repeat(start[None], n, axis=0)
+            q[:, columns] = answers[:, :K]
         codes = _STATUS_OF_CODE[ends[:, 2]]
         position, rotation = answers[:, K], answers[:, K + 1]
         return IKBatch(codes, q, start, position, rotation, ends[:, 0], ends[:, 1], asked.elapsed)

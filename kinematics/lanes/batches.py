@@ -6,20 +6,17 @@ import numpy as np
 
 from kinematics.compiled import inner, jit
 from kinematics.kernels import Array
-from kinematics.lanes.vector import (
-    LANES,
+from kinematics.lanes.memory import (
     Pointer,
-    Vector,
-    eight_lanes,
     gather,
     lane_memory,
     load,
     pointer,
     scatter,
     scatter_four,
-    splat,
     store,
 )
+from kinematics.lanes.vector import LANES, Vector, eight_lanes, splat
 from kinematics.lanes.walk import Pose, columns, walk
 
 

@@ -16,8 +16,9 @@ from kinematics.lanes.links import (
     WIDTH,
     A,
 )
+from kinematics.lanes.memory import Pointer, load, past, store
 from kinematics.lanes.trigonometry import sine_cosine
-from kinematics.lanes.vector import Pointer, Vector, load, past, splat, store
+from kinematics.lanes.vector import Vector, splat
 
 Pose = tuple[Vector, ...]
 """The upper three rows of a 4x4 matrix, row by row: twelve vectors."""

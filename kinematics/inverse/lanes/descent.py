@@ -10,18 +10,8 @@ from kinematics.inverse.criteria import DAMPING, FLOOR, STALL_RATIO, STALLS, Cri
 from kinematics.inverse.lanes.error import task_error
 from kinematics.inverse.lanes.problem import Problem
 from kinematics.inverse.lanes.step import counted, step
-from kinematics.lanes.vector import (
-    Pointer,
-    Vector,
-    bits,
-    load,
-    mask_of,
-    past,
-    select,
-    smaller,
-    splat,
-    store,
-)
+from kinematics.lanes.memory import Pointer, load, past, store
+from kinematics.lanes.vector import Vector, bits, mask_of, select, smaller, splat
 from kinematics.lanes.walk import columns, walk
 
 # Rows of progress.

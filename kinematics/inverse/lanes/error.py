@@ -5,17 +5,9 @@ from __future__ import annotations
 import math
 
 from kinematics.compiled import inner
+from kinematics.lanes.memory import Pointer, load
 from kinematics.lanes.trigonometry import angle, angle_over_sine
-from kinematics.lanes.vector import (
-    Pointer,
-    Vector,
-    bits,
-    larger,
-    load,
-    select,
-    splat,
-    square_root,
-)
+from kinematics.lanes.vector import Vector, bits, larger, select, splat, square_root
 from kinematics.lanes.walk import Pose
 
 Error = tuple[Vector, Vector, Vector, Vector, Vector, Vector]

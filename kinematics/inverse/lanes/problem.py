@@ -7,7 +7,7 @@ from typing import NamedTuple
 from kinematics.compiled import inner
 from kinematics.inverse.solver_constants import layout_of
 from kinematics.kernels import Array
-from kinematics.lanes.vector import Pointer, past, pointer
+from kinematics.lanes.memory import Pointer, past, pointer
 
 
 class Problem(NamedTuple):

@@ -15,7 +15,8 @@ from kinematics.inverse.lanes.descent import (
     steps_of,
 )
 from kinematics.inverse.lanes.problem import Problem
-from kinematics.lanes.vector import LANES, Pointer, eight_lanes, lane_memory, one_lane, pointer
+from kinematics.lanes.memory import Pointer, lane_memory, pointer
+from kinematics.lanes.vector import LANES, eight_lanes, one_lane
 
 
 @inner

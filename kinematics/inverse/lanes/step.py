@@ -6,19 +6,8 @@ from kinematics.compiled import inner
 from kinematics.inverse.damped_step import LOWER, TURN, UPPER, WRAPS
 from kinematics.inverse.lanes.error import Error
 from kinematics.inverse.lanes.problem import Problem
-from kinematics.lanes.vector import (
-    Pointer,
-    Vector,
-    bits,
-    floor,
-    larger,
-    load,
-    mask_of,
-    select,
-    smaller,
-    splat,
-    store,
-)
+from kinematics.lanes.memory import Pointer, load, store
+from kinematics.lanes.vector import Vector, bits, floor, larger, mask_of, select, smaller, splat
 from kinematics.lanes.walk import Pose
 
 
@@ -34,10 +23,11 @@ def counted(problem: Problem, J: Pointer, pose: Pose, sums: Pointer, like: Vecto
         like: A vector of the width.
     """
     mask, n, K = problem.mask, problem.n, problem.K
-    for k in range(K):
-        b = 6 * k
-        for i in range(6):
-            store(J, b + i, load(J, b + i, like) * mask[i])
+    none = splat(0.0, like)
+    for i in range(6):
+        if mask[i] == 0.0:
+            for k in range(K):
+                store(J, 6 * k + i, none)
     if mask[6] != 0.0:  # without the turn about the frame's z axis
         ax, ay, az = pose[2], pose[6], pose[10]
         for k in range(K):
@@ -116,9 +106,7 @@ def step(
             if bits(under | over) & going != 0:
                 up = -floor((value - lower) / TURN)
                 down = -floor((upper - value) / TURN)
-                value = select(
-                    under, value + TURN * up, select(over, value - TURN * down, value)
-                )
+                value = select(under, value + TURN * up, select(over, value - TURN * down, value))
         store(q, k, select(moving, smaller(larger(value, lower), upper), old))
 
 

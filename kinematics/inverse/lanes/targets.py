@@ -21,7 +21,8 @@ from kinematics.inverse.lanes.descent import (
 )
 from kinematics.inverse.lanes.problem import problem_of
 from kinematics.kernels import Array
-from kinematics.lanes.vector import LANES, eight_lanes, past, pointer
+from kinematics.lanes.memory import past, pointer
+from kinematics.lanes.vector import LANES, eight_lanes
 
 PENDING = -1
 """Code of a target that is not solved yet."""
@@ -48,8 +49,9 @@ def _hand_in(
 ) -> None:
     """Write what a lane has found into the row of its target."""
     i = state[ROW, lane]
+    found = past(pointer(answers), i * (2 * n + 5) + n + 2)
     for k in range(n + 3):
-        answers[i, n + 2 + k] = room.best[k * LANES + lane]
+        found[k] = room.best[k * LANES + lane]
     ends[i, 0], ends[i, 1], ends[i, 2] = state[SPENT, lane], state[START, lane], FOUND + code
     state[ACTIVE, 0] &= ~(1 << lane)
 
