@@ -66,7 +66,7 @@ def test_any_chain_is_a_product_of_matrices(seed):
     np.testing.assert_array_equal(poses, again)
     for i in range(n):
         T, wanted = product(placements, is_revolute, Q[i])
-        size = 1.0 + np.abs(T).max() + np.abs(Q[i]).max()
+        size = 1.0 + np.abs(T).max() + np.abs(Q[i]).max(initial=0.0)
         np.testing.assert_allclose(poses[i].reshape(4, 4), T, rtol=0, atol=2e-14 * size)
         np.testing.assert_allclose(J[i].reshape(6, K), wanted, rtol=0, atol=4e-14 * size)
 
