@@ -8,7 +8,13 @@ import numpy as np
 
 from kinematics.compiled import inner, jit
 from kinematics.inverse.closed_form import Kind, parallel_axes, planar, spherical_wrist
-from kinematics.inverse.closed_form.candidates import WORK, Candidates, FormConstants, improve
+from kinematics.inverse.closed_form.candidates import (
+    ENOUGH,
+    WORK,
+    Candidates,
+    FormConstants,
+    improve,
+)
 from kinematics.inverse.criteria import (
     CONVERGED,
     GIVEN_UP,
@@ -18,15 +24,17 @@ from kinematics.inverse.criteria import (
     last_start,
     reached,
 )
-from kinematics.inverse.damped_least_squares import conclude, near_seed
+from kinematics.inverse.damped_least_squares import conclude, errors_at, near_seed, told
 from kinematics.inverse.damped_step import LOWER, TURN, UPPER
-from kinematics.inverse.lanes.problem import problem_of
+from kinematics.inverse.lanes.descent import measure, put_target, room_at, rows_of_room
+from kinematics.inverse.lanes.problem import Problem, problem_of
 from kinematics.inverse.lanes.starts import first_start, later_starts
 from kinematics.inverse.lanes.targets import FOUND, PENDING
 from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, unpacked
 from kinematics.inverse.task_error import residual
 from kinematics.kernels import Array
-from kinematics.lanes.memory import past, pointer
+from kinematics.lanes.memory import lane_memory, past, pointer, store
+from kinematics.lanes.vector import LANES, eight_lanes
 
 SPHERICAL_WRIST, PARALLEL_AXES, PLANAR = 0, 1, 2
 KINDS: dict[Kind, int] = {
@@ -101,7 +109,12 @@ def _nearest(
 
 @inner
 def _closed(
-    constants: SolverConstants, criteria: Criteria, target: Array, seed: Array, answer: Array
+    constants: SolverConstants,
+    problem: Problem,
+    criteria: Criteria,
+    target: Array,
+    seed: Array,
+    answer: Array,
 ) -> bool:
     """Put the closed-form solution nearest to the seed, and its two errors, into the answer.
 
@@ -127,6 +140,12 @@ def _closed(
         index = _nearest(candidates, count, limits, chain.is_revolute, criteria, seed, answer)
         if index < 0:
             return False
+        # The answer has the candidate now, within the limits; most are as exact as they can be.
+        position, rotation = errors_at(problem, pointer(target), pointer(answer))
+        exact = math.sqrt(position) + math.sqrt(rotation) <= ENOUGH
+        if exact and reached(criteria, position, rotation):
+            answer[K], answer[K + 1] = math.sqrt(position), math.sqrt(rotation)
+            return True
         candidate = candidates.q[index]
         if improve(chain, target, candidate, errors[index], work):
             position, rotation = errors[index, 0] ** 2, errors[index, 1] ** 2
@@ -146,7 +165,7 @@ def _closed(
 @jit
 def solve_one(
     P: Array, target: Array, seed: Array, first: int, budget: int, criteria: Array, answer: Array
-) -> tuple[int, int, int]:
+) -> tuple[int, int, int, float, float]:
     """Solve one target, or go on with it: starts first …, until the budget of steps is spent.
 
     The closed form is asked first, then the numeric solver: its start 0 is the seed, start s the
@@ -163,13 +182,13 @@ def solve_one(
             energy and squared errors; shape (2 K + 5,).
 
     Returns:
-        Steps, the start that came last, and a code of :mod:`~.criteria`. After OUT_OF_STEPS the
-        next start may follow.
+        Steps, the start that came last, a code of :mod:`~.criteria`, and both errors, m and rad.
+        After OUT_OF_STEPS the next start may follow.
     """
     ending, problem = criteria_from(criteria), problem_of(P)
     asked = int(P[2]) != NUMERIC and ending.steps > 0.0 and first == 0
-    if asked and _closed(unpacked(P), ending, target, seed, answer):
-        return 0, 0, CONVERGED
+    if asked and _closed(unpacked(P), problem, ending, target, seed, answer):
+        return 0, 0, CONVERGED, answer[problem.n], answer[problem.n + 1]
     G, origin = pointer(target), pointer(seed)
     best = past(pointer(answer), problem.n + 2)
     last, steps, s, converged = last_start(P, ending, G), 0, first, False
@@ -182,8 +201,8 @@ def solve_one(
         )
         steps += more
     code = CONVERGED if converged else GIVEN_UP if s >= last else OUT_OF_STEPS
-    more, code = conclude(P, ending, target.reshape(16), seed, code, answer)
-    return steps + more, s, code
+    more, code = conclude(P, problem, ending, G, origin, code, pointer(answer))
+    return steps + more, s, code, answer[problem.n], answer[problem.n + 1]
 
 
 @jit
@@ -200,11 +219,11 @@ def solve_closed(
         answers: Filled as ``answer`` of :func:`solve_one`; shape (n, 2 K + 5).
         ends: Filled: steps, last start, code, which is ``PENDING`` of the others; shape (n, 3).
     """
-    constants, ending = unpacked(P), criteria_from(criteria)
+    constants, problem, ending = unpacked(P), problem_of(P), criteria_from(criteria)
     asked = constants.kind != NUMERIC and ending.steps > 0.0
     for i in range(len(targets)):
         ends[i, 0] = ends[i, 1] = 0
-        found = asked and _closed(constants, ending, targets[i], seed, answers[i])
+        found = asked and _closed(constants, problem, ending, targets[i], seed, answers[i])
         ends[i, 2] = CONVERGED if found else PENDING
 
 
@@ -222,17 +241,39 @@ def conclude_many(
         answers: The best q of each; filled as ``answer`` of :func:`solve_one`; shape (n, 2 K + 5).
         ends: Codes from ``FOUND`` on become codes of answers; shape (n, 3).
     """
-    ending, n = criteria_from(criteria), len(seed)
+    ending, problem, like = criteria_from(criteria), problem_of(P), eight_lanes()
+    n, origin, first = problem.n, pointer(seed), pointer(answers)
+    memory = lane_memory(rows_of_room(n, problem.K), LANES)
+    memory[:] = 0.0
+    room = room_at(pointer(memory), n, problem.K, LANES)
+    waiting, count = np.zeros(LANES, np.int64), 0
     for i in range(len(targets)):
         if ends[i, 2] >= FOUND:
-            code = ends[i, 2] - FOUND
-            if code == CONVERGED:
-                answer = past(pointer(answers), i * (2 * n + 5))
-                if not near_seed(P, pointer(seed), answer):
-                    answer[n] = math.sqrt(answer[2 * n + 3])
-                    answer[n + 1] = math.sqrt(answer[2 * n + 4])
-                    ends[i, 2] = code
-                    continue
-            more, code = conclude(P, ending, targets[i], seed, code, answers[i])
-            ends[i, 0] += more
-            ends[i, 2] = code
+            code, ends[i, 2] = ends[i, 2] - FOUND, CONVERGED
+            G, answer = past(pointer(targets), 16 * i), past(first, i * (2 * n + 5))
+            if code != CONVERGED:
+                more, code = conclude(P, problem, ending, G, origin, code, answer)
+                ends[i, 0] += more
+                ends[i, 2] = code
+            elif near_seed(problem, origin, answer):
+                put_target(room, count, LANES, G, answer, n)
+                for k in range(n):
+                    room.q[k * LANES + count] = answer[k]
+                waiting[count] = i
+                count += 1
+            else:
+                answer[n], answer[n + 1] = (
+                    math.sqrt(answer[2 * n + 3]),
+                    math.sqrt(answer[2 * n + 4]),
+                )
+        if count == LANES or (count > 0 and i + 1 == len(targets)):
+            _, _, positions, rotations = measure(problem, room, like)
+            store(room.progress, 0, positions)
+            store(room.progress, 1, rotations)
+            for lane in range(count):
+                position, rotation = room.progress[lane], room.progress[LANES + lane]
+                G = past(pointer(targets), 16 * waiting[lane])
+                errors = past(first, waiting[lane] * (2 * n + 5) + n)
+                ends[waiting[lane], 2] = told(P, ending, G, CONVERGED, position, rotation, errors)
+            count = 0
+    memory[0, 0] = 0.0  # the memory is in use until here

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from kinematics.compiled import inner
 from kinematics.inverse.criteria import (
     CONVERGED,
@@ -24,73 +26,95 @@ from kinematics.inverse.criteria import (
     is_proof,
     reached,
 )
-from kinematics.inverse.damped_step import LOWER, UPPER, WRAPS, nearest_turn, step
-from kinematics.inverse.solver_constants import layout_of, unpacked
-from kinematics.inverse.task_error import TaskChain, residual, workspace
+from kinematics.inverse.damped_step import LOWER, UPPER, WRAPS, nearest_turn
+from kinematics.inverse.lanes.descent import (
+    measure,
+    move,
+    put_target,
+    room_at,
+    rows_of_room,
+)
+from kinematics.inverse.lanes.problem import Problem
 from kinematics.kernels import Array
-from kinematics.lanes.memory import Pointer, past, pointer
+from kinematics.lanes.memory import Pointer, past, pointer, store
+from kinematics.lanes.vector import one_lane, splat
 
 
 @inner
-def settle(
-    chain: TaskChain,
-    limits: Array,
-    criteria: Criteria,
-    G: Array,
-    best: Array,
-    W: Array,
-    q: Array,
-) -> int:
+def settle(problem: Problem, criteria: Criteria, G: Pointer, best: Pointer) -> int:
     """Move the best q down to the nearest pose, every step a descent (Marquardt's rule).
 
     Args:
-        chain: The chain and the task.
-        limits: Limits of its joints, shape (3, K).
+        problem: The chain and the task.
         criteria: When it ends.
-        G: Target, 12 numbers.
-        best: As of :func:`descend`; shape (K + 3,).
-        W: Workspace.
-        q: Memory, shape (K,).
+        G: Target, 12 numbers or more.
+        best: The best q of all starts, its energy and its squared errors, kept up to date; n + 3
+            numbers.
 
     Returns:
         Steps.
     """
-    K = len(q)
-    damping = DAMPING * best[K] + FLOOR
+    n, K, like = problem.n, problem.K, one_lane()
+    memory = np.empty(rows_of_room(n, K))
+    room = room_at(pointer(memory), n, K, 1)
+    put_target(room, 0, 1, G, best, n)
+    damping = DAMPING * best[n] + FLOOR
     iteration = 0
     while iteration < criteria.steps and damping <= MAX_DAMPING:
         iteration += 1
-        residual(chain, G, best[:K], W)
-        step(chain, limits, best[:K], damping, W, q)
-        position, rotation = residual(chain, G, q, W)
+        for k in range(n):
+            room.q[k] = best[k]
+        pose, e, _, _ = measure(problem, room, like)
+        move(problem, room, pose, e, splat(damping, like), 1, like)
+        _, _, positions, rotations = measure(problem, room, like)
+        store(room.progress, 0, positions)
+        store(room.progress, 1, rotations)
+        position, rotation = room.progress[0], room.progress[1]
         energy = 0.5 * (position + rotation)
-        if energy < best[K]:
-            settled = energy > SETTLED * best[K]
-            best[K], best[K + 1], best[K + 2] = energy, position, rotation
-            for k in range(K):
-                best[k] = q[k]
+        if energy < best[n]:
+            settled = energy > SETTLED * best[n]
+            best[n], best[n + 1], best[n + 2] = energy, position, rotation
+            for k in range(n):
+                best[k] = room.q[k]
             if settled or reached(criteria, position, rotation):
                 break
             damping /= 5.0
         else:
             damping *= 4.0
+    memory[0] = 0.0  # the memory is in use until here
     return iteration
 
 
 @inner
-def near_seed(P: Array, seed: Pointer, answer: Pointer) -> bool:
+def errors_at(problem: Problem, G: Pointer, q: Pointer) -> tuple[float, float]:
+    """Return the squares of position and rotation error at q, m² and rad²."""
+    n, K = problem.n, problem.K
+    memory = np.empty(rows_of_room(n, K))
+    room = room_at(pointer(memory), n, K, 1)
+    put_target(room, 0, 1, G, q, n)
+    for k in range(n):
+        room.q[k] = q[k]
+    _, _, positions, rotations = measure(problem, room, one_lane())
+    store(room.progress, 0, positions)
+    store(room.progress, 1, rotations)
+    position, rotation = room.progress[0], room.progress[1]
+    memory[0] = 0.0  # the memory is in use until here
+    return position, rotation
+
+
+@inner
+def near_seed(problem: Problem, seed: Pointer, answer: Pointer) -> bool:
     """Put the best q into an answer, angles turned as near to the seed as the limits allow.
 
     Args:
-        P: Constants of the chain; see :func:`~.solver_constants.packed`.
+        problem: The chain and the task.
         seed: n numbers.
         answer: As of :func:`conclude`.
 
     Returns:
         Whether it is yet to be measured: an angle is another, or no start was made.
     """
-    at, constants = layout_of(P), pointer(P)
-    n, limits = at.n, past(constants, at.limits)
+    n, limits = problem.n, problem.limits
     turned = not answer[2 * n + 2] < math.inf
     for k in range(n):
         value = answer[n + 2 + k]
@@ -104,7 +128,13 @@ def near_seed(P: Array, seed: Pointer, answer: Pointer) -> bool:
 
 @inner
 def conclude(
-    P: Array, criteria: Criteria, target: Array, seed: Array, code: int, answer: Array
+    P: Array,
+    problem: Problem,
+    criteria: Criteria,
+    G: Pointer,
+    seed: Pointer,
+    code: int,
+    answer: Pointer,
 ) -> tuple[int, int]:
     """Make the answer of the best q of all starts.
 
@@ -113,46 +143,43 @@ def conclude(
 
     Args:
         P: Constants of the chain; see :func:`~.solver_constants.packed`.
+        problem: The same by addresses.
         criteria: When it ends.
-        target: Pose of the frame in base axes, 16 numbers.
-        seed: Shape (n,).
+        G: Target, 12 numbers or more.
+        seed: n numbers.
         code: How the starts ended.
-        answer: The best q, its energy and its squared errors in columns from n + 2 on; filled: q,
-            its position and rotation error; shape (2 n + 5,).
+        answer: The best q, its energy and its squared errors from place n + 2 on; filled: q, its
+            position and rotation error; 2 n + 5 numbers.
 
     Returns:
         Steps, and the code of the answer.
     """
-    steps, n = 0, len(seed)
-    best = n + 2
+    n, steps = problem.n, 0
     if code == GIVEN_UP and criteria.steps > 0:
-        steps = _settled(P, criteria, target, answer)
-    position, rotation = answer[best + n + 1], answer[best + n + 2]
-    turned = near_seed(P, pointer(seed), pointer(answer))
-    if turned:
-        position, rotation = _measured(P, target, answer[:n])
-    answer[n], answer[n + 1] = math.sqrt(position), math.sqrt(rotation)
+        steps = settle(problem, criteria, G, past(answer, n + 2))
+    position, rotation = answer[2 * n + 3], answer[2 * n + 4]
+    if near_seed(problem, seed, answer):
+        position, rotation = errors_at(problem, G, answer)
+    return steps, told(P, criteria, G, code, position, rotation, past(answer, n))
+
+
+@inner
+def told(
+    P: Array,
+    criteria: Criteria,
+    G: Pointer,
+    code: int,
+    position: float,
+    rotation: float,
+    errors: Pointer,
+) -> int:
+    """Write both errors, of which the squares are given, and return the code of the answer."""
+    errors[0], errors[1] = math.sqrt(position), math.sqrt(rotation)
     if reached(criteria, position, rotation):
-        return steps, CONVERGED
-    if beyond(P, criteria, pointer(target)):
-        return steps, UNREACHABLE
+        return CONVERGED
+    if beyond(P, criteria, G):
+        return UNREACHABLE
     if code == GIVEN_UP and is_proof(P, criteria):
-        return steps, UNREACHABLE
+        return UNREACHABLE
     # What converged and does not after a turn is rounding at the edge of the tolerance.
-    return steps, GIVEN_UP if code == CONVERGED else code
-
-
-@inner
-def _settled(P: Array, criteria: Criteria, target: Array, answer: Array) -> int:
-    """Settle the best q of an answer; arguments as of :func:`conclude`."""
-    constants, n = unpacked(P), (len(answer) - 5) // 2
-    W = workspace(len(constants.chain.is_revolute))
-    best = answer[n + 2 :]
-    return settle(constants.chain, constants.limits, criteria, target, best, W, answer[:n])
-
-
-@inner
-def _measured(P: Array, target: Array, q: Array) -> tuple[float, float]:
-    """Return the squared errors at q; see :func:`~.task_error.residual`."""
-    chain = unpacked(P).chain
-    return residual(chain, target, q, workspace(len(chain.is_revolute)))
+    return GIVEN_UP if code == CONVERGED else code

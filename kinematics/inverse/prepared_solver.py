@@ -29,6 +29,8 @@ SLICE = 1024
 """Steps between two looks at the clock: a quarter of a millisecond."""
 STEP_SECONDS = 0.5e-6
 """Less than a step takes; turns the time budget of a batch's target into steps."""
+_FLOATS = np.dtype(np.float64)
+
 KEPT = 512
 """Solvers that are kept."""
 MAX_SEEDS = 8
@@ -110,24 +112,23 @@ class Solver:
     def solve(self, target: FloatArray, seed: FloatArray | None, options: IKOptions) -> IKResult:
         """Solve one target, shape (4, 4); see :func:`kinematics.inverse.solve_ik`."""
         started = perf_counter()
-        target = np.ascontiguousarray(target, np.float64)
-        if not target.flags.writeable:
-            target = target.copy()
+        if target.dtype is not _FLOATS or not target.flags.carray:
+            target = writable(target)
         if seed is None:
             start, origin = self.middle, self._middle_of_chain
         else:
             start = self.bounds.inside(seed)
             origin = start if self._whole else start[self.chain.columns]
-        K = len(origin)
-        P, criteria, answer = (
-            self.constants(options.random_seed),
-            options.criteria,
-            np.empty(2 * K + 5),
+        K, P, criteria = len(origin), self.constants(options.random_seed), options.criteria
+        answer = np.empty(2 * K + 5)
+        steps, last, code, position, rotation = solve_one(
+            P, target, origin, 0, SLICE, criteria, answer
         )
-        steps, last, code = solve_one(P, target, origin, 0, SLICE, criteria, answer)
         while code == kernel.OUT_OF_STEPS and perf_counter() - started < options.time_budget:
             current().check_wanted()
-            more, last, code = solve_one(P, target, origin, last + 1, SLICE, criteria, answer)
+            more, last, code, position, rotation = solve_one(
+                P, target, origin, last + 1, SLICE, criteria, answer
+            )
             steps += more
         status = _OF_CODE[code]
         if status is IKStatus.NOT_CONVERGED and options.time_budget <= 0:
@@ -137,9 +138,9 @@ class Solver:
         else:
             q = start.copy()
             q[self.chain.columns] = answer[:K]
-        position, rotation = answer.item(K), answer.item(K + 1)
         elapsed = perf_counter() - started
-        return IKResult(status, q, start, position, rotation, steps, last, elapsed)
+        # Not by its constructor, which takes as long as a step.
+        return tuple.__new__(IKResult, (status, q, start, position, rotation, steps, last, elapsed))
 
     def solve_batch(
         self,

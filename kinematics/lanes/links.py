@@ -93,16 +93,18 @@ def _parameters(T: FloatArray) -> _Parameters | None:
     """Return the parameters of a placement, shape (3, 4); None where they are not as exact."""
     R, p = T[:, :3], T[:, 3]
     sine = math.hypot(R[0, 2], R[1, 2])
-    if sine <= _PARALLEL:
-        sine, cosine = 0.0, math.copysign(1.0, R[2, 2])
-        before = math.atan2(p[1], p[0]) if p[0] or p[1] else 0.0
-    elif sine < _LEAST_SINE:
+    if _PARALLEL < sine < _LEAST_SINE:
         return None
+    is_parallel = sine <= _PARALLEL
+    if is_parallel:  # the common normal is where the origins say
+        before = math.atan2(p[1], p[0]) if p[0] or p[1] else 0.0
     else:
-        cosine, before = R[2, 2], math.atan2(R[0, 2], -R[1, 2])
+        before = math.atan2(R[0, 2], -R[1, 2])
     c, s = _exact(before)
     x, y = c * p[0] + s * p[1], c * p[1] - s * p[0]
-    after_along = -y / sine if sine > 0.0 else 0.0
+    # Signed: what rounding has left of a half turn says which way it went.
+    sine, cosine = s * R[0, 2] - c * R[1, 2], R[2, 2]
+    after_along = 0.0 if is_parallel else -y / sine
     # What is left of R is a turn about z.
     first = c * R[0] + s * R[1]
     second = cosine * (c * R[1] - s * R[0]) + sine * R[2]

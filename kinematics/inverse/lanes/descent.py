@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 from kinematics.compiled import inner
 from kinematics.inverse.criteria import DAMPING, FLOOR, STALL_RATIO, STALLS, Criteria
-from kinematics.inverse.lanes.error import task_error
+from kinematics.inverse.lanes.error import Error, task_error
 from kinematics.inverse.lanes.problem import Problem
 from kinematics.inverse.lanes.step import counted, step
 from kinematics.lanes.memory import Pointer, load, past, store
 from kinematics.lanes.vector import Vector, bits, mask_of, select, smaller, splat
-from kinematics.lanes.walk import columns, walk
+from kinematics.lanes.walk import Pose, columns, walk
 
 # Rows of progress.
 LOWEST = 0
@@ -113,6 +113,30 @@ def _joint_values(problem: Problem, q: Pointer, values: Pointer, like: Vector) -
 
 
 @inner
+def measure(problem: Problem, room: Room, like: Vector) -> tuple[Pose, Error, Vector, Vector]:
+    """Return pose and task error of every lane at its q, and the squares of both errors."""
+    values = room.q
+    if problem.is_coupled:
+        _joint_values(problem, room.q, room.values, like)
+        values = room.values
+    pose = walk(problem.links, problem.K, values, room.axes, like)
+    e = task_error(pose, room.target, problem.mask, like)
+    position = e[0] * e[0] + e[1] * e[1] + e[2] * e[2]
+    rotation = e[3] * e[3] + e[4] * e[4] + e[5] * e[5]
+    return pose, e, position, rotation
+
+
+@inner
+def move(
+    problem: Problem, room: Room, pose: Pose, e: Error, damping: Vector, going: int, like: Vector
+) -> None:
+    """Take a damped step from what :func:`measure` returned, in the lanes that go on."""
+    columns(problem.links, problem.K, room.axes, pose, like)
+    counted(problem, room.axes, pose, room.sums, like)
+    step(problem, room.axes, e, damping, going, room.q, room.moves, like)
+
+
+@inner
 def proceed(
     problem: Problem, criteria: Criteria, room: Room, active: int, like: Vector
 ) -> tuple[int, int]:
@@ -131,15 +155,8 @@ def proceed(
     Returns:
         As bits: the lanes that have converged, and those whose start has ended.
     """
-    n, K, links = problem.n, problem.K, problem.links
-    values = room.q
-    if problem.is_coupled:
-        _joint_values(problem, room.q, room.values, like)
-        values = room.values
-    pose = walk(links, K, values, room.axes, like)
-    e = task_error(pose, room.target, problem.mask, like)
-    position = e[0] * e[0] + e[1] * e[1] + e[2] * e[2]
-    rotation = e[3] * e[3] + e[4] * e[4] + e[5] * e[5]
+    n = problem.n
+    pose, e, position, rotation = measure(problem, room, like)
     energy = 0.5 * (position + rotation)
     reached = (position <= criteria.position) & (rotation <= criteria.rotation)
     converged = bits(reached) & active
@@ -158,10 +175,7 @@ def proceed(
     ended = (bits((stalled >= STALLS) | (taken >= criteria.steps)) | converged) & active
     going = active & ~ended
     if going != 0:
-        columns(links, K, room.axes, pose, like)
-        counted(problem, room.axes, pose, room.sums, like)
-        damping = DAMPING * energy + FLOOR
-        step(problem, room.axes, e, damping, going, room.q, room.moves, like)
+        move(problem, room, pose, e, DAMPING * energy + FLOOR, going, like)
         store(room.progress, LOWEST, smaller(energy, lowest))
         store(room.progress, STALLED, stalled)
         moved = mask_of(going, like)
