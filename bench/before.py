@@ -144,17 +144,22 @@ def main() -> None:
         return
     if chosen.path is None:
         parser.error("give the path of the older checkout")
-    checkouts = (Path(__file__).parents[1], chosen.path.resolve())
+    report(chosen.path, chosen.rounds, chosen.only)
+
+
+def report(older: Path, rounds: int = 7, only: str = "") -> None:
+    """Print a line for each case whose name has ``only`` in it."""
+    checkouts = (Path(__file__).parents[1], older.resolve())
     sides: dict[bool, tuple[Checkout, Checkout]] = {}
     print(f"{'':46}{'now':>10}{'before':>10}   best median processor")
     for key, (title, what) in cases().items():
-        if chosen.only not in key:
+        if only not in key:
             continue
         numeric = what[0] == "numeric"  # closed forms are switched off in a process of its own
         if numeric not in sides:
             sides[numeric] = (Checkout(checkouts[0]), Checkout(checkouts[1]))
         ours, theirs = sides[numeric]
-        pairs = [(ours.measure(what), theirs.measure(what)) for _ in range(chosen.rounds)]
+        pairs = [(ours.measure(what), theirs.measure(what)) for _ in range(rounds)]
         now, before = (min(found["seconds"] for found in side) for side in zip(*pairs, strict=True))
         ratio = statistics.median(a["seconds"] / b["seconds"] for a, b in pairs)
         line = (
