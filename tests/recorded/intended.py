@@ -385,15 +385,17 @@ def _as_good(old: Answer, text: str) -> str:
     same = same and any(name in now for name in measures)
     if same and all(_are_as_good(before.get(name), now.get(name)) for name in measures):
         return old.text
-    distances = before.get("distance"), now.get("distance")
-    if same and all(isinstance(one, float) for one in distances) and distances[1] < distances[0]:
-        return old.text
+    if "nearest" in before and list(before) == list(now):
+        # The search for the nearest has found a nearer one, or one as near.
+        distances = [(one["nearest"] or {}).get("distance") for one in (before, now)]
+        if None not in distances and distances[1] <= distances[0] + AS_GOOD:
+            return old.text
     return text
 
 
 def _is_as_good_text(old: str, new: str) -> bool:
     """Whether two answers of ``ik`` in text are of the same statuses and as near to the targets."""
-    if _STEPS.sub("", new) == _STEPS.sub("", old):
+    if _STEPS.sub("", new) == _STEPS.sub("", old) or _is_near_text(old, new, NEAR):
         return True
     words, others = (" ".join(split(_STEPS.sub("", text))[0].split()) for text in (old, new))
     before, now = (split("".join(_ERRORS.findall(text)))[1] for text in (old, new))
