@@ -36,6 +36,8 @@ from kinematics.task import Task
 from robots.robot import FloatArray, Robot
 
 SWIVELS = 16
+FREE_VALUES = 73
+"""Values of a joint that a singular target leaves free, among which one within limits is sought."""
 IDENTICAL = 1e-7
 """Largest joint difference of two solutions on a limit that count as one."""
 
@@ -73,13 +75,68 @@ def closed_form_solutions(
     """Return the solutions of a closed form, None where there is none; see ``exact_solutions``."""
     if chain.is_coupled and chain.inverse is None:
         return None
+    found = _closed_form_at(robot, chain, target, task, start, tolerance, wished, start)
+    if found is None or chain.is_coupled:
+        return found
+    better = {
+        k: moved
+        for k, one in enumerate(found.solutions)
+        if one.free and not one.within_limits and one.swivel is None
+        if (moved := _within(robot, chain, target, task, start, tolerance, one)) is not None
+    }
+    if not better:
+        return found
+    every = tuple(better.get(k, one) for k, one in enumerate(found.solutions))
+    return ordered(replace(found, solutions=every))
+
+
+def _within(
+    robot: Robot,
+    chain: Chain,
+    target: FloatArray,
+    task: Task,
+    start: FloatArray,
+    tolerance: Tolerance,
+    one: IKSolution,
+) -> IKSolution | None:
+    """Return a solution of the same branch within the limits, by other values of a free joint.
+
+    The nearest to the seed of so many values of each free joint; None where there is none.
+    """
+    for name in one.free:
+        k = chain.names.index(name)
+        column = chain.columns[k]
+        low = max(chain.lower[k], start[column] - np.pi)
+        high = min(chain.upper[k], start[column] + np.pi)
+        values = np.linspace(low, high, FREE_VALUES) if low < high else np.empty(0)
+        for value in sorted(values.tolist(), key=lambda one: abs(one - start[column])):
+            given = start.copy()
+            given[column] = value
+            found = _closed_form_at(robot, chain, target, task, start, tolerance, None, given)
+            for other in () if found is None else found.solutions:
+                if other.within_limits and (other.posture, other.free) == (one.posture, one.free):
+                    return other
+    return None
+
+
+def _closed_form_at(
+    robot: Robot,
+    chain: Chain,
+    target: FloatArray,
+    task: Task,
+    start: FloatArray,
+    tolerance: Tolerance,
+    wished: float | None,
+    free: FloatArray,
+) -> IKSolutions | None:
+    """Return the solutions of a closed form; ``free`` holds the values of joints left free."""
     # Where joints are coupled, the closed form is that of their values, which q follows from.
     form = closed_form_of(chain.mechanism)
     if form is None or task.name not in form.tasks:
         return None
     redundant = form.kind == "srs"
     swivels: Iterable[float] = (0.0,)
-    given = chain.values(start[chain.columns])
+    given = chain.values(free[chain.columns])
     if redundant:
         own = swivel_of(form, given)
         swivels = own + np.arange(SWIVELS) * (TURN / SWIVELS) if wished is None else (wished,)
