@@ -235,7 +235,7 @@ def robot_from_urdf(
         RobotTooLarge: More links, joints or bytes than are computed with.
         UnknownFrame: base or tip is no link of the robot.
     """
-    description = read_urdf(text)
+    description = read_urdf(text, base)
     joints, coupled = _joints(*joints_that_move(description.joints))
     narrow = () if coupled is None else narrow_warnings(coupled.relations, coupled.map)
     if warnings is None:
