@@ -151,9 +151,7 @@ def read(path: Path, rng: np.random.Generator) -> Reading:
     if robot is not None and model is not None:
         difference = largest_difference(robot, model, rng)
     dof = 0 if robot is None else robot.dof
-    return Reading(
-        str(path), model is not None, moves, limited, refusal, seconds, difference, dof
-    )
+    return Reading(str(path), model is not None, moves, limited, refusal, seconds, difference, dof)
 
 
 def _kind(refusal: str) -> str:

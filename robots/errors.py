@@ -85,6 +85,10 @@ class RobotTooLarge(RobotError):
         super().__init__(message)
         self.location = location
 
+    def within(self, location: Location) -> Self:
+        """Return the same error of a document that stands within another."""
+        return type(self)(str(self.args[0]), location)
+
 
 class UnknownFrame(RobotError):
     """A frame name that the robot does not have.

@@ -92,6 +92,8 @@ class JointView(msgspec.Struct, kw_only=True):
     upper: float | None
     velocity: float | None
     effort: float | None
+    acceleration: float | None
+    jerk: float | None
 
 
 class FollowerView(msgspec.Struct, kw_only=True):
@@ -186,6 +188,8 @@ def robot_view(stored: StoredRobot, units: Units) -> dict[str, Any]:
                 "upper": out(joint.upper, joint.type.is_revolute),
                 "velocity": out(joint.velocity, joint.type.is_revolute),
                 "effort": joint.effort,
+                "acceleration": out(joint.acceleration, joint.type.is_revolute),
+                "jerk": out(joint.jerk, joint.type.is_revolute),
             }
             for joint in robot.joints
         ],
@@ -321,7 +325,11 @@ def build_router(max_body: int) -> APIRouter:
                 ("values", "Numbers for names in cells, as D3:0.45,RL4:450mm."),
                 ("loops", "SYMORO: cut reads the spanning tree of a robot with closed loops."),
                 ("tip", "URDF: default tip frame."),
-                ("base", "URDF: frame in whose axes results are given."),
+                (
+                    "base",
+                    "URDF: frame in whose axes results are given; where a joint floats, the part"
+                    " of the robot that holds it.",
+                ),
             )
         ]
         + [overwriting | {"description": "Replace a robot that another has stored."}],

@@ -69,7 +69,7 @@ class JointReader:
                 element,
                 say("{where}: Pinocchio keeps this name for itself; give it another", where=where),
             )
-        type_ = self.faults.read(element, "fixed", lambda: _type(element, where))
+        type_ = self.faults.read(element, "continuous", lambda: _type(element, where))
         parent, child = (self._end(element, role, where) for role in ("parent", "child"))
         if parent and parent == child:
             self.faults.add(
@@ -170,7 +170,9 @@ class JointReader:
                 )
             else:
                 self.notes.add(
-                    say("has {count} equal <{tag}>, of which one is kept", count=len(found), tag=tag),
+                    say(
+                        "has {count} equal <{tag}>, of which one is kept", count=len(found), tag=tag
+                    ),
                     where,
                 )
         return found[0] if found else None
@@ -248,9 +250,7 @@ class JointReader:
                 )
         return values
 
-    def _limit(
-        self, limit: Element, key: str, where: str, *, is_bounded: bool
-    ) -> float | None:
+    def _limit(self, limit: Element, key: str, where: str, *, is_bounded: bool) -> float | None:
         """Read a limit; ±UNBOUNDED stands for none."""
         is_bound = key in ("lower", "upper")
         if limit.get(key) is None or (is_bound and not is_bounded):

@@ -138,7 +138,8 @@ class LinkReader:
             twin = read(part)
         except InvalidURDF as error:
             self.notes.add(
-                say("a <{tag}> is left out: {reason}", tag=shown_tag(part), reason=str(error)), where
+                say("a <{tag}> is left out: {reason}", tag=shown_tag(part), reason=str(error)),
+                where,
             )
             return
         if twin is not None:

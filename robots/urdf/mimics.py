@@ -30,7 +30,9 @@ def read_mimic(joint: URDFJoint, element: Element, faults: Faults) -> URDFJoint:
     mimic = element.find("mimic")
     if mimic is None or joint.type not in MOVING_TYPES:
         return joint
-    found = faults.read(mimic, None, lambda: _mimic(mimic, say("joint {joint!r}", joint=joint.name)))
+    found = faults.read(
+        mimic, None, lambda: _mimic(mimic, say("joint {joint!r}", joint=joint.name))
+    )
     return joint if found is None else replace(joint, mimic=found)
 
 
@@ -73,7 +75,7 @@ def check_mimics(
         try:
             joint_map(*moving_joints(found))
         except CouplingError as error:
-            moving = [k for k, joint in enumerate(found) if joint.type != "fixed"]
+            moving = [k for k, joint in enumerate(found) if joint.type in MOVING_TYPES]
             at = moving[error.joint]
             faults.add(element_of(joints[at]), str(error))
             if found[at].mimic is None:
@@ -90,9 +92,9 @@ def moving_joints(
     moving = tuple(
         MovingJoint(joint.name, JointType(joint.type), _limits(joint), joint.mimic)
         for joint in joints
-        if joint.type != "fixed"
+        if joint.type in MOVING_TYPES
     )
-    return moving, tuple(joint.name for joint in joints if joint.type == "fixed")
+    return moving, tuple(joint.name for joint in joints if joint.type not in MOVING_TYPES)
 
 
 def _limits(joint: URDFJoint) -> Limits:

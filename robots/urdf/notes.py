@@ -44,4 +44,6 @@ def _sentence(text: str, places: list[str]) -> str:
         return text
     beyond = len(places) - _PLACES
     more = say(" and {count} more", count=beyond) if beyond > 0 else ""
-    return say("{places}{more}: {text}", places=chained(", ", places[:_PLACES]), more=more, text=text)
+    return say(
+        "{places}{more}: {text}", places=chained(", ", places[:_PLACES]), more=more, text=text
+    )

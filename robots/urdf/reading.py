@@ -124,26 +124,20 @@ def _standing(
     def element_of(joint: URDFJoint) -> Element:
         return elements[id(joint)]
 
-    if len(set(links)) < len(links) or any("" in (joint.parent, joint.child) for joint in joints):
-        _tell_suspects(found, faults)
-        return None
-    root = check_tree(links, joints, faults, element_of)
-    if root is None:
-        _tell_suspects(found, faults)
-        return None
-    standing = stand(Standing(links, joints, root), base, faults, notes, element_of)
-    if not any(joint.type != "fixed" for joint in standing.joints):
-        if not faults:
-            faults.add(None, say("the robot has no joint that moves; give it one"))
-        return None
+    standing = None
+    if len(set(links)) == len(links) and all(joint.parent and joint.child for joint in joints):
+        root = check_tree(links, joints, faults, element_of)
+        if root is not None:
+            standing = stand(Standing(links, joints, root), base, faults, notes, element_of)
+    if standing is None:
+        for element, message in found.suspects:
+            faults.add(element, message)
+    kept = joints if standing is None else standing.joints
     if len({joint.name for joint in joints}) == len(joints):
-        check_mimics(standing.joints, faults, element_of)
+        check_mimics(kept, faults, element_of)
+    if not faults and not any(joint.type != "fixed" for joint in kept):
+        faults.add(None, say("the robot has no joint that moves; give it one"))
     return standing
-
-
-def _tell_suspects(found: Survey, faults: Faults) -> None:
-    for element, message in found.suspects:
-        faults.add(element, message)
 
 
 def _has_quaternions(source: Element) -> bool:

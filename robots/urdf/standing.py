@@ -101,9 +101,7 @@ def _cuts(whole: Standing, asked: str | None) -> tuple[URDFJoint, ...]:
     return tuple(cuts)
 
 
-def _carries_all(
-    planar: URDFJoint, whole: Standing, above: dict[str, URDFJoint]
-) -> bool:
+def _carries_all(planar: URDFJoint, whole: Standing, above: dict[str, URDFJoint]) -> bool:
     """Return whether every other joint that moves, and one at least, is below a joint."""
     found = False
     for joint in whole.joints:

@@ -219,8 +219,7 @@ def _drop_text(
         shown = quoted(stray, 24)
         if risky is not None and risky.search(stray):
             message = say(
-                "{where} holds the text {stray} in <{tag}>; remove it, or mend the tag"
-                " that it was",
+                "{where} holds the text {stray} in <{tag}>; remove it, or mend the tag that it was",
                 where=where,
                 stray=shown,
                 tag=shown_tag(part),
@@ -271,8 +270,10 @@ def _refuse_xacro(robot: etree._Element, joints: tuple[etree._Element, ...]) -> 
     for parent in (robot, *joints):
         for child in parent:
             namespace = str(child.tag).removeprefix("{").rpartition("}")[0]
-            if namespace.startswith(_XACRO) or namespace.endswith("/xacro") or (
-                namespace == f"{UNDECLARED}xacro"
+            if (
+                namespace.startswith(_XACRO)
+                or namespace.endswith("/xacro")
+                or (namespace == f"{UNDECLARED}xacro")
             ):
                 message = say(
                     "the file holds <xacro:{shown}>: xacro is never evaluated by the service;"
