@@ -83,7 +83,9 @@ def _step(element: etree._Element, parent: etree._Element | None) -> str:
         return step
     alike = [other for other in parent if other.tag == element.tag]
     name = element.get("name")
-    if tag in ("link", "joint") and name and name.isprintable() and not set(name) & set("'\"[]"):
-        if len(name) <= 64 and sum(other.get("name") == name for other in alike) == 1:
-            return f"{step}[@name='{name}']"
+    is_plain = name is not None and 0 < len(name) <= 64 and name.isprintable()
+    is_plain = is_plain and not set(str(name)) & set("'\"[]")
+    is_own = sum(other.get("name") == name for other in alike) == 1
+    if tag in ("link", "joint") and is_plain and is_own:
+        return f"{step}[@name='{name}']"
     return f"{step}[{alike.index(element) + 1}]" if len(alike) > 1 else step

@@ -42,7 +42,7 @@ def _mimic(mimic: Element, where: str) -> Mimic:
         raise InvalidURDF(
             say("{where}: <mimic> lacks the name of a joint; give joint=…", where=where)
         )
-    unknown = [str(key) for key in mimic.keys() if key not in ("joint", "multiplier", "offset")]
+    unknown = [str(key) for key in mimic.attrib if key not in ("joint", "multiplier", "offset")]
     if unknown:
         raise InvalidURDF(
             say(

@@ -1,4 +1,4 @@
-"""Planar joints as joints with one value each: two slides in the plane, then a turn about its normal.
+"""Planar joints as joints with one value each: two slides in the plane, a turn about its normal.
 
 URDF gives the normal of the plane as the axis of the joint and does not say which directions in it
 are counted. Here they are the two axes of the joint that follow the normal in the order x, y, z
@@ -46,7 +46,8 @@ def without_planar(
         first, second, turn = (quoted(one.name) for one in three)
         notes.add(
             say(
-                "{joint} is planar: it is read as the slides {first} and {second} and the turn {turn}",
+                "{joint} is planar: it is read as the slides {first} and {second}, and the turn"
+                " {turn}",
                 joint=label_of("joint", joint.name),
                 first=first,
                 second=second,
@@ -80,7 +81,7 @@ def _slide(name: str, parent: str, origin: Origin, axis: Triple) -> URDFJoint:
 
 
 def _directions(normal: Triple) -> tuple[Triple, Triple, tuple[str, str]]:
-    """Return two unit vectors u, v in the plane with ``u × v = normal``, and what they are called."""
+    """Return unit vectors u, v in the plane with ``u × v = normal``, and what they are called."""
     n = np.array(normal)
     k = int(np.argmax(np.abs(n)))
     sign = 1.0 if n[k] > 0 else -1.0

@@ -73,7 +73,8 @@ def stand(
         elif chosen == part_of[joint.parent]:
             notes.add(
                 say(
-                    "{joint} is {type}: link {child} and what it carries are left out, as base says",
+                    "{joint} is {type}: link {child} and what it carries are left out, as base"
+                    " says",
                     joint=label_of("joint", joint.name),
                     type=joint.type,
                     child=quoted(joint.child),

@@ -26,6 +26,8 @@ from robots.urdf.values import label_of
 _LINK = ("inertial", "visual", "collision")
 _MOVING = ("origin", "parent", "child", "axis", "limit", "mimic")
 """What a <joint> holds that kinematics reads."""
+_OF_MOTION = ("axis", "limit", "mimic")
+"""What has no meaning in a fixed joint."""
 _FREE = ("gazebo", "transmission", "sensor", "ros2_control")
 """Extensions beside links and joints, with links and joints of their own meaning inside."""
 _KNOWN: dict[str, tuple[str, ...]] = {
@@ -166,16 +168,16 @@ def _survey_joint(
     for child in joint:
         name = str(child.tag)
         if name in _MOVING:
-            if not (is_fixed and name in ("axis", "limit", "mimic")):
+            if not (is_fixed and name in _OF_MOTION):
                 _drop_text(child, where, faults, notes, _VALUE_LIKE)
             continue
         _check_left_out(child, "joint", where, faults)
         meant = _meant(_local(child), _MOVING)
-        if meant is not None and meant not in present and name not in _KNOWN["joint"]:
-            if not (is_fixed and meant in ("axis", "limit", "mimic")):
-                faults.add(child, _unknown(child, where, meant))
-                continue
-        _leave_out(child, left_out)
+        counts = meant is not None and meant not in present and name not in _KNOWN["joint"]
+        if meant is None or not counts or (is_fixed and meant in _OF_MOTION):
+            _leave_out(child, left_out)
+        else:
+            faults.add(child, _unknown(child, where, meant))
 
 
 def _unknown(child: etree._Element, where: str, meant: str) -> str:

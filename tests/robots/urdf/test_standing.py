@@ -83,7 +83,7 @@ def test_a_planar_joint_is_two_slides_and_a_turn_as_in_pinocchio():
     found = robot_from_urdf(text)
     assert [one.name for one in found.joints] == ["j", "p_x", "p_y", "p_turn", "m"]
     assert [one.lower for one in found.joints] == [-1, None, None, None, -1]
-    assert "joint 'p' is planar: it is read as the slides 'p_x' and 'p_y' and" in found.warnings[0]
+    assert "joint 'p' is planar: it is read as the slides 'p_x' and 'p_y', and" in found.warnings[0]
     model = pin.buildModelFromXML(text)
     q = np.array([0.3, 0.7, -0.4, 2.0, 0.2])
     values = {"j": [q[0]], "p": [q[1], q[2], math.cos(q[3]), math.sin(q[3])], "m": [q[4]]}
