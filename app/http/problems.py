@@ -158,7 +158,7 @@ def problem_response(
     as_text = _wants_text(request)
 
     def written(body: Mapping[str, Any]) -> bytes:
-        return _write_text(body) if as_text else orjson.dumps(body)
+        return _write_text(body, spoken) if as_text else orjson.dumps(body)
 
     content = written(body)
     while len(content) > MAX_BYTES and len(errors) > 1:
@@ -177,11 +177,12 @@ def _wants_text(request: Request) -> bool:
     return request.headers.get("accept", "").lower().lstrip().startswith("text/plain")
 
 
-def _write_text(body: Mapping[str, Any]) -> bytes:
+def _write_text(body: Mapping[str, Any], spoken: Language) -> bytes:
     """``422 The request cannot be used``, then what is wrong and where."""
     lines = [f"{body['status']} {body['title']}"]
     for error in body["errors"]:
-        places = [error["pointer"], f"line {error['line']}" if "line" in error else ""]
+        line = spoken.text(say("line {line}", line=error["line"])) if "line" in error else ""
+        places = [error["pointer"], line]
         place = ", ".join(place for place in places if place)
         lines.append(f"  {place}: {error['message']}" if place else f"  {error['message']}")
     if "more_errors" in body:

@@ -15,6 +15,7 @@ from robots.urdf.description import MOVING_TYPES, URDFJoint
 from robots.urdf.faults import Faults
 from robots.urdf.values import Element, number
 
+_ATTRIBUTES = ("joint", "multiplier", "offset")
 _TOLD = 50
 """Followers at fault that are told."""
 
@@ -42,7 +43,7 @@ def _mimic(mimic: Element, where: str) -> Mimic:
         raise InvalidURDF(
             say("{where}: <mimic> lacks the name of a joint; give joint=…", where=where)
         )
-    unknown = [str(key) for key in mimic.attrib if key not in ("joint", "multiplier", "offset")]
+    unknown = [str(key) for key in mimic.attrib if key not in _ATTRIBUTES]
     if unknown:
         raise InvalidURDF(
             say(
@@ -50,7 +51,7 @@ def _mimic(mimic: Element, where: str) -> Mimic:
                 where=where,
                 tag="mimic",
                 key=repr(unknown[0][:64]),
-                known="joint, multiplier, offset",
+                known=", ".join(_ATTRIBUTES),
             )
         )
     return Mimic(
