@@ -84,7 +84,10 @@ Kind: TypeAlias = Literal["dh", "urdf"]
 
 
 class JointView(msgspec.Struct, kw_only=True):
-    """One entry of q; null where there is no limit or it is unknown."""
+    """One entry of q; null where there is no limit or it is unknown.
+
+    Acceleration and jerk are there where the robot's document limits them for any joint.
+    """
 
     name: str
     type: Literal["revolute", "prismatic", "continuous"]
@@ -92,8 +95,8 @@ class JointView(msgspec.Struct, kw_only=True):
     upper: float | None
     velocity: float | None
     effort: float | None
-    acceleration: float | None
-    jerk: float | None
+    acceleration: float | None | msgspec.UnsetType = msgspec.UNSET
+    jerk: float | None | msgspec.UnsetType = msgspec.UNSET
 
 
 class FollowerView(msgspec.Struct, kw_only=True):
@@ -188,8 +191,11 @@ def robot_view(stored: StoredRobot, units: Units) -> dict[str, Any]:
                 "upper": out(joint.upper, joint.type.is_revolute),
                 "velocity": out(joint.velocity, joint.type.is_revolute),
                 "effort": joint.effort,
-                "acceleration": out(joint.acceleration, joint.type.is_revolute),
-                "jerk": out(joint.jerk, joint.type.is_revolute),
+                **{
+                    key: out(getattr(joint, key), joint.type.is_revolute)
+                    for key in ("acceleration", "jerk")
+                    if any(getattr(one, key) is not None for one in robot.joints)
+                },
             }
             for joint in robot.joints
         ],

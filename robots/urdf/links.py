@@ -93,9 +93,7 @@ class LinkReader:
             element, element.get("name", ""), lambda: name_of(element, say("a <link>"))
         )
         where = say("link {name!r}", name=name)
-        twin = etree.SubElement(self.robot, "link")
-        if name.isprintable():
-            twin.set("name", name)
+        twin = etree.SubElement(self.robot, "link", name=name)
         inertials = element.findall("inertial")
         if len(inertials) > 1:
             self._extra("inertial", len(inertials), where)

@@ -163,7 +163,9 @@ def _with_prefixes(text: str, notes: Notes) -> str:
     if not names or len(names) > MAX_PREFIXES:
         return text
     shown = ", ".join(f"{name}:" for name in names[:4])
-    notes.add(say("the prefix {shown} is not declared; kinematics needs nothing that has it", shown=shown))
+    notes.add(
+        say("the prefix {shown} is not declared; kinematics needs nothing that has it", shown=shown)
+    )
     declarations = "".join(f' xmlns:{name}="{UNDECLARED}{name}"' for name in names)
     return text[: root.end()] + declarations + text[root.end() :]
 

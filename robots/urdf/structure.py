@@ -24,6 +24,8 @@ from robots.urdf.notes import Notes
 from robots.urdf.values import label_of
 
 _LINK = ("inertial", "visual", "collision")
+_DRAWN = (*_LINK, "geometry", "origin", "material", "mesh", "mass", "inertia")
+"""What holds no text in a link."""
 _MOVING = ("origin", "parent", "child", "axis", "limit", "mimic")
 """What a <joint> holds that kinematics reads."""
 _OF_MOTION = ("axis", "limit", "mimic")
@@ -143,10 +145,11 @@ def _survey_link(
     link: etree._Element, faults: Faults, notes: Notes, left_out: dict[str, None]
 ) -> None:
     where = label(link)
-    for part in link.iter():
-        _drop_text(part, where, faults, notes)
+    _drop_text(link, where, faults, notes)
     for child in link:
         if child.tag in _LINK:
+            for part in child.iter(*_DRAWN):
+                _drop_text(part, where, faults, notes)
             continue
         if child.tag == "origin":
             if _moves(child):

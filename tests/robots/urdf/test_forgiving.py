@@ -120,6 +120,17 @@ def test_what_a_fixed_joint_cannot_have_is_told_and_never_refused():
     )
 
 
+def test_text_of_extensions_is_their_own():
+    text = ARM.replace(PLAIN, '<link name="b"><gazebo><mu>0.5</mu></gazebo></link>')
+    assert read_urdf(text).warnings == ("left out, since kinematics does not use it: <gazebo>",)
+
+
+def test_names_in_any_script_are_kept():
+    found = read_urdf(ARM.replace('"b"', '"\u57fa\u90e8 \u00e9"'))
+    assert found.root == "\u57fa\u90e8 \u00e9"
+    assert read_urdf(found.canonical) == found
+
+
 def test_many_kinds_of_what_is_left_out_are_counted():
     odd = "".join(f'<visual><geometry><box size="{k}"/></geometry></visual>' for k in range(40))
     warnings = read_urdf(ARM.replace(PLAIN, f'<link name="b">{odd}</link>')).warnings

@@ -61,6 +61,8 @@ export interface components {
         /**
          * JointView
          * @description One entry of q; null where there is no limit or it is unknown.
+         *
+         *         Acceleration and jerk are there where the robot's document limits them for any joint.
          */
         JointView: {
             name: string;
@@ -70,8 +72,8 @@ export interface components {
             upper: number | null;
             velocity: number | null;
             effort: number | null;
-            acceleration: number | null;
-            jerk: number | null;
+            acceleration?: number | null;
+            jerk?: number | null;
         };
         /**
          * FollowerView
