@@ -95,8 +95,8 @@ class JointView(msgspec.Struct, kw_only=True):
     upper: float | None
     velocity: float | None
     effort: float | None
-    acceleration: float | None | msgspec.UnsetType = msgspec.UNSET
-    jerk: float | None | msgspec.UnsetType = msgspec.UNSET
+    acceleration: float | msgspec.UnsetType | None = msgspec.UNSET
+    jerk: float | msgspec.UnsetType | None = msgspec.UNSET
 
 
 class FollowerView(msgspec.Struct, kw_only=True):

@@ -10,7 +10,11 @@ from tests.app.routes.test_urdf_faults import PLAIN
 from tests.conftest import DENAVIT
 from tests.robots.urdf.test_faults import THIRTEEN, TOLD
 
-TABLE = "name: pushed_table\nconvention: standard\njoints:\n- {name: j1, type: R, alpha: 0, a: 1, d: 0}\n"
+TABLE = """name: pushed_table
+convention: standard
+joints:
+- {name: j1, type: R, alpha: 0, a: 1, d: 0}
+"""
 JOINTS = "".join(f"<link name='${{n}}_{k}'/>" for k in "ab") + (
     "<joint name='${n}_j' type='revolute'><parent link='${n}_a'/><child link='${n}_b'/>"
     "<origin xyz='0 0 ${0.5*h}'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
