@@ -19,7 +19,6 @@ _COMMENT = re.compile(
     r"(?P<kept><!\[CDATA\[.*?\]\]>)|<!--(?P<comment>.*?)-->|<!(?![A-Za-z\[-])[^<>]*>|<!-(?!-)[^<>]*>",
     re.DOTALL,
 )
-_LONE_AMPERSAND = re.compile(r"&(?!#?\w{1,32};)")
 MAX_PREFIXES = 16
 """Prefixes without a declaration that are mended."""
 _REASONS = {
@@ -58,7 +57,7 @@ _REASONS = {
 def parse(text: str, notes: Notes) -> etree._Element:
     """Parse a text and return its root element.
 
-    What other readers pass over (odd comments, prefixes without a declaration, a lone &) is mended
+    What other readers pass over (odd comments, prefixes without a declaration) is mended
     where the strict parse fails, and noted.
 
     Args:
@@ -109,7 +108,7 @@ def _parsed(text: str, notes: Notes) -> etree._Element:
         remove_comments=True,
         remove_pis=True,
     )
-    for mend in (_without_comments, _with_ampersands, _with_prefixes):
+    for mend in (_without_comments, _with_prefixes):
         try:
             return etree.fromstring(text.encode(), parser)
         except etree.XMLSyntaxError:
@@ -141,14 +140,6 @@ def _without_comments(text: str, notes: Notes) -> str:
     if not odd:
         return text
     notes.add(say("comments that XML does not allow (with -- inside, or <! alone) are left out"))
-    return mended
-
-
-def _with_ampersands(text: str, notes: Notes) -> str:
-    """Write an & that stands alone as ``&amp;``."""
-    mended, count = _LONE_AMPERSAND.subn("&amp;", text)
-    if count:
-        notes.add(say("an & that stands alone is read as &amp;"))
     return mended
 
 

@@ -150,6 +150,7 @@ def _survey_link(
         if child.tag in _LINK:
             for part in child.iter(*_DRAWN):
                 _drop_text(part, where, faults, notes)
+            _check_hidden(child, where, faults)
             continue
         if child.tag == "origin":
             if _moves(child):
@@ -173,6 +174,11 @@ def _survey_joint(
         if name in _MOVING:
             if not (is_fixed and name in _OF_MOTION):
                 _drop_text(child, where, faults, notes, _VALUE_LIKE)
+            for part in child:
+                if _local(part) in ("robot", "link", "joint", *_MOVING):
+                    faults.add(part, _misplaced(part, where, name))
+                else:
+                    _leave_out(part, left_out)
             continue
         _check_left_out(child, "joint", where, faults)
         meant = _meant(_local(child), _MOVING)
@@ -257,6 +263,11 @@ def _check_left_out(child: etree._Element, parent: str, where: str, faults: Faul
     if name in misplaced:
         faults.add(child, _misplaced(child, where, parent))
         return
+    _check_hidden(child, where, faults)
+
+
+def _check_hidden(child: etree._Element, where: str, faults: Faults) -> None:
+    """Keep as a fault a whole joint in an element that is left out or only draws."""
     hidden = next((one for one in child.iter("joint") if one.find("child") is not None), None)
     if hidden is not None:
         faults.add(
@@ -264,7 +275,7 @@ def _check_left_out(child: etree._Element, parent: str, where: str, faults: Faul
             say(
                 "{where}: <{child}> holds a <{tag}>; put that into <robot>, or remove <{child}>",
                 where=where,
-                child=shown,
+                child=shown_tag(child),
                 tag=str(hidden.tag),
             ),
         )

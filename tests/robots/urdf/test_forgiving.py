@@ -52,7 +52,6 @@ RED, BLUE = (f'<material name="m{k}"><color rgba="1 0 0 1"/></material>' for k i
         (PLAIN, f"{PLAIN}<!-- a -- b -->", "comments that XML does not allow"),
         (PLAIN, f"{PLAIN}<!--- a --->", "comments that XML does not allow"),
         (PLAIN, f"{PLAIN}<!- a ->", "comments that XML does not allow"),
-        (PLAIN, f'{PLAIN}<gazebo reference="a & b"/>', "an & that stands alone"),
         ("<axis", "# about the vertical <axis", "the stray text '# about the vertical'"),
         ("<axis", '<axis xyz="0 0  1"/><axis', "joint 'j': has 2 equal <axis>"),
         ("<axis", "<dynamics><joint/></dynamics><axis", "use it: <dynamics>"),
