@@ -24,10 +24,12 @@ from kinematics.kernels import Array
 
 SPHERICAL_WRIST, PARALLEL_AXES, PLANAR = 0, 1, 2
 KINDS: dict[Kind, int] = {
+    "three_joints": SPHERICAL_WRIST,
     "spherical_wrist": SPHERICAL_WRIST,
     "parallel_axes": PARALLEL_AXES,
     "planar_2r": PLANAR,
     "planar_3r": PLANAR,
+    "planar": PLANAR,
     "scara": PLANAR,
 }
 """Classes whose solutions are finitely many."""

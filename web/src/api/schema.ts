@@ -748,10 +748,10 @@ export interface components {
              */
             frame?: string | null;
             /**
-             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz.
-             * @default pose
+             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz. Default pose; for a target without orientation and at most three joints what it gives: position, xy or xy_phi.
+             * @default null
              */
-            task?: (("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | string | number[];
+            task?: string | number[] | null;
             /**
              * @description One q, as a list or an object {joint name: value}; may be left out.
              * @default null
@@ -839,10 +839,10 @@ export interface components {
              */
             frame?: string | null;
             /**
-             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz.
-             * @default pose
+             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz. Default pose; for a target without orientation and at most three joints what it gives: position, xy or xy_phi.
+             * @default null
              */
-            task?: (("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | string | number[];
+            task?: string | number[] | null;
             /**
              * @description One q, as a list or an object {joint name: value}; may be left out.
              * @default null
@@ -888,10 +888,10 @@ export interface components {
              */
             frame?: string | null;
             /**
-             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz.
-             * @default pose
+             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz. Default pose; for a target without orientation and at most three joints what it gives: position, xy or xy_phi.
+             * @default null
              */
-            task?: (("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | string | number[];
+            task?: string | number[] | null;
             /**
              * @description One q, as a list or an object {joint name: value}; may be left out.
              * @default null
@@ -926,10 +926,10 @@ export interface components {
              */
             frame?: string | null;
             /**
-             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz.
-             * @default pose
+             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz. Default pose; for a target without orientation and at most three joints what it gives: position, xy or xy_phi.
+             * @default null
              */
-            task?: (("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | string | number[];
+            task?: string | number[] | null;
             /**
              * @description One q, as a list or an object {joint name: value}; may be left out.
              * @default null
@@ -2673,7 +2673,8 @@ export interface components {
          *         Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
          *         best that was found. Errors are in m and rad, in the axes of the task. ``explanation``, for one
          *         target that was not reached: what is proved of it, such as an orientation that the structure
-         *         cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs.
+         *         cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs;
+         *         ``reachable``: what of the target is reached instead, the nearest orientation first.
          *         ``branches``, with ``follow``: those that were tried, and where and why each ends.
          */
         IKAnswer: {
@@ -2693,6 +2694,7 @@ export interface components {
             position_error: number;
             q: number[];
             random_seed: number;
+            reachable?: components["schemas"]["ReachableView"][];
             restarts: number;
             seed: number[];
             /** @enum {string} */
@@ -2761,6 +2763,24 @@ export interface components {
             value: number;
         };
         /**
+         * ReachableView
+         * @description A q within the limits that reaches a part of a target; errors in m and rad.
+         *
+         *         ``given_up``: what it does not reach. ``direction_error``: of the tool's axis z alone;
+         *         ``rotation_error``: about it, with its sign.
+         */
+        ReachableView: {
+            direction_error: number;
+            given_up: ("direction_of_tool_axis" | "position" | "rotation_about_tool_axis")[];
+            joint_values?: {
+                [key: string]: number;
+            };
+            orientation_error: number;
+            position_error: number;
+            q: number[];
+            rotation_error?: number;
+        };
+        /**
          * ToleranceView
          * @description Largest accepted errors, m and rad.
          */
@@ -2776,7 +2796,8 @@ export interface components {
          *         that a singular branch leaves free; they have the seed's value. ``multiplicity``, where it is
          *         above 1: how many solutions meet there, as two do where an arm is stretched. ``beyond_limits``,
          *         where there are some, names the joints beyond their limits. ``explanation``, where no solution
-         *         is within the limits: why, as far as it is proved; ``forbidden``: the same for programs.
+         *         is within the limits: why, as far as it is proved; ``forbidden``: the same for programs;
+         *         ``reachable``: what of the target is reached instead, the nearest orientation first.
          *         ``self_motion``, of an arm with more joints than the task needs: the curves of solutions that
          *         these are on.
          */
@@ -2788,6 +2809,7 @@ export interface components {
             forbidden?: components["schemas"]["ForbiddenView"];
             frame: string;
             method: string;
+            reachable?: components["schemas"]["ReachableView"][];
             seed: number[];
             self_motion?: components["schemas"]["SelfMotionView"];
             solutions: components["schemas"]["IKSolutionView"][];
@@ -3533,7 +3555,8 @@ export interface components {
          *         Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
          *         best that was found. Errors are in m and rad, in the axes of the task. ``explanation``, for one
          *         target that was not reached: what is proved of it, such as an orientation that the structure
-         *         cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs.
+         *         cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs;
+         *         ``reachable``: what of the target is reached instead, the nearest orientation first.
          *         ``branches``, with ``follow``: those that were tried, and where and why each ends.
          */
         IKAnswerBatch: {
@@ -3553,12 +3576,63 @@ export interface components {
             position_error: number[];
             q: number[][];
             random_seed: number;
+            reachable?: components["schemas"]["ReachableViewBatch"][];
             restarts: number[];
             seed: number[];
             status: ("converged" | "not_converged" | "timeout" | "unreachable")[];
             task: string;
             time_budget_ms: number;
             tolerance: components["schemas"]["ToleranceView"];
+            /** @description Units of the answer: {"angle": …, "length": "m"}. */
+            units: {
+                [key: string]: string;
+            };
+            warnings: string[];
+        };
+        /**
+         * ReachableViewBatch
+         * @description A q within the limits that reaches a part of a target; errors in m and rad.
+         *
+         *         ``given_up``: what it does not reach. ``direction_error``: of the tool's axis z alone;
+         *         ``rotation_error``: about it, with its sign.
+         */
+        ReachableViewBatch: {
+            direction_error: number;
+            given_up: ("direction_of_tool_axis" | "position" | "rotation_about_tool_axis")[];
+            joint_values?: {
+                [key: string]: number[];
+            };
+            orientation_error: number;
+            position_error: number;
+            q: number[];
+            rotation_error?: number;
+        };
+        /**
+         * IKSolutionsAnswerBatch
+         * @description All solutions, the closest to the seed first, those within the limits before the others.
+         *
+         *         ``complete`` says that mathematics knows no others (but for whole turns). ``free`` names joints
+         *         that a singular branch leaves free; they have the seed's value. ``multiplicity``, where it is
+         *         above 1: how many solutions meet there, as two do where an arm is stretched. ``beyond_limits``,
+         *         where there are some, names the joints beyond their limits. ``explanation``, where no solution
+         *         is within the limits: why, as far as it is proved; ``forbidden``: the same for programs;
+         *         ``reachable``: what of the target is reached instead, the nearest orientation first.
+         *         ``self_motion``, of an arm with more joints than the task needs: the curves of solutions that
+         *         these are on.
+         */
+        IKSolutionsAnswerBatch: {
+            columns: string[];
+            complete: boolean;
+            description: string;
+            explanation?: string[];
+            forbidden?: components["schemas"]["ForbiddenView"];
+            frame: string;
+            method: string;
+            reachable?: components["schemas"]["ReachableViewBatch"][];
+            seed: number[];
+            self_motion?: components["schemas"]["SelfMotionView"];
+            solutions: components["schemas"]["IKSolutionView"][];
+            task: string;
             /** @description Units of the answer: {"angle": …, "length": "m"}. */
             units: {
                 [key: string]: string;
