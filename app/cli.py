@@ -18,6 +18,7 @@ from app.http.problems import RequestProblem
 from app.http.query import number
 from app.http.text import render_text
 from app.http.units import Units
+from app.push_command import push
 from app.settings import Settings
 from dh_to_urdf import DHError, read_json, read_par, read_yaml
 from kinematics.errors import KinematicsError
@@ -32,6 +33,9 @@ from robots.store import RobotStore
 @click.version_option(package_name="denavit")
 def main() -> None:
     """Kinematics over HTTP: D-H tables and URDFs in; FK, Jacobians, singularities and IK out."""
+
+
+main.add_command(push)
 
 
 @main.command()

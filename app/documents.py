@@ -148,7 +148,7 @@ def robot_from_inline(document: Mapping[str, Any]) -> Robot:
         raise UnknownFrame(error.name, error.valid, "robot", index) from None
     except (InvalidURDF, RobotTooLarge) as error:
         within = ("urdf",) if "urdf" in document else error.location
-        raise type(error)(str(error), ("robot", *within)) from None
+        raise error.within(("robot", *within)) from None
 
 
 def id_from_name(name: str) -> str:

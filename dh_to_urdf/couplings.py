@@ -260,8 +260,11 @@ def _check_turns(joints: Sequence[MovingJoint], free: Sequence[int], matrix: Mat
             whole = abs(factor - round(factor)) <= WHOLE * max(1.0, abs(factor))
             fraction = not whole or (factor != 0.0 and not joint.type.is_revolute)
             follows = joint.mimic is not None and joint.type is JointType.CONTINUOUS
+            bounds = joints[leader].limits
             endless = joints[leader].type is JointType.CONTINUOUS or (
-                follows and joints[leader].type.is_revolute
+                follows
+                and joints[leader].type.is_revolute
+                and (bounds.lower is None or bounds.upper is None)
             )
             if k == leader or not fraction or not endless:
                 continue

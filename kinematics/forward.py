@@ -22,8 +22,8 @@ from robots.robot import FloatArray, Robot
 def fk(robot: Robot, q: FloatArray, frames: Sequence[str] | None = None) -> dict[str, FloatArray]:
     """Return the poses of frames at one q or a batch.
 
-    One q goes through Pinocchio, a batch through compiled code for eight at once, which agrees
-    with it to rounding.
+    One q goes through Pinocchio; a batch, and a robot that is large, through compiled code for
+    eight at once, which agrees with it to rounding.
 
     Args:
         robot: The robot.
@@ -98,6 +98,8 @@ def _frame_ids(robot: Robot, frames: Sequence[str] | None) -> dict[str, int]:
 
 
 def _placements(robot: Robot, q: FloatArray, ids: dict[str, int]) -> dict[str, Any]:
+    if robot.is_large:
+        return {name: pin.SE3(_many(robot, q[None], name)[0]) for name in ids}
     data = robot.data()
     pin.framesForwardKinematics(robot.model, data, robot.configuration(q))
     frames = data.oMf

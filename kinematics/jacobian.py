@@ -56,6 +56,8 @@ def jacobian(
     robot.frame_id(frame)
     q = configuration(robot, q)
     if q.ndim == 1:
+        if robot.is_large:
+            return np.asarray(_many(robot, q[None], frame, reference_frame)[0])
         return _one(robot, q, frame, reference_frame)
     return _many(robot, q, frame, reference_frame)
 

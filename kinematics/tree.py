@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import pinocchio as pin
 
 from robots.robot import FloatArray, Robot
 
@@ -66,15 +65,16 @@ def tree_of(robot: Robot) -> Tree:
 
 def build_tree(robot: Robot) -> Tree:
     """Return the constants of a robot's tree, read from its Pinocchio model."""
-    model, data = robot.model, robot.model.createData()
-    neutral = pin.neutral(model)
+    model = robot.model
     column_of = {int(model.getJointId(joint.name)): k for k, joint in enumerate(robot.moving)}
     joints: list[TreeJoint] = []
     alignments: list[FloatArray] = [np.eye(4)]
     for joint_id in range(1, model.njoints):
         column = column_of[joint_id]
-        motion = pin.computeJointJacobian(model, data, neutral, joint_id).reshape(6, -1)
-        subspace = motion[:, model.joints[joint_id].idx_v]
+        # The data of one joint: those of the model grow with the cube of its joints.
+        motion = model.joints[joint_id].createData()
+        model.joints[joint_id].calc(motion, np.zeros(1))
+        subspace = motion.S.reshape(6)
         is_revolute = robot.moving[column].type.is_revolute
         alignment = _z_onto(subspace[3:] if is_revolute else subspace[:3])
         parent = int(model.parents[joint_id])

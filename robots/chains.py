@@ -51,7 +51,7 @@ def chain_of_urdf(
         RobotTooLarge: More links, joints or bytes than are computed with.
         UnknownFrame: base or tip is no link.
     """
-    description = read_urdf(text)
+    description = read_urdf(text, base)
     for role, name in (("base", base), ("tip", tip)):
         if name is not None and name not in description.links:
             raise UnknownFrame(name, description.links, role)

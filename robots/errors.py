@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
-from typing import Final, Literal, TypeAlias
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, Self, TypeAlias
 
 from dh_to_urdf.errors import Location
 from dh_to_urdf.messages import chained, say
@@ -30,16 +31,47 @@ class RobotError(ValueError):
     index: Location = ()
 
 
+@dataclass(frozen=True, slots=True)
+class URDFFault:
+    """One thing wrong with a URDF.
+
+    Attributes:
+        message: What is wrong, with element, value and remedy.
+        line: Line of the text where it stands, from 1; None where it is no single one.
+        xpath: The element at fault, such as ``/robot/joint[@name='elbow']/axis``; else empty.
+    """
+
+    message: str
+    line: int | None = None
+    xpath: str = ""
+
+
 class InvalidURDF(RobotError):
     """A URDF that is refused; the message names element, value and remedy.
 
     Attributes:
         location: Where in the document the value at fault stands; empty for the document.
+        faults: All that is wrong, in the order of the text.
     """
 
-    def __init__(self, message: str, location: Location = ()) -> None:
+    def __init__(
+        self, message: str, location: Location = (), faults: Sequence[URDFFault] = ()
+    ) -> None:
         super().__init__(message)
         self.location = location
+        self.faults = tuple(faults) or (URDFFault(message),)
+
+    @classmethod
+    def of(cls, faults: Sequence[URDFFault]) -> Self:
+        """Return the error of one fault or more."""
+        more, first = len(faults) - 1, faults[0].message
+        suffix = say(" (and {more} more)", more=more) if more else ""
+        message = say("{message}{suffix}", message=first, suffix=suffix) if more else first
+        return cls(message, (), faults)
+
+    def within(self, location: Location) -> Self:
+        """Return the same error of a document that stands within another."""
+        return type(self)(str(self.args[0]), location, self.faults)
 
 
 class RobotTooLarge(RobotError):
@@ -52,6 +84,10 @@ class RobotTooLarge(RobotError):
     def __init__(self, message: str, location: Location = ()) -> None:
         super().__init__(message)
         self.location = location
+
+    def within(self, location: Location) -> Self:
+        """Return the same error of a document that stands within another."""
+        return type(self)(str(self.args[0]), location)
 
 
 class UnknownFrame(RobotError):

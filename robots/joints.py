@@ -23,6 +23,8 @@ class Joint:
         upper: Largest value.
         velocity: Largest speed, rad/s or m/s; None where unknown.
         effort: Largest torque or force, N m or N; None where unknown.
+        acceleration: Largest acceleration, rad/s² or m/s²; None where unknown.
+        jerk: Largest jerk, rad/s³ or m/s³; None where unknown.
     """
 
     name: str
@@ -31,6 +33,8 @@ class Joint:
     upper: float | None
     velocity: float | None
     effort: float | None
+    acceleration: float | None = None
+    jerk: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import threading
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -148,8 +148,18 @@ class Robot:
         configuration[self.velocity_columns] = values
         return configuration
 
+    @property
+    def is_large(self) -> bool:
+        """Return whether Pinocchio's working memory of the whole robot would be too large.
+
+        It grows with the cube of the joints (116 MB at 150): such a robot is computed chain by
+        chain, from the constants of the chain that is asked for.
+        """
+        return bool(self.model.nv > MAX_DOF)
+
     def data(self) -> Any:
-        """Return Pinocchio's working memory of this robot in this thread."""
+        """Return Pinocchio's working memory of this robot in this thread; not of a large one."""
+        assert not self.is_large
         try:
             return self._local.data
         except AttributeError:
@@ -235,7 +245,7 @@ def robot_from_urdf(
         RobotTooLarge: More links, joints or bytes than are computed with.
         UnknownFrame: base or tip is no link of the robot.
     """
-    description = read_urdf(text)
+    description = read_urdf(text, base)
     joints, coupled = _joints(*joints_that_move(description.joints))
     narrow = () if coupled is None else narrow_warnings(coupled.relations, coupled.map)
     if warnings is None:
@@ -248,7 +258,7 @@ def robot_from_urdf(
     return _build(
         description,
         kind="urdf",
-        joints=joints,
+        joints=_timed(joints, coupled, description),
         coupled=coupled,
         frames=description.links,
         base=base or description.root,
@@ -310,6 +320,30 @@ def _joints(
         _joint(moving[k], limits) for k, limits in zip(found.free, found.limits, strict=True)
     )
     return joints, CoupledJoints(every, moving, found)
+
+
+def _timed(
+    joints: tuple[Joint, ...], coupled: CoupledJoints | None, description: URDFDescription
+) -> tuple[Joint, ...]:
+    """Return joints with limits of acceleration and jerk: their own, and those of followers."""
+    given = {one.name: one for one in description.moving}
+    if all(one.acceleration is None and one.jerk is None for one in given.values()):
+        return joints
+    names = [joint.name for joint in (joints if coupled is None else coupled.joints)]
+    C = np.eye(len(names)) if coupled is None else coupled.matrix
+
+    def least(column: int, key: Literal["acceleration", "jerk"]) -> float | None:
+        found = [
+            limit / abs(factor)
+            for name, factor in zip(names, C[:, column], strict=True)
+            if factor != 0.0 and (limit := getattr(given[name], key)) is not None
+        ]
+        return min(found, default=None)
+
+    return tuple(
+        replace(joint, acceleration=least(k, "acceleration"), jerk=least(k, "jerk"))
+        for k, joint in enumerate(joints)
+    )
 
 
 def _joint(joint: MovingJoint, limits: Limits) -> Joint:

@@ -20,6 +20,7 @@ MAX_MESSAGE = 400
 MAX_TRANSLATED = 600
 """Other languages take more room than English."""
 MAX_BYTES = 4096
+MAX_XPATH = 160
 # Control characters, and those that turn the direction of what follows.
 _UNSAFE = re.compile(
     "[\x00-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb]+"
@@ -48,10 +49,14 @@ class ErrorEntry:
     Attributes:
         pointer: JSON pointer (RFC 6901) to the field at fault, empty for the whole request.
         message: What is wrong and what to send instead.
+        line: Line of an XML text where it stands; None elsewhere.
+        xpath: The element at fault of an XML text; else empty.
     """
 
     pointer: str
     message: str
+    line: int | None = None
+    xpath: str = ""
 
 
 class RequestProblem(Exception):
@@ -131,10 +136,7 @@ def problem_response(
     """
     spoken = language_of(request)
     title = spoken.text(type_.title)
-    errors = [
-        {"pointer": _pointer(entry.pointer), "message": _told(entry.message, spoken)}
-        for entry in entries[:MAX_ERRORS]
-    ]
+    errors: list[dict[str, Any]] = [_entry(entry, spoken) for entry in entries[:MAX_ERRORS]]
     detail = errors[0]["message"] if errors else title
     if len(entries) > 1:
         detail = spoken.text(
@@ -150,16 +152,18 @@ def problem_response(
         "status": type_.status,
         "detail": detail,
         "errors": errors,
+        **({"more_errors": len(entries) - len(errors)} if len(entries) > len(errors) else {}),
         "request_id": request.scope.get("state", {}).get("request_id", ""),
     }
     as_text = _wants_text(request)
 
     def written(body: Mapping[str, Any]) -> bytes:
-        return _write_text(body) if as_text else orjson.dumps(body)
+        return _write_text(body, spoken) if as_text else orjson.dumps(body)
 
     content = written(body)
     while len(content) > MAX_BYTES and len(errors) > 1:
         errors.pop()
+        body["more_errors"] = len(entries) - len(errors)
         content = written(body)
     media_type = "text/plain; charset=utf-8" if as_text else MEDIA_TYPE
     return Response(content, type_.status, language_headers(spoken, headers), media_type)
@@ -173,14 +177,30 @@ def _wants_text(request: Request) -> bool:
     return request.headers.get("accept", "").lower().lstrip().startswith("text/plain")
 
 
-def _write_text(body: Mapping[str, Any]) -> bytes:
+def _write_text(body: Mapping[str, Any], spoken: Language) -> bytes:
     """``422 The request cannot be used``, then what is wrong and where."""
     lines = [f"{body['status']} {body['title']}"]
     for error in body["errors"]:
-        place = f"{error['pointer']}: " if error["pointer"] else ""
-        lines.append(f"  {place}{error['message']}")
+        line = spoken.text(say("line {line}", line=error["line"])) if "line" in error else ""
+        places = [error["pointer"], line]
+        place = ", ".join(place for place in places if place)
+        lines.append(f"  {place}: {error['message']}" if place else f"  {error['message']}")
+    if "more_errors" in body:
+        lines.append(f"  … +{body['more_errors']}")
     lines.append(f"request_id: {body['request_id']}")
     return ("\n".join(lines) + "\n").encode()
+
+
+def _entry(entry: ErrorEntry, spoken: Language) -> dict[str, Any]:
+    shown: dict[str, Any] = {
+        "pointer": _pointer(entry.pointer),
+        "message": _told(entry.message, spoken),
+    }
+    if entry.line is not None:
+        shown["line"] = entry.line
+    if entry.xpath:
+        shown["xpath"] = _shown(entry.xpath, MAX_XPATH)
+    return shown
 
 
 def _told(message: str, spoken: Language) -> str:

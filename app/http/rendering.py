@@ -33,8 +33,8 @@ class Rendering:
 
     Attributes:
         type: The kind of problem.
-        message: Writes what is wrong and what to send instead; for a ``DHError``, whose faults
-            are written one by one, not called.
+        message: Writes what is wrong and what to send instead; for a ``DHError`` and an
+            ``InvalidURDF``, whose faults are written one by one, not called.
     """
 
     type: ProblemType
@@ -220,6 +220,10 @@ def rendered(error: Exception) -> tuple[ProblemType, Sequence[ErrorEntry], dict[
     if isinstance(error, DHError):
         faults = [ErrorEntry(json_pointer(one.location), one.message) for one in error.faults]
         return rendering.type, faults, {}
+    if isinstance(error, robots.InvalidURDF):
+        pointer = json_pointer(error.location)
+        entries = [ErrorEntry(pointer, one.message, one.line, one.xpath) for one in error.faults]
+        return rendering.type, entries, {}
     retry = getattr(error, "retry_after", None)
     headers = {} if retry is None else {"Retry-After": str(math.ceil(retry))}
     return rendering.type, [ErrorEntry(_pointer(error), rendering.message(error))], headers
@@ -227,7 +231,7 @@ def rendered(error: Exception) -> tuple[ProblemType, Sequence[ErrorEntry], dict[
 
 def _pointer(error: Exception) -> str:
     """Return where the value at fault stands: within the document, or within the argument."""
-    if isinstance(error, (robots.InvalidURDF, robots.RobotTooLarge, kinematics.KinematicsError)):
+    if isinstance(error, (robots.RobotTooLarge, kinematics.KinematicsError)):
         return json_pointer(error.location)
     argument, index = getattr(error, "argument", ""), getattr(error, "index", ())
     return json_pointer((argument, *index) if argument else index)

@@ -10,20 +10,23 @@ from app.openapi.answers import REF
 
 
 class ProblemItem(msgspec.Struct, kw_only=True):
-    """One thing wrong with a request."""
+    """One thing wrong with a request; of an XML text also its line and the element."""
 
     pointer: str
     message: str
+    line: int | msgspec.UnsetType = msgspec.UNSET
+    xpath: str | msgspec.UnsetType = msgspec.UNSET
 
 
 class ProblemDetails(msgspec.Struct, kw_only=True):
-    """RFC 9457 problem document."""
+    """RFC 9457 problem document; ``more_errors`` counts those that are not shown."""
 
     type: str
     title: str
     status: int
     detail: str
     errors: list[ProblemItem]
+    more_errors: int | msgspec.UnsetType = msgspec.UNSET
     request_id: str
 
 

@@ -27,9 +27,10 @@ class RetimeField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     acceleration: Annotated[
         PerJoint | None,
         msgspec.Meta(
-            description="Largest accelerations, required: a number for all joints, a list with one"
-            " a joint in the robot's order, or an object {joint name: value}; rad/s² (degrees with"
-            " ?angle=deg) and m/s²."
+            description="Largest accelerations: a number for all joints, a list with one a joint"
+            " in the robot's order, or an object {joint name: value}; rad/s² (degrees with"
+            " ?angle=deg) and m/s². Default: the robot's, where its URDF has `acceleration` in"
+            " every <limit>."
         ),
     ] = None
     velocity: Annotated[
@@ -93,28 +94,37 @@ def read_retime(
     """The options of a request, None where it does not ask for a timing.
 
     Raises:
-        InvalidOption: No acceleration is given, or a value is out of range.
+        InvalidOption: No acceleration is given or known, or a value is out of range.
         MethodUnavailable: toppra is not installed.
     """
     if field is None:
         return None
-    if field.acceleration is None:
-        raise InvalidOption(
-            say(
-                "retime lacks acceleration: a robot's document has no acceleration"
-                " limits; give a number for all joints, or one a joint"
-            ),
-            argument="retime",
-            index=("acceleration",),
-        )
     velocity = field.velocity
     options = RetimeOptions(
-        _limits(field.acceleration, arm, "acceleration", context),
+        _acceleration(field, arm, context),
         None if velocity is None else _limits(velocity, arm, "velocity", context),
         samples if field.samples is None else field.samples,
     )
     require_toppra()
     return options
+
+
+def _acceleration(field: RetimeField, arm: Arm, context: Context) -> FloatArray:
+    """The accelerations of the request; without them, those of the robot's document."""
+    if field.acceleration is not None:
+        return _limits(field.acceleration, arm, "acceleration", context)
+    unknown = [name for name, a in zip(arm.names, arm.acceleration, strict=True) if np.isinf(a)]
+    if unknown:
+        raise InvalidOption(
+            say(
+                "retime lacks acceleration, and the robot's document has no limit of it for joint"
+                " {name}; give a number for all joints, or one a joint",
+                name=unknown[0],
+            ),
+            argument="retime",
+            index=("acceleration",),
+        )
+    return arm.acceleration.clip(LEAST, MOST)
 
 
 def _limits(value: PerJoint, arm: Arm, name: str, context: Context) -> FloatArray:

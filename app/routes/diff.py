@@ -211,7 +211,7 @@ async def _other(services: ServicesDep, asked: DiffRequest, request: Request) ->
         argument, *index = _of_other((error.argument, *error.index))
         raise UnknownFrame(error.name, error.valid, str(argument), tuple(index)) from None
     except (InvalidURDF, RobotTooLarge) as error:
-        raise type(error)(str(error), _of_other(error.location)) from None
+        raise error.within(_of_other(error.location)) from None
     except RequestProblem as error:
         (entry,) = error.entries
         detail = entry.message

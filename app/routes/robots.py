@@ -84,7 +84,10 @@ Kind: TypeAlias = Literal["dh", "urdf"]
 
 
 class JointView(msgspec.Struct, kw_only=True):
-    """One entry of q; null where there is no limit or it is unknown."""
+    """One entry of q; null where there is no limit or it is unknown.
+
+    Acceleration and jerk are there where the robot's document limits them for any joint.
+    """
 
     name: str
     type: Literal["revolute", "prismatic", "continuous"]
@@ -92,6 +95,8 @@ class JointView(msgspec.Struct, kw_only=True):
     upper: float | None
     velocity: float | None
     effort: float | None
+    acceleration: float | msgspec.UnsetType | None = msgspec.UNSET
+    jerk: float | msgspec.UnsetType | None = msgspec.UNSET
 
 
 class FollowerView(msgspec.Struct, kw_only=True):
@@ -186,6 +191,11 @@ def robot_view(stored: StoredRobot, units: Units) -> dict[str, Any]:
                 "upper": out(joint.upper, joint.type.is_revolute),
                 "velocity": out(joint.velocity, joint.type.is_revolute),
                 "effort": joint.effort,
+                **{
+                    key: out(getattr(joint, key), joint.type.is_revolute)
+                    for key in ("acceleration", "jerk")
+                    if any(getattr(one, key) is not None for one in robot.joints)
+                },
             }
             for joint in robot.joints
         ],
@@ -321,7 +331,11 @@ def build_router(max_body: int) -> APIRouter:
                 ("values", "Numbers for names in cells, as D3:0.45,RL4:450mm."),
                 ("loops", "SYMORO: cut reads the spanning tree of a robot with closed loops."),
                 ("tip", "URDF: default tip frame."),
-                ("base", "URDF: frame in whose axes results are given."),
+                (
+                    "base",
+                    "URDF: frame in whose axes results are given; where a joint floats, the part"
+                    " of the robot that holds it.",
+                ),
             )
         ]
         + [overwriting | {"description": "Replace a robot that another has stored."}],

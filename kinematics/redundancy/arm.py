@@ -89,6 +89,12 @@ class Arm:
         return every[self.chain.columns]
 
     @cached_property
+    def acceleration(self) -> FloatArray:
+        """Acceleration limits of the joints, rad/s² or m/s², inf where unknown; shape (K,)."""
+        limits = [joint.acceleration for joint in self.robot.joints]
+        return np.array([np.inf if a is None else a for a in limits])[self.chain.columns]
+
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the entries of q."""
         return tuple(self.robot.joints[k].name for k in self.chain.columns)

@@ -4,7 +4,9 @@ urdfdom and other readers accept wrong robots (a zero axis, missing limits, two 
 file) and refuse the rest with one message. Everything is therefore checked here, one aspect a
 module: the text and its encoding, the XML, the places of elements, numbers and names, links,
 joints, and the tree. The result is checked values for Pinocchio, and a canonical text with those
-values only for all other readers. Mesh files are never opened.
+values only for all other readers. Strict where kinematics depends on it, forgiving elsewhere: what
+may be another robot is a fault, and all faults are told at once; what draws, simulates or decorates
+is left out and named in a warning. Mesh files are never opened.
 """
 
 from robots.urdf.description import URDFDescription, URDFJoint
@@ -12,6 +14,7 @@ from robots.urdf.limits import (
     MAX_BYTES,
     MAX_DOF,
     MAX_ELEMENTS,
+    MAX_JOINTS,
     MAX_LINKS,
     MAX_MAGNITUDE,
     MAX_SHAPES,
@@ -22,6 +25,7 @@ __all__ = [
     "MAX_BYTES",
     "MAX_DOF",
     "MAX_ELEMENTS",
+    "MAX_JOINTS",
     "MAX_LINKS",
     "MAX_MAGNITUDE",
     "MAX_SHAPES",

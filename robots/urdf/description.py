@@ -39,6 +39,8 @@ class URDFJoint:
         upper: Largest value.
         velocity: Largest speed, rad/s or m/s, if the file gives one.
         effort: Largest torque or force, if the file gives one.
+        acceleration: Largest acceleration, rad/s² or m/s², if the file gives one.
+        jerk: Largest jerk, rad/s³ or m/s³, if the file gives one.
         mimic: What it follows; None where it is a coordinate of q.
     """
 
@@ -52,6 +54,8 @@ class URDFJoint:
     upper: float | None = None
     velocity: float | None = None
     effort: float | None = None
+    acceleration: float | None = None
+    jerk: float | None = None
     mimic: Mimic | None = None
 
 

@@ -47,25 +47,24 @@ def doubts_of(joints: Sequence[URDFJoint]) -> tuple[str, ...]:
     return doubts.sentences()
 
 
-def limits_left_out(joints: Sequence[URDFJoint], elements: Sequence[Element]) -> tuple[str, ...]:
+def limits_left_out(elements: Sequence[Element]) -> tuple[str, ...]:
     """Return a warning that names the continuous joints whose limits are left out.
 
     Args:
-        joints: The joints, as read.
-        elements: Their elements, in the same order.
+        elements: The <joint> elements.
     """
     found = []
-    for joint, element in zip(joints, elements, strict=True):
+    for element in elements:
         limit = element.find("limit")
-        if joint.type == "continuous" and limit is not None:
+        if element.get("type") == "continuous" and limit is not None:
             lower, upper = limit.get("lower"), limit.get("upper")
             if (lower, upper) != (None, None) and not _no_range(lower, upper):
                 found.append(
                     say(
                         "{joint} ({lower} to {upper})",
-                        joint=quoted(joint.name, 64),
-                        lower=lower or say("none"),
-                        upper=upper or say("none"),
+                        joint=quoted(element.get("name", ""), 64),
+                        lower=_shown(lower),
+                        upper=_shown(upper),
                     )
                 )
     if not found:
@@ -79,6 +78,12 @@ def limits_left_out(joints: Sequence[URDFJoint], elements: Sequence[Element]) ->
             more=more,
         ),
     )
+
+
+def _shown(limit: str | None) -> str:
+    if not limit:
+        return say("none")
+    return limit if set(limit) <= set("0123456789+-.eE") and len(limit) < 32 else quoted(limit, 24)
 
 
 def _no_range(lower: str | None, upper: str | None) -> bool:

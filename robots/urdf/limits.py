@@ -10,6 +10,9 @@ MAX_ELEMENTS = 20_000
 MAX_ATTRIBUTES = 32
 """Attributes of one element; real robots have up to 12."""
 MAX_DOF = 64
+"""Joints of one chain, as Pinocchio's memory grows with their cube; and of a D-H table."""
+MAX_JOINTS = 200
+"""Joints that move, of a whole robot."""
 MAX_LINKS = 300
 MAX_SHAPES = 1000
 MAX_MATERIALS = 300

@@ -7,14 +7,20 @@ import re
 from lxml import etree
 
 from dh_to_urdf.messages import say
-from robots.errors import InvalidURDF, RobotTooLarge
+from robots.errors import InvalidURDF, RobotTooLarge, URDFFault
 from robots.urdf.limits import MAX_ATTRIBUTES, MAX_ELEMENTS
+from robots.urdf.notes import Notes
 
 UNDECLARED = "urn:undeclared:"
 """Namespaces of prefixes that a text does not declare begin so."""
 _PREFIXED = re.compile(r"[<\s/]([A-Za-z_][\w.-]{0,31}):[A-Za-z_]")
 _ROOT = re.compile(r"<robot(?=[\s>])")
-_UNDEFINED_PREFIX = etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE
+_COMMENT = re.compile(
+    r"(?P<kept><!\[CDATA\[.*?\]\]>)|<!--(?P<comment>.*?)-->|<!(?![A-Za-z\[-])[^<>]*>|<!-(?!-)[^<>]*>",
+    re.DOTALL,
+)
+MAX_PREFIXES = 16
+"""Prefixes without a declaration that are mended."""
 _REASONS = {
     "ERR_DOCUMENT_EMPTY": say("there is no element"),
     "ERR_DOCUMENT_END": say("something stands after the root element"),
@@ -41,50 +47,28 @@ _REASONS = {
     "ERR_RESERVED_XML_NAME": say("<?xml stands elsewhere than at the start"),
     "ERR_NAME_TOO_LONG": say("a name is too long"),
     "ERR_RESOURCE_LIMIT": say("it is nested too deeply, or a part of it is too long"),
-    "NS_ERR_UNDEFINED_NAMESPACE": say(
-        "the prefix of a name such as xacro: is not declared; expand xacro files first"
-    ),
+    "NS_ERR_UNDEFINED_NAMESPACE": say("the prefix of a name is not declared"),
     "NS_ERR_XML_NAMESPACE": say("a namespace is not declared as it must be"),
     "NS_ERR_QNAME": say("a name has two colons"),
     "NS_ERR_ATTRIBUTE_REDEFINED": say("an attribute stands twice in one tag"),
 }
 
 
-def parse(text: str) -> etree._Element:
+def parse(text: str, notes: Notes) -> etree._Element:
     """Parse a text and return its root element.
+
+    What other readers pass over (odd comments, prefixes without a declaration) is mended
+    where the strict parse fails, and noted.
 
     Args:
         text: The text, without XML declaration and DOCTYPE.
+        notes: Takes what is mended.
 
     Raises:
         InvalidURDF: Not well-formed; the message has line and column.
         RobotTooLarge: More elements, or attributes of one element, than any robot needs.
     """
-    parser = etree.XMLParser(
-        encoding="utf-8",
-        resolve_entities=False,
-        no_network=True,
-        load_dtd=False,
-        dtd_validation=False,
-        huge_tree=False,
-        recover=False,
-        remove_comments=True,
-        remove_pis=True,
-    )
-    try:
-        root = etree.fromstring(text.encode(), parser)
-    except etree.XMLSyntaxError as error:
-        declared = _with_prefixes(text) if getattr(error, "code", 0) == _UNDEFINED_PREFIX else None
-        if declared is None:
-            raise InvalidURDF(
-                say("the text is not well-formed XML: {error}", error=_reason(error))
-            ) from None
-        try:
-            root = etree.fromstring(declared.encode(), parser)
-        except etree.XMLSyntaxError as other:
-            raise InvalidURDF(
-                say("the text is not well-formed XML: {other}", other=_reason(other))
-            ) from None
+    root = _parsed(text, notes)
     if root.getroottree().docinfo.internalDTD is not None:
         raise InvalidURDF(say("the URDF has a DOCTYPE or entities; remove them"))
     elements = root.xpath("count(//*)")
@@ -112,13 +96,67 @@ def parse(text: str) -> etree._Element:
     return root
 
 
-def _with_prefixes(text: str) -> str | None:
-    """Declare prefixes such as ``drake:`` that a text uses without; None for xacro."""
-    found = dict.fromkeys(_PREFIXED.findall(text))
-    names = [name for name in found if name not in ("xml", "xmlns") and f"xmlns:{name}" not in text]
+def _parsed(text: str, notes: Notes) -> etree._Element:
+    parser = etree.XMLParser(
+        encoding="utf-8",
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        dtd_validation=False,
+        huge_tree=False,
+        recover=False,
+        remove_comments=True,
+        remove_pis=True,
+    )
+    for mend in (_without_comments, _with_prefixes):
+        try:
+            return etree.fromstring(text.encode(), parser)
+        except etree.XMLSyntaxError:
+            text = mend(text, notes)
+    try:
+        return etree.fromstring(text.encode(), parser)
+    except etree.XMLSyntaxError as error:
+        line = error.position[0] or None
+        message = say("the text is not well-formed XML: {error}", error=_reason(error))
+        raise InvalidURDF.of([URDFFault(message, line)]) from None
+
+
+def _without_comments(text: str, notes: Notes) -> str:
+    """Remove comments, and what begins like one: ``<!- … ->``; CDATA stays.
+
+    XML does not allow -- in comments, and readers of URDF take them.
+    """
+    odd = False
+
+    def blank(found: re.Match[str]) -> str:
+        nonlocal odd
+        if found["kept"] is not None:
+            return found[0]
+        inner = found["comment"]
+        odd = odd or inner is None or "--" in inner or inner.endswith("-")
+        return "\n" * found[0].count("\n")
+
+    mended = _COMMENT.sub(blank, text)
+    if not odd:
+        return text
+    notes.add(say("comments that XML does not allow (with -- inside, or <! alone) are left out"))
+    return mended
+
+
+def _with_prefixes(text: str, notes: Notes) -> str:
+    """Declare prefixes such as ``drake:`` that a text uses without."""
     root = _ROOT.search(text)
-    if root is None or not names or len(names) > 16 or "xacro" in names:
-        return None
+    if root is None:
+        return text
+    tag = text[root.start() : text.find(">", root.end())]
+    found = dict.fromkeys(_PREFIXED.findall(text))
+    names = [n for n in found if n not in ("xml", "xmlns") and f"xmlns:{n}" not in tag]
+    if not names or len(names) > MAX_PREFIXES:
+        return text
+    shown = ", ".join(f"{name}:" for name in names[:4])
+    notes.add(
+        say("the prefix {shown} is not declared; kinematics needs nothing that has it", shown=shown)
+    )
     declarations = "".join(f' xmlns:{name}="{UNDECLARED}{name}"' for name in names)
     return text[: root.end()] + declarations + text[root.end() :]
 

@@ -1,11 +1,9 @@
-"""``<mimic>``: joints that follow another, checked and written to the canonical URDF."""
+"""``<mimic>``: joints that follow another."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-
-from lxml import etree
 
 from dh_to_urdf import JointType, Limits
 from dh_to_urdf.couplings import CouplingError, MovingJoint, joint_map
@@ -13,54 +11,79 @@ from dh_to_urdf.messages import say
 from dh_to_urdf.table import Mimic
 from dh_to_urdf.writer import UNBOUNDED
 from robots.errors import InvalidURDF
-from robots.urdf.description import URDFJoint
+from robots.urdf.description import MOVING_TYPES, URDFJoint
+from robots.urdf.faults import Faults
 from robots.urdf.values import Element, number
 
+_ATTRIBUTES = ("joint", "multiplier", "offset")
+_TOLD = 50
+"""Followers at fault that are told."""
 
-def read_mimics(
-    joints: Sequence[URDFJoint], elements: Sequence[Element], robot: Element
-) -> tuple[URDFJoint, ...]:
-    """Read the ``<mimic>`` of each joint that moves.
+
+def read_mimic(joint: URDFJoint, element: Element, faults: Faults) -> URDFJoint:
+    """Return a joint with what it follows; of a fixed joint that has no meaning.
+
+    Args:
+        joint: The joint.
+        element: Its element.
+        faults: Takes what is wrong with its <mimic>.
+    """
+    mimic = element.find("mimic")
+    if mimic is None or joint.type not in MOVING_TYPES:
+        return joint
+    found = faults.read(
+        mimic, None, lambda: _mimic(mimic, say("joint {joint!r}", joint=joint.name))
+    )
+    return joint if found is None else replace(joint, mimic=found)
+
+
+def _mimic(mimic: Element, where: str) -> Mimic:
+    other = mimic.get("joint")
+    if other is None:
+        raise InvalidURDF(
+            say("{where}: <mimic> lacks the name of a joint; give joint=…", where=where)
+        )
+    unknown = [str(key) for key in mimic.attrib if key not in _ATTRIBUTES]
+    if unknown:
+        raise InvalidURDF(
+            say(
+                "{where}: <{tag}> has an attribute {key}; known are {known}",
+                where=where,
+                tag="mimic",
+                key=repr(unknown[0][:64]),
+                known=", ".join(_ATTRIBUTES),
+            )
+        )
+    return Mimic(
+        other, number(mimic, "multiplier", where, "1"), number(mimic, "offset", where, "0")
+    )
+
+
+def check_mimics(
+    joints: Sequence[URDFJoint], faults: Faults, element_of: Callable[[URDFJoint], Element]
+) -> None:
+    """Keep as faults joints that follow none that moves, themselves, or beyond their limits.
 
     Args:
         joints: The joints.
-        elements: Their elements, in the same order.
-        robot: The canonical root element, with their twins.
-
-    Returns:
-        The joints, with what they follow.
-
-    Raises:
-        InvalidURDF: A joint follows one that does not exist or move, or itself; limits of
-            followers leave nothing; or a number is none.
+        faults: Takes each follower at fault.
+        element_of: The element of a joint.
     """
-    twins = {str(twin.get("name")): twin for twin in robot.iterfind("joint")}
-    found = []
-    for joint, element in zip(joints, elements, strict=True):
-        mimic = element.find("mimic")
-        if mimic is None:
-            found.append(joint)
-            continue
-        where = say("joint {joint!r}", joint=joint.name)
-        other = mimic.get("joint")
-        if other is None:
-            raise InvalidURDF(
-                say("{where}: <mimic> lacks the name of a joint; give joint=…", where=where)
-            )
-        multiplier = number(mimic, "multiplier", where, "1")
-        offset = number(mimic, "offset", where, "0")
-        if joint.type == "fixed":
-            found.append(joint)
-            continue
-        written = {"joint": other, "multiplier": repr(multiplier), "offset": repr(offset)}
-        etree.SubElement(twins[joint.name], "mimic", written)
-        found.append(replace(joint, mimic=Mimic(other, multiplier, offset)))
-    if any(joint.mimic is not None for joint in found):
+    found = list(joints)
+    for _ in range(_TOLD):
+        if all(joint.mimic is None for joint in found):
+            return
         try:
             joint_map(*moving_joints(found))
         except CouplingError as error:
-            raise InvalidURDF(str(error)) from None
-    return tuple(found)
+            moving = [k for k, joint in enumerate(found) if joint.type in MOVING_TYPES]
+            at = moving[error.joint]
+            faults.add(element_of(joints[at]), str(error))
+            if found[at].mimic is None:
+                return
+            found[at] = replace(found[at], mimic=None)
+        else:
+            return
 
 
 def moving_joints(
@@ -70,9 +93,9 @@ def moving_joints(
     moving = tuple(
         MovingJoint(joint.name, JointType(joint.type), _limits(joint), joint.mimic)
         for joint in joints
-        if joint.type != "fixed"
+        if joint.type in MOVING_TYPES
     )
-    return moving, tuple(joint.name for joint in joints if joint.type == "fixed")
+    return moving, tuple(joint.name for joint in joints if joint.type not in MOVING_TYPES)
 
 
 def _limits(joint: URDFJoint) -> Limits:

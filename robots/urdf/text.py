@@ -9,6 +9,7 @@ from dh_to_urdf.errors import quoted
 from dh_to_urdf.messages import say
 from robots.errors import InvalidURDF, RobotTooLarge
 from robots.urdf.limits import MAX_BYTES
+from robots.urdf.notes import Notes
 
 _BOMS = (
     (codecs.BOM_UTF32_LE, None),  # begins like UTF-16's
@@ -29,17 +30,19 @@ _ENCODINGS = {
 }
 _BLANKS = " \t\r\n"
 _DECLARATION = re.compile(
-    r"""<\?xml[ \t\r\n]+version[ \t\r\n]*=[ \t\r\n]*(?:"[01]\.0"|'[01]\.0')"""
-    r"""(?:[ \t\r\n]+encoding[ \t\r\n]*=[ \t\r\n]*(?:"([^"<>]{1,200})"|'([^'<>]{1,200})'))?"""
-    r"""(?:[ \t\r\n]+standalone[ \t\r\n]*=[ \t\r\n]*(?:"(?:yes|no)"|'(?:yes|no)'))?"""
-    r"""[ \t\r\n]*\?>"""
+    r"""<\?xml(?=[ \t\r\n?])"""
+    r"""((?:[ \t\r\n]*+[A-Za-z]{1,20}+[ \t\r\n]*+=[ \t\r\n]*+"""
+    r"""(?:"[^"<>]{0,200}+"|'[^'<>]{0,200}+')){0,8}+)"""
+    r"""[ \t\r\n]*+\?>"""
 )
+"""A declaration of any version; readers of URDF do not look at it."""
+_ENCODING = re.compile(r"""encoding[ \t\r\n]*=[ \t\r\n]*["']([^"'<>]{0,200})["']""")
 _DECLARED = re.compile(r"<\?xml(?![\w.:-])", re.IGNORECASE)
 _NO_XML_CHARACTER = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _DOCTYPE = re.compile(r"(?:[ \t\r\n]++|<!--(?s:.*?)-->|<\?(?s:.*?)\?>)*+<!(?!--)")
 
 
-def decode(document: str | bytes) -> str:
+def decode(document: str | bytes, notes: Notes) -> str:
     """Decode a document and remove its XML declaration.
 
     Bytes are UTF-8 unless a byte order mark or the declaration says otherwise; UTF-16 needs the
@@ -47,6 +50,7 @@ def decode(document: str | bytes) -> str:
 
     Args:
         document: The document, at most ``MAX_BYTES``.
+        notes: Takes what is left out.
 
     Raises:
         RobotTooLarge: It is longer.
@@ -78,19 +82,17 @@ def decode(document: str | bytes) -> str:
         raise InvalidURDF(
             say("the text is not well-formed XML: it starts with two byte order marks; keep one")
         )
-    text = text.strip(_BLANKS)
-    declaration = _DECLARATION.match(text)
-    if declaration is not None:
-        # Line ends instead of the declaration keep the line numbers of errors.
-        text = "\n" * declaration[0].count("\n") + text[declaration.end() :]
-        if _DECLARED.match(text.lstrip(_BLANKS)):
-            raise InvalidURDF(
-                say("the text is not well-formed XML: <?xml stands twice; keep the first")
-            )
-    elif _DECLARED.match(text):
-        raise InvalidURDF(
-            say('the XML declaration is none of XML 1.0; write <?xml version="1.0"?>')
-        )
+    # Line ends instead of declarations keep the line numbers of errors.
+    text = text.rstrip(_BLANKS)
+    body = text.lstrip(_BLANKS)
+    text = "\n" * text.count("\n", 0, len(text) - len(body)) + body
+    first = _DECLARATION.match(body)
+    if first is None and _DECLARED.match(body):
+        raise InvalidURDF(say('the XML declaration has no end; write <?xml version="1.0"?>'))
+    declarations = list(_DECLARATION.finditer(text))
+    if declarations[:1] and (len(declarations) > 1 or first is None):
+        notes.add(say("an XML declaration after the start of the text is left out"))
+    text = _DECLARATION.sub(lambda found: "\n" * found[0].count("\n"), text)
     if _DOCTYPE.match(text):
         raise InvalidURDF(say("the URDF has a DOCTYPE or entities; remove them"))
     return text
@@ -110,8 +112,9 @@ def _decoded(document: bytes) -> str:
     if encoding is None:
         raise InvalidURDF(say("the URDF is UTF-32; save it as UTF-8"))
     start = document[len(mark) : len(mark) + 400].decode(encoding or "latin-1", "replace")
-    declaration = _DECLARATION.match(start.lstrip(_BLANKS))
-    declared = (declaration[1] or declaration[2]) if declaration is not None else None
+    declaration = _DECLARATION.search(start)
+    found = _ENCODING.search(declaration[1]) if declaration is not None else None
+    declared = found[1] if found is not None else None
     name = declared.lower() if declared is not None else encoding or "utf-8"
     if encoding:
         known = {encoding, encoding[:6]}

@@ -2,50 +2,75 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from dh_to_urdf.messages import say
 from robots.errors import InvalidURDF
 from robots.urdf.description import URDFJoint
+from robots.urdf.faults import Faults
+from robots.urdf.values import Element
 
 
-def check_names(kind: str, names: Sequence[str]) -> None:
-    """Refuse two links, or two joints, of one name.
+def check_names(kind: str, named: Sequence[tuple[str, Element]], faults: Faults) -> None:
+    """Keep as faults two links, or two joints, of one name.
 
-    Raises:
-        InvalidURDF: With the name.
+    Args:
+        kind: link or joint.
+        named: Names, each with its element.
+        faults: Takes each name that stands twice, at its second place.
     """
-    seen: set[str] = set()
-    for name in names:
-        if name in seen:
-            raise InvalidURDF(
-                say("two {kind}s are called {name!r}; give each its own name", kind=kind, name=name)
+    seen: dict[str, int] = {}
+    for name, element in named:
+        seen[name] = seen.get(name, 0) + 1
+        if name and seen[name] == 2:
+            faults.add(
+                element,
+                say(
+                    "two {kind}s are called {name!r}; give each its own name", kind=kind, name=name
+                ),
             )
-        seen.add(name)
 
 
-def check_tree(links: Sequence[str], joints: Sequence[URDFJoint]) -> str:
+def check_tree(
+    links: Sequence[str],
+    joints: Sequence[URDFJoint],
+    faults: Faults,
+    element_of: Callable[[URDFJoint], Element],
+) -> str | None:
     """Check that every link but one has one parent and leads to the root.
 
-    Returns:
-        The root link.
+    Args:
+        links: Names of the links.
+        joints: Joints whose links exist.
+        faults: Takes the links and joints at fault.
+        element_of: The element of a joint.
 
-    Raises:
-        InvalidURDF: With the links and joints at fault.
+    Returns:
+        The root link; None where it is no tree.
     """
     above: dict[str, URDFJoint] = {}
+    twice = False
     for joint in joints:
         if joint.child in above:
-            raise InvalidURDF(
+            twice = True
+            faults.add(
+                element_of(joint),
                 say(
                     "link {child!r} is the child of two joints, {above!r} and {joint!r}; a"
                     " robot is a tree",
                     child=joint.child,
                     above=above[joint.child].name,
                     joint=joint.name,
-                )
+                ),
             )
-        above[joint.child] = joint
+        else:
+            above[joint.child] = joint
+    if twice:
+        return None
+    return faults.read(None, None, lambda: _root(links, above))
+
+
+def _root(links: Sequence[str], above: Mapping[str, URDFJoint]) -> str:
     roots = [link for link in links if link not in above]
     if len(roots) > 1:
         shown = ", ".join(repr(link) for link in roots[:4])
@@ -84,7 +109,7 @@ def check_tree(links: Sequence[str], joints: Sequence[URDFJoint]) -> str:
     return roots[0]
 
 
-def _loop(above: dict[str, URDFJoint], link: str) -> str:
+def _loop(above: Mapping[str, URDFJoint], link: str) -> str:
     """Return the names of the joints of the loop that a link leads into, from above."""
     seen: list[str] = []
     while link not in seen:

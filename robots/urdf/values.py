@@ -11,8 +11,9 @@ from lxml import etree
 from dh_to_urdf.documents.checks import UNSEEN
 from dh_to_urdf.errors import quoted
 from dh_to_urdf.messages import say
+from dh_to_urdf.poses import from_xyz_quaternion, to_rpy
 from robots.errors import InvalidURDF
-from robots.urdf.description import Origin
+from robots.urdf.description import Origin, Triple
 from robots.urdf.limits import MAX_MAGNITUDE, MAX_NAME, MAX_NUMBER
 
 Element: TypeAlias = etree._Element
@@ -141,6 +142,8 @@ def numbers(
     for word in words:
         if len(word) > MAX_NUMBER or _NUMBER.fullmatch(word) is None:
             remedy = say("write a decimal point") if "," in word else say("give a finite number")
+            if word.startswith(("${", "$(")):
+                remedy = remedy + say(" (this is xacro: expand it with denavit push, or xacro)")
             raise InvalidURDF(
                 say("{what} has {word}; {remedy}", what=what, word=quoted(word), remedy=remedy)
             )
@@ -157,18 +160,57 @@ def numbers(
     return values
 
 
-def origin_of(element: Element, where: str) -> Origin:
+def origin_of(element: Element, where: str, *, quaternions: bool = False) -> Origin:
     """Read the ``<origin>`` of an element; zero where there is none.
 
+    Args:
+        element: What has the origin.
+        where: Link or joint, for the message.
+        quaternions: Whether ``quat_xyzw`` counts, as it does since URDF 1.1.
+
     Raises:
-        InvalidURDF: See :func:`numbers`.
+        InvalidURDF: See :func:`numbers`; or two orientations, or a quaternion that is none.
     """
     origin = element.find("origin")
     if origin is None:
         return Origin()
+    return read_origin(origin, where, quaternions=quaternions)
+
+
+def read_origin(origin: Element, where: str, *, quaternions: bool) -> Origin:
+    """Read an ``<origin>``.
+
+    Raises:
+        InvalidURDF: See :func:`origin_of`.
+    """
     x, y, z = numbers(origin, "xyz", 3, where, "0 0 0")
+    if origin.get("quat_xyzw") is not None:
+        return Origin((x, y, z), _turned(origin, where, quaternions=quaternions))
     roll, pitch, yaw = numbers(origin, "rpy", 3, where, "0 0 0")
     return Origin((x, y, z), (roll, pitch, yaw))
+
+
+def _turned(origin: Element, where: str, *, quaternions: bool) -> Triple:
+    """Return ``quat_xyzw`` as roll, pitch and yaw."""
+    if not quaternions:
+        raise InvalidURDF(
+            say(
+                '{where}: quat_xyzw of <origin> counts since URDF 1.1: write <robot version="1.1">'
+                " or give rpy",
+                where=where,
+            )
+        )
+    if origin.get("rpy") is not None:
+        raise InvalidURDF(say("{where}: <origin> has rpy and quat_xyzw; keep one", where=where))
+    quaternion = numbers(origin, "quat_xyzw", 4, where)
+    try:
+        R = from_xyz_quaternion((0.0, 0.0, 0.0), quaternion)[:3, :3]
+    except ValueError as error:
+        raise InvalidURDF(
+            say("{where}: quat_xyzw of <origin> {error}", where=where, error=error)
+        ) from None
+    roll, pitch, yaw = to_rpy(R)
+    return roll + 0.0, pitch + 0.0, yaw + 0.0
 
 
 def write_origin(origin: Origin, twin: Element) -> None:

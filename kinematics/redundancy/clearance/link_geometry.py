@@ -16,6 +16,7 @@ import numpy as np
 import pinocchio as pin
 
 from dh_to_urdf.messages import say
+from kinematics.forward import fk
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.bounding import BoundingCapsule, bounding_capsule
 from kinematics.redundancy.clearance.distances import pair_distance
@@ -160,19 +161,17 @@ def _placements(
 
     The carrier is the last joint of the chain between the base and the link, -1 for none.
     """
-    robot, model, data = arm.robot, arm.robot.model, arm.robot.data()
-    pin.framesForwardKinematics(model, data, robot.configuration(start))
+    robot, model = arm.robot, arm.robot.model
     base = robot.frame_id(robot.base_frame)
-    to_base = data.oMf[base].homogeneous
-    to_base = np.linalg.inv(to_base)
+    links = list(dict.fromkeys(shape.link for shape in shapes))
+    poses = fk(robot, start, links)
     ids = [int(model.getJointId(name)) for name in arm.chain.names]
     order = {joint: k for k, joint in enumerate(ids)}
     base_path = _ancestors(model, int(model.frames[base].parentJoint))
-    poses, carriers = {}, {}
-    for name in {shape.link for shape in shapes}:
+    carriers = {}
+    for name in links:
         frame = int(model.getFrameId(name, pin.FrameType.BODY))
         between = base_path ^ _ancestors(model, int(model.frames[frame].parentJoint))
-        poses[name] = to_base @ data.oMf[frame].homogeneous
         carriers[name] = max((order[joint] for joint in between if joint in order), default=-1)
     return poses, carriers
 

@@ -43,15 +43,12 @@ def with_declaration(text, declaration):
         ("<robot name='&b;'/>", "write & as &amp;"),
         ("<robot name='&#0;'/>", "a character that XML does not have"),
         ("<robot name='&#xD800;'/>", "a character that XML does not have"),
-        ("<robot><!-- -- --></robot>", "a comment holds --"),
         ("<robot><![CDATA[</robot>", "CDATA section is not closed"),
-        ("<robot><?xml version='1.0'?></robot>", "<?xml stands elsewhere than at the start"),
         ("<robot name='a'>\n\x00</robot>", "line 2 holds the character U+0000"),
         ("<robot name='a'>\x1b[2J</robot>", "U+001B"),
         ("<robot name='a'/>\x00<robot name='b'/>", "U+0000"),
         ("<robot name='\ufffe'/>", "U+FFFE"),
-        ("<?xml version='1.1'?><robot name='a'/>", 'write <?xml version="1.0"?>'),
-        ("<robot><xacro:macro name='a'/></robot>", "expand xacro files first"),
+        ("<robot><xacro:macro name='a'/></robot>", "denavit push robot.urdf.xacro"),
         ("<robot xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arm/></robot>", "expand"),
         ("<x:robot xmlns:x='http://www.ros.org' name='a'/>", "without a prefix"),
         ("<robot>" + "<x>" * 300 + "</x>" * 300 + "</robot>", "nested too deeply"),
@@ -131,22 +128,19 @@ def test_torn_bytes_are_refused(start, rest):
         ("<child", '<child link="boom"/><child', ("joint 'turn' has two <child>",)),
         ('<origin xyz="0 0.2 0"/>', '<origin xyz="0 0.2 0"/><origin/>', ("two <origin>",)),
         ("<limit", '<limit lower="0" upper="0"/><limit', ("joint 'reach' has two <limit>",)),
-        ("<mass", '<mass value="0"/><mass', ("link 'turret' has two <mass> in <inertial>",)),
-        ("<inertial>", "<inertial/><inertial>", ("link 'turret' has two <inertial>",)),
-        ("<geometry>", "<geometry/><geometry>", ("two <geometry> in <visual>",)),
-        ("<cylinder", '<box size="1 1 1"/><cylinder', ("link 'turret'", "two geometries")),
-        ("<axis", "<dynamics><joint/></dynamics><axis", ("<dynamics> holds a <joint>",)),
         (
             '<link name="boom"/>',
             '<link name="boom"><link name="b"/></link>',
             ("link 'boom': <link> cannot stand in <link>",),
         ),
         ('<link name="boom"/>', '<link name="boom"><joint name="b"/></link>', ("cannot stand in",)),
+        (
+            "</robot>",
+            '<group><joint name="g"><child link="boom"/></joint></group></robot>',
+            ("<group> holds a <joint>",),
+        ),
         ("</robot>", '<robot name="b"/></robot>', ("<robot> cannot stand in <robot>",)),
-        ("</robot>", '<group><link name="b"/></group></robot>', ("<group>", "holds a <link>")),
         ("</robot>", '<Link name="b"/></robot>', ("<Link> cannot stand in <robot>",)),
-        ("</robot>", '<x:link xmlns:x="y" name="b"/></robot>', ("<link> cannot stand in",)),
-        ("</robot>", '<x:link xmlns="y" xmlns:x="y" name="b"/></robot>', ("<link> cannot",)),
         ("</robot>", '<include filename="arm.urdf"/></robot>', ("holds <include>, which is not",)),
         (
             "</robot>",
@@ -158,6 +152,7 @@ def test_torn_bytes_are_refused(start, rest):
             '<loop_joint name="x"><link1 link="boom"/></loop_joint></robot>',
             ("holds <loop_joint>", "a robot is a tree"),
         ),
+        ("<axis", "<axis><joint/></axis><axis", ("<joint> cannot stand in <axis>",)),
         ("<axis", "<mimic/><axis", ("joint 'turn': <mimic> lacks", "give joint=")),
         ("<axis", '<mimic joint="nil"/><axis', ("joint 'turn' mimics 'nil', which does not",)),
         ("<axis", '<mimic joint="turn"/><axis', ("joint 'turn' mimics itself;",)),
@@ -166,15 +161,11 @@ def test_torn_bytes_are_refused(start, rest):
         ("<axis", "<axes", ("joint 'turn': <axes> is unknown", "did you mean <axis>?")),
         ("<limit", "<limits", ("<limits> is unknown; did you mean <limit>?",)),
         ("<axis", "&lt;axis", ("joint 'turn' holds the text '<axis", "mend the tag")),
-        ("<link", "arm<link", ("the robot holds the text 'arm'",)),
         ('<origin xyz="0 0.2 0"', '<origin xzy="0 0.2 0"', ("attribute 'xzy'", "xyz, rpy")),
-        ('rpy="0.1 0.2 0.3"', 'quat_xyzw="0 0 0 1"', ("attribute 'quat_xyzw'", "xyz, rpy")),
+        ('rpy="0.1 0.2 0.3"', 'quat_xyzw="0 0 0 1"', ("quat_xyzw", 'version="1.1"')),
+        ('rpy="0.1 0.2 0.3"', 'ryp="0.1 0.2 0.3"', ("attribute 'ryp'", "xyz, rpy")),
+        ("<axis", "<axis>0 0 1</axis><axis", ("'turn' holds the text '0 0 1'",)),
         ('<axis xyz="0 0 2"/>', '<axis xyz_="0 0 2"/>', ("<axis> has an attribute 'xyz_'",)),
-        (
-            '<link name="boom"/>',
-            '<link name="boom"><origin xyz="0 0 1"/></link>',
-            ("link 'boom': <origin> cannot stand in <link>",),
-        ),
         ('xyz="0 0.2 0"', 'xyz="0 \u0660.2 0"', ("joint 'reach'", "'٠.2'", "finite number")),
         ('xyz="0 0.2 0"', 'xyz="0\u00a00.2 0"', ("give 3 numbers",)),
         ('xyz="0 0.2 0"', f'xyz="0 0.{"2" * 1000} 0"', ("…; give 3 numbers",)),
@@ -185,8 +176,6 @@ def test_torn_bytes_are_refused(start, rest):
         ('lower="-1.5"', 'lower="-1e308"', ("joint 'grip'", "lower of <limit>", "beyond ±1e+20")),
         ('velocity="2"', 'velocity="1e21"', ("velocity of <limit>", "beyond ±1e+20")),
         ('<axis xyz="1 1 0"/>', '<axis xyz="1e-320 0 0"/>', ("joint 'grip'", "axis is zero")),
-        ('ixx="0.1"', 'ixx="-0.1"', ("link 'turret'", "moment of inertia", "negative")),
-        ('filename="package://arm/turret.stl"', "", ("link 'turret'", "filename of <mesh>")),
         ('name="turn"', 'name="tu&#10;rn"', ("joint", "'tu\\nrn'", "cannot be seen")),
         ('name="turn"', 'name="tu\u202ern"', ("'tu\\u202ern'", "cannot be seen; remove them")),
         ('name="turn"', 'name="tu\u200brn"', ("'tu\\u200brn'",)),
@@ -217,9 +206,13 @@ def test_the_default_namespace_of_a_document_is_no_matter(arm_urdf):
     text = arm_urdf.replace("<robot ", '<robot xmlns="http://www.ros.org" xmlns:a="http://a" ')
     assert read_urdf(text) == read_urdf(arm_urdf)
     other = text.replace('<link name="boom"/>', '<link xmlns="http://b" name="boom"/>')
-    assert "<link> cannot stand in <robot>" in refusal(other)
+    with pytest.raises(InvalidURDF) as caught:
+        read_urdf(other)
+    told = [fault.message for fault in caught.value.faults]
+    assert "the robot: <link> cannot stand in <robot>; put it in its place or remove it" in told
+    assert any("link 'boom' does not exist" in one for one in told)
     xacro = text.replace("</robot>", '<x:arm xmlns:x="http://www.ros.org/wiki/xacro"/></robot>')
-    assert "expand the xacro file first" in refusal(xacro)
+    assert "denavit push" in refusal(xacro)
 
 
 def test_extensions_are_left_out_and_named_once(arm_urdf):
@@ -233,8 +226,6 @@ def test_extensions_are_left_out_and_named_once(arm_urdf):
     assert description.warnings == (
         "left out, since kinematics does not use it: <gazebo>, <transmission>, <x>, <dynamics>",
     )
-    many = "".join(f"<kind{k}/>" for k in range(40))
-    assert "over 20 kinds" in refusal(arm_urdf.replace("</robot>", f"{many}</robot>"))
 
 
 def test_an_origin_of_a_link_that_changes_nothing_is_no_matter(arm_urdf):

@@ -9,7 +9,7 @@ export interface components {
     schemas: {
         /**
          * ProblemDetails
-         * @description RFC 9457 problem document.
+         * @description RFC 9457 problem document; ``more_errors`` counts those that are not shown.
          */
         ProblemDetails: {
             type: string;
@@ -17,15 +17,18 @@ export interface components {
             status: number;
             detail: string;
             errors: components["schemas"]["ProblemItem"][];
+            more_errors?: number;
             request_id: string;
         };
         /**
          * ProblemItem
-         * @description One thing wrong with a request.
+         * @description One thing wrong with a request; of an XML text also its line and the element.
          */
         ProblemItem: {
             pointer: string;
             message: string;
+            line?: number;
+            xpath?: string;
         };
         /**
          * RobotView
@@ -58,6 +61,8 @@ export interface components {
         /**
          * JointView
          * @description One entry of q; null where there is no limit or it is unknown.
+         *
+         *         Acceleration and jerk are there where the robot's document limits them for any joint.
          */
         JointView: {
             name: string;
@@ -67,6 +72,8 @@ export interface components {
             upper: number | null;
             velocity: number | null;
             effort: number | null;
+            acceleration?: number | null;
+            jerk?: number | null;
         };
         /**
          * FollowerView
@@ -1547,7 +1554,7 @@ export interface components {
          */
         RetimeField: {
             /**
-             * @description Largest accelerations, required: a number for all joints, a list with one a joint in the robot's order, or an object {joint name: value}; rad/s² (degrees with ?angle=deg) and m/s².
+             * @description Largest accelerations: a number for all joints, a list with one a joint in the robot's order, or an object {joint name: value}; rad/s² (degrees with ?angle=deg) and m/s². Default: the robot's, where its URDF has `acceleration` in every <limit>.
              * @default null
              */
             acceleration?: number | number[] | {

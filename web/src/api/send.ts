@@ -11,6 +11,8 @@ export interface FieldError {
   /** JSON pointer to the field. */
   readonly pointer: string;
   readonly message: string;
+  /** Line of a URDF, from 1. */
+  readonly line?: number;
 }
 
 /** The service refused: its problem document (RFC 9457). */

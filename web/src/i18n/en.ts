@@ -44,6 +44,7 @@ export const en = {
   paste: 'Paste …',
   problems: 'What is wrong with the table',
   goToCell: 'Go to the cell',
+  lineOfFile: (line: number) => `line ${line}`,
   noTable:
     'This robot is a tree or has loops: no single table describes it. Its joints and numbers are all there.',
   row: 'Row',

@@ -43,6 +43,7 @@ export const fr: First = {
   paste: 'Coller …',
   problems: 'Ce qui ne va pas dans le tableau',
   goToCell: 'Aller à la cellule',
+  lineOfFile: (line: number) => `ligne ${line}`,
   noTable:
     'Ce robot est un arbre ou a des boucles : un seul tableau ne le décrit pas. Ses articulations et ses nombres sont tous là.',
   row: 'Ligne',

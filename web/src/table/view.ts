@@ -156,7 +156,10 @@ export function tableView(page: Page): HTMLElement {
   store.subscribe(({ source, model, row, step }) => [source, model, row, step], render);
   store.subscribe(
     ({ errors }) => errors,
-    (errors) => showProblems(problems, card, errors, fieldOf),
+    (errors) => {
+      const { source } = store.state;
+      showProblems(problems, card, errors, fieldOf, source.kind === 'urdf' ? source.urdf : '');
+    },
   );
   render();
   return card;
