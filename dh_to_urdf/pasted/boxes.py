@@ -182,13 +182,13 @@ def _title(cells: list[list[str]]) -> str:
 
 
 _ROBOT = re.compile(
-    r"^[ \t]{0,20}\w{0,30}Robot(?:\.\w+)?:[ ]?(?P<name>[^,\n(]{0,80}?)(?:\s*\(by [^)\n]*\))?,.{0,200}"
-    r"\b(?P<convention>standard|modified) DH parameters",
+    r"^[ \t]{0,20}\w{0,30}Robot(?:\.\w+)?:[ ]?(?P<name>[^,\n(]{0,80}?)"
+    r"(?:\s*\(by [^)\n]*\))?,.{0,200}\b(?P<convention>standard|modified) DH parameters",
     re.MULTILINE,
 )
 _SERIAL_LINK = re.compile(
-    r"^[ \t]{0,20}(?P<name>[^:\[\s][^:\[\n]{0,80}?)[ \t]{0,5}(?:\[[^\]\n]*\])?::?.{0,80}\baxis\b.{0,120}"
-    r"\b(?P<convention>std|mod)DH\b",
+    r"^[ \t]{0,20}(?P<name>[^:\[\s][^:\[\n]{0,80}?)[ \t]{0,5}"
+    r"(?:\[[^\]\n]*\])?::?.{0,80}\baxis\b.{0,120}\b(?P<convention>std|mod)DH\b",
     re.MULTILINE,
 )
 _OWN = re.compile(

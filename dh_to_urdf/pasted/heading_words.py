@@ -13,83 +13,18 @@ _SUBSCRIPT = re.compile(r"_?\(\s*([ijkn](?:-1)?)\s*\)")
 _OF_VARIABLE = re.compile(r"(?:d|r|θ|theta)_?[ijkn]?\s+(?:offset|décalage|decalage)")
 """What reads as the offset of a joint, or as the link offset d."""
 _WORD = re.compile(r"[^\W\d_]+(?:-1)?|#|n°|№")
-_INDEX = set(
-    [
-        "link",
-        "links",
-        "joint",
-        "joints",
-        "axis",
-        "axes",
-        "frame",
-        "frames",
-        "row",
-        "rows",
-        "body",
-        "bodies",
-        "segment",
-        "segments",
-        "element",
-        "liaison",
-        "liaisons",
-        "articulation",
-        "articulations",
-        "axe",
-        "corps",
-        "ligne",
-        "repère",
-        "gelenk",
-        "glied",
-        "achse",
-        "lien",
-        "transform",
-        "transformation",
-        "eje",
-        "eslabón",
-        "articulación",
-    ]
-)
-_NUMBER = set(
-    [
-        "#",
-        "no",
-        "nr",
-        "n°",
-        "№",
-        "n",
-        "num",
-        "number",
-        "numbers",
-        "numéro",
-        "numero",
-        "nummer",
-        "id",
-        "i",
-        "j",
-        "k",
-        "index",
-        "from",
-        "to",
-        "idx",
-    ]
-)
-_FILLERS = set(
-    [
-        "of",
-        "the",
-        "de",
-        "du",
-        "des",
-        "la",
-        "le",
-        "les",
-        "l",
-        "the",
-        "in",
-        "along",
-        "about",
-        "between",
-    ]
+_INDEX_TEXT = """
+    link links joint joints axis axes frame frames row rows body bodies segment segments element
+    liaison liaisons articulation articulations axe corps ligne repère gelenk glied achse lien
+    transform transformation eje eslabón articulación
+"""
+_INDEX = frozenset(_INDEX_TEXT.split())
+_NUMBER_TEXT = """
+    # no nr n° № n num number numbers numéro numero nummer id i j k index from to idx
+"""
+_NUMBER = frozenset(_NUMBER_TEXT.split())
+_FILLERS = frozenset(
+    ("of", "the", "de", "du", "des", "la", "le", "les", "l", "in", "along", "about", "between")
 )
 _DESCRIPTIONS = {
     "alpha": "twist torsion angle link rotation joint x",
@@ -156,7 +91,7 @@ def symbol_among_words(text: str) -> str | None:
     if len(found) != 1:
         return None
     position = found[0]
-    symbol, key = words[position], _BY_SYMBOL[_SYMBOL.fullmatch(words[position])[1]]  # type: ignore[index]
+    symbol, key = words[position], _BY_SYMBOL[_SYMBOL.sub(r"\1", words[position])]
     end = position + 1
     if end < len(words) and words[end] in ("i", "j", "i-1", "j-1"):
         symbol += words[end]

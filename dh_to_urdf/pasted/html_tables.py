@@ -9,8 +9,8 @@ from lxml import etree, html
 
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.messages import say
-from dh_to_urdf.pasted.grids import MAX_COLUMNS, Line
-from dh_to_urdf.pasted.headings import is_heading, read_heading
+from dh_to_urdf.pasted.grids import Line
+from dh_to_urdf.pasted.headings import MAX_COLUMNS, is_heading, read_heading
 from dh_to_urdf.pasted.raw_table import RawTable, table_from_lines
 from dh_to_urdf.table import Convention
 
@@ -44,7 +44,7 @@ def table_from_html(
     except (etree.ParserError, etree.XMLSyntaxError, ValueError):
         raise DHError.single((), say("the text is no HTML that can be read")) from None
     for element in list(root.iter("script", "style")):
-        element.drop_tree()
+        _drop(element)
     found = [(table, _lines(table)) for table in root.iter("table") if not _has_table(table)]
     tables = [(table, lines) for table, lines in found if columns or _is_table(lines)]
     if len(tables) != 1:
@@ -58,12 +58,24 @@ def table_from_html(
         )
     table, lines = tables[0]
     raw = table_from_lines(lines, convention, columns)
-    table.drop_tree()
+    _drop(table)
     raw.notes = _text(root)
     return raw
 
 
-def _has_table(table: html.HtmlElement) -> bool:
+def _drop(element: etree._Element) -> None:
+    """Remove an element and what it holds, but not the text behind it."""
+    parent, before = element.getparent(), element.getprevious()
+    if parent is None:
+        return
+    if before is not None:
+        before.tail = (before.tail or "") + " " + (element.tail or "")
+    else:
+        parent.text = (parent.text or "") + " " + (element.tail or "")
+    parent.remove(element)
+
+
+def _has_table(table: etree._Element) -> bool:
     return any(inner is not table for inner in table.iter("table"))
 
 
@@ -74,7 +86,7 @@ def _is_table(lines: list[Line]) -> bool:
     return "alpha" in {heading.key for heading in firsts if heading} and len(firsts) > 2
 
 
-def _lines(table: html.HtmlElement) -> list[Line]:
+def _lines(table: etree._Element) -> list[Line]:
     """Return the rows of a table; cells that span several columns or rows stand in each.
 
     Raises:
@@ -85,18 +97,8 @@ def _lines(table: html.HtmlElement) -> list[Line]:
     for number, row in enumerate(table.iter("tr"), start=1):
         cells: list[str] = []
         spanned = False
-
-        def above() -> None:
-            while len(cells) in below:
-                left, text = below[len(cells)]
-                if left <= 1:
-                    del below[len(cells)]
-                else:
-                    below[len(cells)] = (left - 1, text)
-                cells.append(text)
-
         for cell in row.iterchildren("td", "th"):
-            above()
+            _fill(cells, below)
             text = _text(cell)
             wide, high = _span(cell, "colspan"), _span(cell, "rowspan")
             spanned = spanned or wide > 1
@@ -114,23 +116,33 @@ def _lines(table: html.HtmlElement) -> list[Line]:
                         max_columns=MAX_COLUMNS,
                     ),
                 )
-        above()
-        if any(cells) and not (spanned and len(set(cells)) < len(cells)):
+        _fill(cells, below)
+        # A heading that spans columns names none of them.
+        if any(cells) and not (spanned and not any(c.isdigit() for c in "".join(cells))):
             lines.append(Line(number, tuple(cells)))
     return lines
 
 
-def _span(cell: html.HtmlElement, name: str) -> int:
+def _fill(cells: list[str], below: dict[int, tuple[int, str]]) -> None:
+    """Append the cells that reach down from rows above."""
+    while len(cells) in below:
+        left, text = below.pop(len(cells))
+        if left > 1:
+            below[len(cells)] = (left - 1, text)
+        cells.append(text)
+
+
+def _span(cell: etree._Element, name: str) -> int:
     text = cell.get(name, "1").strip()
     return min(MAX_SPAN, max(1, int(text))) if re.fullmatch(r"[0-9]{1,4}", text) else 1
 
 
-def _text(element: html.HtmlElement) -> str:
+def _text(element: etree._Element) -> str:
     """Return the text of an element; subscripts after ``_``, raised ones after ``^``."""
     return " ".join("".join(_parts(element)).split())
 
 
-def _parts(element: html.HtmlElement) -> Iterator[str]:
+def _parts(element: etree._Element) -> Iterator[str]:
     before = {"sub": "_{", "sup": "^{"}.get(str(element.tag))
     if before:
         yield before

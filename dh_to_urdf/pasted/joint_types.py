@@ -21,9 +21,9 @@ _SPELLINGS = {
     JointType.FIXED: "2 fixe",
 }
 _TIP = re.compile(
-    r"(?:^|[^\w])(?:ee|e|g|h|t|tcp|tool|tip|hand|gripper|flange|end[ _-]?eff(?:ector)?|wrist|outil|ot"
-    r"|organe terminal|effecteur|pince|bride|préhenseur|(?:tool|hand|end|tip) (?:frame|point|link)"
-    r"|werkzeug|flansch)$",
+    r"(?:^|[^\w])(?:ee|e|g|h|t|tcp|tool|tip|hand|gripper|flange|end[ _-]?eff(?:ector)?|wrist"
+    r"|outil|ot|organe terminal|effecteur|pince|bride|préhenseur"
+    r"|(?:tool|hand|end|tip) (?:frame|point|link)|werkzeug|flansch)$",
     re.IGNORECASE,
 )
 _BASE = re.compile(

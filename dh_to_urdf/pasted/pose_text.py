@@ -54,7 +54,7 @@ def printed_pose(text: str) -> Matrix | None:
     if form == "eul":
         T[:3, :3] = _about("z", first) @ _about("y", second) @ _about("z", third)
     else:
-        x, y, z = _ORDERS[form]
+        x, y, z = tuple(_ORDERS[form])
         T[:3, :3] = _about(x, third) @ _about(y, second) @ _about(z, first)
     return T
 

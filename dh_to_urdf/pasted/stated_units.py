@@ -1,4 +1,4 @@
-"""Units that the words beside a table state: ``angles in degrees, lengths in mm``, ``[mm, deg]``."""
+"""Units that the words beside a table state: ``angles in degrees``, ``[mm, deg]``."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def stated_units(notes: str, angle: str | None, length: str | None) -> StatedUni
                 say(
                     "the words beside the table say {units} of some values only; write the units"
                     " in the headings, such as alpha [deg] or a [mm], or give {kind}={unit}",
-                    units=" and ".join(several),
+                    units=", ".join(several),
                     kind=kind,
                     unit=several[0] if several[0] != "cm" else "mm",
                 ),

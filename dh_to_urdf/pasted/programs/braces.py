@@ -6,8 +6,8 @@ import re
 
 _NESTED = re.compile(r"\{\s*\{[^{}=:\\\n]*\}")
 _DECLARATION = re.compile(
-    r"^[ \t]*(?:(?:static|const|constexpr|final|public|private|auto|var|let|inline|float|double|real)"
-    r"\b[ \t]*)*(?:std::\w+\s*<[^;={}]{1,60}>\s*)?(?:\[\s*\]\s*)*"
+    r"^[ \t]*(?:(?:static|const|constexpr|final|public|private|auto|var|let|inline|float|double"
+    r"|real)\b[ \t]*)*(?:std::\w+\s*<[^;={}]{1,60}>\s*)?(?:\[\s*\]\s*)*"
     r"(\w+)[ \t]*(?:\[[^\]\n]{0,20}\][ \t]*){0,3}:?=?[ \t]*(?=\{)",
     re.MULTILINE,
 )

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
 from dh_to_urdf.messages import say
-from dh_to_urdf.pasted.grids import MAX_COLUMNS
-from dh_to_urdf.pasted.headings import Heading, heading_problem
+from dh_to_urdf.pasted.headings import MAX_COLUMNS, Heading, heading_problem
 from dh_to_urdf.pasted.programs import column_names
 from dh_to_urdf.pasted.programs.arrays import as_array, transposed
 from dh_to_urdf.pasted.programs.cells import raw_cell
