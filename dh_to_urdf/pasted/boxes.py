@@ -192,8 +192,13 @@ _SERIAL_LINK = re.compile(
     re.MULTILINE,
 )
 _OWN = re.compile(
-    r"^(?P<name>[^\n,]{1,80}), (?P<convention>standard|modified|khalil) ?: [RT][xz]\(", re.MULTILINE
+    r"^(?P<name>[^\n,]{1,80}), (?P<convention>standard|modified|modifié|khalil)[ \u00a0]?: "
+    r"[RT][xz]\(",
+    re.MULTILINE,
 )
+
+
+_CONVENTIONS = {"std": "standard", "mod": "modified", "modifié": "modified"}
 
 
 def stated_robot(text: str) -> tuple[str, str] | None:
@@ -206,5 +211,5 @@ def stated_robot(text: str) -> tuple[str, str] | None:
         found = pattern.search(text)
         if found:
             word = found["convention"]
-            return found["name"].strip(), {"std": "standard", "mod": "modified"}.get(word, word)
+            return found["name"].strip(), _CONVENTIONS.get(word, word)
     return None

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+from dh_to_urdf.cells.decimal_commas import are_decimal, with_points
 from dh_to_urdf.cells.expressions import Cell, CellError, Quantity, cell_of_sum, parse_cell
 from dh_to_urdf.cells.values import Values
 from dh_to_urdf.documents.checks import Report
@@ -49,6 +50,12 @@ class CellReader:
         self.numbers = list(range(1, len(raw.rows) + 1))
         """Number of the variable of each row; rows that do not move have none of their own."""
         self._angle = units.angle
+        self._decimal_commas = are_decimal(
+            cell.text[:MAX_RAW_CELL]
+            for row in raw.rows
+            for key, cell in row.cells.items()
+            if cell.total is None and key not in ("index", "name", "type")
+        )
         self._units = {quantity: units.factor(quantity) or 1.0 for quantity in Quantity}
 
     def add(self, k: int, cell: RawCell | None, message: str) -> None:
@@ -94,6 +101,8 @@ class CellReader:
             )
             return None
         text = cell.text if cell.total is not None else plain_cell(cell.text)
+        if self._decimal_commas:
+            text = with_points(text)
         unit = cell.unit if cell.unit is not None else self._units[quantity]
         try:
             if cell.total is not None:

@@ -168,7 +168,19 @@ def _text_lines(text: str, width: int | None) -> list[Line]:
         for number, line in enumerate(text.splitlines(), start=1)
         if line.strip() and not (BORDER.fullmatch(line) and len(line.strip()) > 2)
     ]
-    numbered = [(n, line) for n, line in numbered if line.lstrip()[0] not in "#%" or "|" in line]
+    kept = [(n, line) for n, line in numbered if line.lstrip()[0] not in "#%" or "|" in line]
+    if len(kept) < len(numbered) <= MAX_LINES:
+        # A comment may be the heading, and # the name of its first column.
+        for mark in ("", "#% \t"):
+            headed = [
+                (n, line.strip().lstrip(mark) if (n, line) not in kept else line)
+                for n, line in numbered[:MAX_TITLE]
+                if (n, line) in kept or _is_headed(line.strip().lstrip(mark))
+            ]
+            found = _split(headed, None) if len(headed) > len(kept) and width is None else []
+            if found:
+                return found
+    numbered = kept
     numbered = [(n, _LITERAL.sub(r"\1", line)) for n, line in numbered]
     piped = [(number, line) for number, line in numbered if line.count("|") >= 2]
     if len(piped) >= 2:
@@ -179,16 +191,30 @@ def _text_lines(text: str, width: int | None) -> list[Line]:
     numbered = [(n, line) for n, line in numbered if not _FOOTER.fullmatch(line)]
     if len(numbered) > MAX_LINES:
         return [Line(number, _at_blanks(line)) for number, line in numbered]
-    for split in (_at_tabs, _at_semicolons, _at_commas, _at_gaps, _at_signs, _at_blanks):
-        lines = [Line(number, split(line)) for number, line in numbered]
-        found = _under_heading(lines) if width is None else _of_width(lines, width)
-        if found:
-            return found
+    found = _split(numbered, width)
+    if found:
+        return found
     if sum("\t" in line for _, line in numbered) * 2 > len(numbered):
         return [Line(number, _at_tabs(line)) for number, line in numbered]
     if all(line.count(";") >= 2 for _, line in numbered):
         return [Line(number, _at_semicolons(line)) for number, line in numbered]
     return _aligned([(number, line.strip()) for number, line in numbered])
+
+
+def _split(numbered: list[tuple[int, str]], width: int | None) -> list[Line]:
+    """Return the table among lines, split in the way that gives one; no lines where none does."""
+    for split in (_at_tabs, _at_semicolons, _at_commas, _at_gaps, _at_signs, _at_blanks):
+        lines = [Line(number, split(line)) for number, line in numbered]
+        found = _under_heading(lines) if width is None else _of_width(lines, width)
+        if found:
+            return found
+    return []
+
+
+def _is_headed(line: str) -> bool:
+    """Return whether a line is a heading when it is split in some way."""
+    splits = (_at_tabs, _at_semicolons, _at_commas, _at_gaps, _at_blanks)
+    return any(is_heading(split(line)) for split in splits)
 
 
 def _at_tabs(line: str) -> tuple[str, ...]:

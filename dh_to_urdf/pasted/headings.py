@@ -33,6 +33,8 @@ _SPELLINGS = {
     "ant": "ant antecedent",
     "mu": "mu μ",
     "sign": "sign signe",
+    "mimic": "mimic suit",
+    "coupling": "coupling couplage",
     "lower": "lower min qmin θmin thetamin lowerlimit",
     "upper": "upper max qmax θmax thetamax upperlimit",
     "velocity": "velocity vitesse",

@@ -182,6 +182,7 @@ def _table_of(
     rows = document_rows(cells, meaning)
     document: dict[str, Any] = {
         "convention": meaning.value,
+        "units": {"angle": units.angle or "rad"},
         "joints": rows,
         "values": given,
         **_scaled(placements, raw, units),

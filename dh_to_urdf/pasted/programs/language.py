@@ -13,7 +13,8 @@ from dh_to_urdf.pasted.programs.python_source import read_python
 from dh_to_urdf.pasted.programs.tree import Program
 
 MATRIX = re.compile(
-    r"(?:^|[=(\s])\[\s*[-+\d.\[(]|\.array\s*\(|^[ \t]*\[|[=(\[]\s*\{\s*['\"]"
+    r"(?:^|[=(\s])\[\s*(?:[-+\d.\[(]|(?:np\.|math\.)?(?:pi|PI|M_PI\w*|sqrt|deg2rad)\b|q\d)"
+    r"|\.array\s*\(|^[ \t]*\[|[=(\[]\s*\{\s*['\"]"
     r"|^[ \t]*\{\s*['\"]|\bDataFrame\s*\(",
     re.MULTILINE,
 )

@@ -238,8 +238,9 @@ def _latex(x):
     body = " \\\\\n".join(" & ".join(line).replace("°", "^\\circ") for line in [heading, *lines])
     body = body.replace("#", "\\#")
     caption = x.title().strip() or "D-H parameters"
+    columns = "c" * len(heading)
     return x.made(
-        f"\\begin{{table}}\\caption{{{caption}}}\n\\begin{{tabular}}{{{'c' * len(heading)}}}\\hline\n"
+        f"\\begin{{table}}\\caption{{{caption}}}\n\\begin{{tabular}}{{{columns}}}\\hline\n"
         f"{body} \\\\ \\hline\n\\end{{tabular}}\\end{{table}}"
     )
 
