@@ -75,7 +75,7 @@ def stated_units(notes: str, angle: str | None, length: str | None) -> StatedUni
         for match in _STATED.finditer(text):
             unit = _WORDS[match["unit"].lower()]
             kind = "angle" if unit in (_DEGREES, _RADIANS) else "length"
-            clause = text[start : match.start()]
+            clause = text[start : match.end()]
             start = match.end()
             columns = _ONE_ANGLE if kind == "angle" else _ONE_LENGTH
             named = {one[0].lower() for one in columns.finditer(clause)}
