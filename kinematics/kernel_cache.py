@@ -17,7 +17,7 @@ from typing import Any
 
 import numba
 from llvmlite import binding as llvm
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
 
 PACKAGE = Path(__file__).parent
 CONFIG: Any = numba.config
@@ -25,6 +25,8 @@ CONFIG: Any = numba.config
 
 _IMPORTS = re.compile(r"^from (kinematics[.\w]*) import (\([^)]*\)|.*)", re.MULTILINE)
 _COMPILES = "from kinematics.compiled import"
+LAYOUT = "by package"
+"""How files are named in the cache: another layout is not full."""
 
 
 def source_digest() -> str:
@@ -119,6 +121,34 @@ DIGEST = source_digest()
 FOLDER = choose_folder(DIGEST)
 
 
+class KernelLocator(UserProvidedCacheLocator):
+    """Where the machine code of a function lies: by its place in the package, and its sources.
+
+    Numba goes by the path of the source file and the time of its last change, so that a tree that
+    was moved, copied or checked out anew would be compiled again. What the code is made of is in
+    the digest of all sources.
+    """
+
+    def get_cache_path(self) -> str:
+        """Return the folder, one for each folder of sources."""
+        if not self._is_ours:
+            return str(super().get_cache_path())  # type: ignore[no-untyped-call]
+        parts = Path(self._py_file).parent.relative_to(PACKAGE.parent).parts
+        return str(Path(CONFIG.CACHE_DIR, ".".join(parts)))
+
+    def get_source_stamp(self) -> Any:
+        """Return what machine code of other sources is told by."""
+        return DIGEST if self._is_ours else super().get_source_stamp()  # type: ignore[no-untyped-call]
+
+    @property
+    def _is_ours(self) -> bool:
+        return Path(self._py_file).is_relative_to(PACKAGE)
+
+
+class _Located(CompileResultCacheImpl):
+    _locator_classes = [KernelLocator]  # noqa: RUF012  as the base class has it
+
+
 class SharedCache(FunctionCache):
     """Numba's cache of one function, for processes that fill it at the same time.
 
@@ -126,6 +156,8 @@ class SharedCache(FunctionCache):
     processes that save different signatures of one function at the same time could choose the same
     name, and a third would then run machine code for other arguments: here they take turns.
     """
+
+    _impl_class = _Located
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the compiled function of a signature, None where it is not in the cache."""
@@ -193,5 +225,5 @@ def _mark(folder: Path) -> Path:
     features = CONFIG.CPU_FEATURES
     if features is None:
         features = llvm.get_host_cpu_features().flatten()
-    known = (DIGEST, numba.__version__, sys.implementation.cache_tag, cpu, features)
+    known = (LAYOUT, DIGEST, numba.__version__, sys.implementation.cache_tag, cpu, features)
     return folder / f"full-{hashlib.sha256(repr(known).encode()).hexdigest()[:16]}"

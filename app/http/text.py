@@ -24,6 +24,8 @@ SMALL = 1e-4
 
 BIG = 1e6
 """Numbers from here on are written with exponents, too."""
+BY_NAME = frozenset({"poses", "joint_values", "messages", "left_out", "definitions", "values"})
+"""Fields whose entries go by names of frames, joints or methods, which are said as they are."""
 NOISE = 1e-12
 """What is smaller is rounding, and is written as 0."""
 
@@ -39,9 +41,8 @@ def render_text(
         language: Of headings and words; messages of the answer are in it already.
     """
     lines: list[str] = []
-    # Nothing to warn of is no line: those who read a terminal would look for the warning.
-    quiet = not payload.get("warnings", True)
-    shown = {k: v for k, v in payload.items() if k != "warnings"} if quiet else payload
+    # Nothing to warn of, or to note, is no line: who reads a terminal would look for it.
+    shown = {k: v for k, v in payload.items() if (k != "warnings" or v) and not _is_blank(v)}
     _Text(digits, lines, language).mapping(shown, "")
     return "\n".join(lines) + "\n"
 
@@ -64,20 +65,21 @@ class _Text:
         """The name of an entry, and what follows it."""
         return self.language.heading(key) + self.language.colon
 
-    def mapping(self, payload: Mapping[str, Any], indent: str) -> None:
-        """Entries one below the other."""
+    def mapping(self, payload: Mapping[str, Any], indent: str, by_name: bool = False) -> None:
+        """Entries one below the other; ``by_name``: their keys are names of the user's."""
         for key, value in payload.items():
-            head = f"{indent}{self.heading(key)}"
+            heading = key + self.language.colon if by_name else self.heading(key)
+            head = indent + heading
             array = _array(value)
             if isinstance(value, Mapping):
                 if all(
                     not isinstance(item, (Mapping, list, tuple, np.ndarray))
                     for item in value.values()
                 ):
-                    self.scalars(key, value, indent)
+                    self.scalars(heading, value, indent, key in BY_NAME)
                 else:
                     self.lines.append(head)
-                    self.mapping(value, indent + "  ")
+                    self.mapping(value, indent + "  ", key in BY_NAME)
             elif array is not None and array.ndim == 1:
                 tiny = self.digits is None and _is_tiny(array)
                 cell = _tiny if tiny else self.cell
@@ -91,20 +93,20 @@ class _Text:
             else:
                 self.lines.append(f"{head} {self.scalar(value, key)}")
 
-    def scalars(self, key: str, value: Mapping[str, Any], indent: str) -> None:
+    def scalars(
+        self, heading: str, value: Mapping[str, Any], indent: str, by_name: bool = False
+    ) -> None:
         """A mapping without lists: in one line, or where that is long one line each."""
         texts = {
-            self.language.heading(str(name)): self.scalar(item, str(name))
+            str(name) if by_name else self.language.heading(str(name)): self.scalar(item, str(name))
             for name, item in value.items()
         }
-        inline = f"{indent}{self.heading(key)} " + "  ".join(
-            f"{name} {text}" for name, text in texts.items()
-        )
+        inline = f"{indent}{heading} " + "  ".join(f"{name} {text}" for name, text in texts.items())
         if len(inline) <= LINE:
             self.lines.append(inline)
             return
         width = max(len(name) for name in texts)
-        self.lines.append(f"{indent}{self.heading(key)}")
+        self.lines.append(f"{indent}{heading}")
         self.lines.extend(f"{indent}  {name.ljust(width)}  {text}" for name, text in texts.items())
 
     def sequence(self, key: str, value: Sequence[Any], indent: str) -> None:
@@ -181,6 +183,10 @@ class _Text:
             number = 0.0 if abs(number) < NOISE else number
             return f"{number:.9g}" if self.digits is None else _fixed(number, self.digits)
         return self.language.word(name, value) if isinstance(value, str) else str(value)
+
+
+def _is_blank(value: object) -> bool:
+    return isinstance(value, str) and not value
 
 
 def _fixed(number: float, decimals: int) -> str:

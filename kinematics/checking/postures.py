@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from dh_to_urdf.messages import say
+from dh_to_urdf.messages import chained, say
 from kinematics.chain import chain_of
 from kinematics.checking.angles import constants
 from kinematics.checking.answers import Entries
@@ -257,7 +257,7 @@ def _note(known: IKSolutions, found: list[_Given], *, every: bool) -> str:
         parts.append(say("{beyond} of them beyond the joint limits", beyond=beyond))
     if every and not known.complete:
         parts.append(say("there may be more solutions than are known"))
-    return ", ".join(parts)
+    return chained(", ", parts)
 
 
 def _errors(

@@ -7,6 +7,7 @@ import pytest
 
 from dh_to_urdf import Convention, dh_matrices, to_convention
 from dh_to_urdf.documents.layouts import document
+from dh_to_urdf.languages import language
 from kinematics.checking.check import check_answer
 from kinematics.checking.question import Quantity, Question
 from kinematics.forward import fk
@@ -156,6 +157,15 @@ def test_an_empty_list_says_that_nothing_reaches_the_target():
         assert found.correct is not reached
         assert not reached or first_codes(found) == {"missing_solutions"}
         assert check_answer(question, [[0.0, 0.0]]).correct is False
+
+
+def test_what_is_noted_of_solutions_can_be_said_in_french():
+    robot = shipped_robot("planar_2r")
+    target = fk(robot, np.array([0.3, 0.4]))["tool"]
+    question = Question(Quantity.IK, robot, target=target, task=TASKS["xy"])
+    found = check_answer(question, [[0.3, 0.4]])
+    assert found.note == "1 of 1 given solutions reach the target"
+    assert language("fr").text(found.note) == "solutions données qui atteignent la cible : 1 sur 1"
 
 
 def test_joint_values_in_degrees_and_a_forgotten_tool_are_named():
