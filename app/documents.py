@@ -50,6 +50,8 @@ SPREADSHEET_TYPES = (
     "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
     "application/vnd.oasis.opendocument.spreadsheet",
 )
+BINARY = {"type": "string", "format": "binary"}
+"""Schema of a body of bytes."""
 XML_TYPES = ("application/xml", "text/xml", "application/urdf+xml")
 TABLES = (
     "application/json",

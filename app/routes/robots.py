@@ -13,6 +13,7 @@ from fastapi import APIRouter, Path, Request, Response
 from app.access.control import key_of
 from app.dependencies import RobotDep, ServicesDep
 from app.documents import (
+    BINARY,
     PAR_TYPES,
     PASTED_TYPES,
     SPREADSHEET_TYPES,
@@ -307,6 +308,7 @@ def build_router(max_body: int) -> APIRouter:
                 "text/csv": {"schema": {"type": "string"}, "example": _CSV_EXAMPLE},
                 "text/x-symoro": {"schema": {"type": "string"}, "example": _PAR_EXAMPLE},
                 "text/plain": {"schema": {"type": "string"}, "example": _PASTED_EXAMPLE},
+                **{kind: {"schema": BINARY} for kind in SPREADSHEET_TYPES},
                 "application/xml": {"schema": {"type": "string"}},
             },
         },
