@@ -27,7 +27,7 @@ help:
 	@echo "make api-types   write the page's types anew from the OpenAPI document"
 	@echo "make messages    bring the catalogues of other languages up to the sources"
 	@echo "make bench       paired benchmarks"
-	@echo "make bench-peers inverse kinematics beside other libraries, in .venv-peers"
+	@echo "make bench-peers inverse kinematics, all solutions too, beside other libraries, in .venv-peers"
 	@echo "make torture     the long campaigns: documents, requests, schemas, the store, load (hours)"
 	@echo "make image-test  build the Docker image and test it (as root, on Debian)"
 	@echo "make lock        resolve the dependencies anew"
@@ -91,6 +91,7 @@ bench-peers: bench/requirements-peers.lock
 	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r bench/requirements-peers.lock
 	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	.venv-peers/bin/python -m bench.peers
+	.venv-peers/bin/python -m bench.all_solutions
 
 torture: $(STAMP)
 	$(BIN)/python -m tests.torture.urdf --count 100000
@@ -101,6 +102,8 @@ torture: $(STAMP)
 	$(BIN)/python -m tests.torture.children --requests 10000 --kills 300
 	$(BIN)/python -m tests.torture.memory
 	$(BIN)/python -m tests.torture.classroom --drags 600
+	$(BIN)/python -m tests.torture.six_joints --arms 1000
+	$(BIN)/python -m tests.torture.redundant_arms --targets 500
 	$(BIN)/python -m tests.torture.soak --minutes 10
 
 image-test:

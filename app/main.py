@@ -19,6 +19,7 @@ from app.dependencies import Services
 from app.guide import routes as guide
 from app.http import handlers
 from app.labs import routes as labs
+from app.middleware.request_id import RequestIds
 from app.middleware.request_line import RequestLine
 from app.openapi.document import build_openapi
 from app.operations import OPERATIONS, Operation
@@ -37,9 +38,10 @@ from app.routes import (
 )
 from app.serving.connections import STATE, ConnectionGuard, ConnectionLimits
 from app.serving.kernels import loaded_kernels
+from app.serving.short_requests import short_requests
 from app.settings import Settings
 from app.telemetry.metrics import Metrics, shared_directory
-from app.telemetry.observed import Observed
+from app.telemetry.observed import Observed, Records
 from app.telemetry.tracing import telemetry_config
 
 SWITCH_SECONDS = 0.0005
@@ -75,7 +77,8 @@ def create_app(
         await run_sync(app.state.services.check_uploads)
         async with loaded_kernels(app, app.state.services, offered) as kernels:
             health.add_checks(app.state.readiness, app.state.services, lambda: kernels.check)
-            yield {STATE: ConnectionGuard(_limits(chosen))}
+            short = short_requests(app.state.services, computations, records, ids)
+            yield {STATE: ConnectionGuard(_limits(chosen), short)}
             app.state.readiness.stop()
         app.state.services.close()
 
@@ -92,7 +95,8 @@ def create_app(
     )
     app.state.readiness = Readiness()
     app.state.metrics = counted = Metrics(shared_directory()) if chosen.metrics else None
-    compute.add_routes(app, offered, chosen.max_compute_bytes)
+    records = Records(counted, access_log=chosen.access_log, log_clients=chosen.log_clients)
+    computations = compute.add_routes(app, offered, chosen.max_compute_bytes)
     app.include_router(health.router)
     app.include_router(robots.build_router(chosen.max_document_bytes))
     app.include_router(meshes.router)
@@ -111,10 +115,9 @@ def create_app(
     handlers.install(app)
     app.add_middleware(RequestLine)
     admission.install(app)
-    app.state.keys = protect(app, chosen, counters)
-    app.add_middleware(
-        Observed, counted, access_log=chosen.access_log, log_clients=chosen.log_clients
-    )
+    ids = RequestIds()
+    app.state.keys = protect(app, chosen, ids, counters)
+    app.add_middleware(Observed, records=records)
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:

@@ -1,8 +1,20 @@
-"""``python -m bench``: every benchmark, as ratios of two things measured in turns in one run."""
+"""``python -m bench``: every benchmark, as ratios of two things measured in turns in one run.
 
-from bench import compute, http, redundancy
+``python -m bench --before PATH`` measures against an older checkout; see :mod:`bench.before`.
+"""
+
+import argparse
+from pathlib import Path
+
+from bench import before, compute, http, redundancy
 
 if __name__ == "__main__":
+    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
+    parser.add_argument("--before", type=Path, metavar="PATH", help="an older checkout")
+    older = parser.parse_args().before
+    if older is not None:
+        before.report(older)
+        parser.exit()
     reports = (
         ("In process", compute.run()),
         ("Redundancy", redundancy.run()),

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dh_to_urdf.couplings import WHOLE
+from kinematics.lanes.links import links_of
 from kinematics.tree import Tree, tree_of
 from robots.robot import FloatArray, Robot
 
@@ -84,6 +85,11 @@ class Chain:
         if not self.is_coupled:
             return np.arange(self.length)
         return np.asarray(np.abs(self.coupling).argmax(axis=1))
+
+    @cached_property
+    def links(self) -> FloatArray:
+        """Return the constants that many configurations at once are computed with."""
+        return links_of(self.placements, self.is_revolute)
 
     @cached_property
     def is_periodic(self) -> NDArray[np.bool_]:

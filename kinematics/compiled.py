@@ -1,4 +1,4 @@
-"""Compile numeric functions with Numba; no other module imports it.
+"""Compile numeric functions with Numba; beside it only the vectors of lanes import it.
 
 Compiled functions run without the GIL, and their machine code is kept in a cache on disk.
 """

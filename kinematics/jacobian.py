@@ -12,7 +12,7 @@ from kinematics.compiled import writable
 from kinematics.configuration import configuration
 from kinematics.deadline import checkpoint
 from kinematics.forward import fk
-from kinematics.kernels import jacobian_many
+from kinematics.lanes.batches import jacobian_many
 from kinematics.orientation import analytic_map
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
@@ -158,20 +158,17 @@ def _many(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFra
         J = np.zeros((len(q), 6, robot.dof))
         J[:, :, chain.columns] = chain.in_q(_by_joint(chain, q, reference_frame))
         return J
-    K = chain.length
-    poses, J = np.empty((len(q), 16)), np.zeros((len(q), 6, robot.dof))
-    memory = np.empty(K), np.empty((K, 6))
-    q = writable(q)
-    jacobian_many(chain.placements, chain.is_revolute, chain.columns, q, *memory, poses, J)
-    return _expressed(J, poses.reshape(-1, 4, 4), reference_frame)
+    poses, J = np.empty((len(q), 16)), np.zeros((len(q), 6 * robot.dof))
+    jacobian_many(chain.links, chain.columns, writable(q), poses, J)
+    return _expressed(J.reshape(-1, 6, robot.dof), poses.reshape(-1, 4, 4), reference_frame)
 
 
 def _by_joint(chain: Chain, q: FloatArray, reference_frame: ReferenceFrame) -> FloatArray:
     K = chain.length
-    poses, J = np.empty((len(q), 16)), np.zeros((len(q), 6, K))
-    memory, values = (np.empty(K), np.empty((K, 6))), writable(chain.values(q[:, chain.columns]))
-    jacobian_many(chain.placements, chain.is_revolute, np.arange(K), values, *memory, poses, J)
-    return _expressed(J, poses.reshape(-1, 4, 4), reference_frame)
+    poses, J = np.empty((len(q), 16)), np.zeros((len(q), 6 * K))
+    values = writable(chain.values(q[:, chain.columns]))
+    jacobian_many(chain.links, np.arange(K), values, poses, J)
+    return _expressed(J.reshape(-1, 6, K), poses.reshape(-1, 4, 4), reference_frame)
 
 
 def jacobian_by_joint(

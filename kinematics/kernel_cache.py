@@ -25,7 +25,7 @@ CONFIG: Any = numba.config
 
 _IMPORTS = re.compile(r"^from (kinematics[.\w]*) import (\([^)]*\)|.*)", re.MULTILINE)
 _COMPILES = "from kinematics.compiled import"
-LAYOUT = "by package"
+LAYOUT = "by-package"
 """How files are named in the cache: another layout is not full."""
 
 

@@ -1,14 +1,13 @@
-"""Compiled poses and Jacobians of one chain at many configurations."""
+"""Compiled poses along one chain, with the axes of its joints."""
 
 from __future__ import annotations
 
 import math
 from typing import Any, TypeAlias
 
-import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.compiled import inner, jit
+from kinematics.compiled import jit
 
 Array: TypeAlias = NDArray[Any]
 
@@ -98,74 +97,3 @@ def forward(C: Array, is_revolute: Array, q: Array, trig: Array, W: Array, T: Ar
     T[0], T[1], T[2], T[3] = r00, r01, r02, p0
     T[4], T[5], T[6], T[7] = r10, r11, r12, p1
     T[8], T[9], T[10], T[11] = r20, r21, r22, p2
-
-
-@inner
-def _matrix(
-    C: Array,
-    is_revolute: Array,
-    columns: Array,
-    Q: Array,
-    q: Array,
-    trig: Array,
-    W: Array,
-    T: Array,
-) -> None:
-    """Compute a pose as a 4x4 matrix, 16 numbers; arguments as of :func:`forward_many`."""
-    for k in range(len(columns)):
-        q[k] = Q[columns[k]]
-    forward(C, is_revolute, q, trig, W, T)
-    T[12] = T[13] = T[14] = 0.0
-    T[15] = 1.0
-
-
-@jit
-def forward_many(
-    C: Array, is_revolute: Array, columns: Array, Q: Array, q: Array, W: Array, out: Array
-) -> None:
-    """Compute the poses of a frame at many configurations.
-
-    Args:
-        C: Constant placements, shape (K + 1, 12).
-        is_revolute: Shape (K,).
-        columns: Entry of a configuration for each joint, shape (K,).
-        Q: Configurations, shape (n, dof).
-        q: Memory, shape (K,).
-        W: Memory, shape (K, 6).
-        out: Filled, shape (n, 16): 4x4 matrices.
-    """
-    trig = np.empty(2 * len(columns))
-    for i in range(len(Q)):
-        _matrix(C, is_revolute, columns, Q[i], q, trig, W, out[i])
-
-
-@jit
-def jacobian_many(
-    C: Array, is_revolute: Array, columns: Array, Q: Array, q: Array, W: Array, T: Array, out: Array
-) -> None:
-    """Compute geometric Jacobians at the frame's origin, in base axes, at many configurations.
-
-    Args:
-        C: Constant placements, shape (K + 1, 12).
-        is_revolute: Shape (K,).
-        columns: Entry of a configuration for each joint, shape (K,).
-        Q: Configurations, shape (n, dof).
-        q: Memory, shape (K,).
-        W: Memory, shape (K, 6).
-        T: Filled with the poses, shape (n, 16).
-        out: Zeros, filled, shape (n, 6, dof).
-    """
-    trig = np.empty(2 * len(columns))
-    for i in range(len(Q)):
-        _matrix(C, is_revolute, columns, Q[i], q, trig, W, T[i])
-        for k in range(len(columns)):
-            j = columns[k]
-            zx, zy, zz = W[k, 0], W[k, 1], W[k, 2]
-            if is_revolute[k]:
-                dx, dy, dz = T[i, 3] - W[k, 3], T[i, 7] - W[k, 4], T[i, 11] - W[k, 5]
-                out[i, 0, j] = zy * dz - zz * dy
-                out[i, 1, j] = zz * dx - zx * dz
-                out[i, 2, j] = zx * dy - zy * dx
-                out[i, 3, j], out[i, 4, j], out[i, 5, j] = zx, zy, zz
-            else:
-                out[i, 0, j], out[i, 1, j], out[i, 2, j] = zx, zy, zz

@@ -9,6 +9,8 @@ tell that a robot is there, or holds a window of it that it has opened (HTML Sta
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 POLICY = b"content-security-policy"
@@ -50,12 +52,14 @@ class SafeHeaders:
 
         async def sending(message: Message) -> None:
             if message["type"] == "http.response.start":
-                message["headers"] = self._completed(list(message["headers"]))
+                message["headers"] = self.completed(message["headers"])
             await send(message)
 
         await self.app(scope, receive, sending)
 
-    def _completed(self, headers: list[tuple[bytes, bytes]]) -> list[tuple[bytes, bytes]]:
+    def completed(self, given: Iterable[tuple[bytes, bytes]]) -> list[tuple[bytes, bytes]]:
+        """Return the headers of an answer with those that it lacks."""
+        headers = list(given)
         policy, caching, script = DATA_POLICY, self.caching, False
         for name, value in headers:
             if name == POLICY:

@@ -114,6 +114,11 @@ class AllowedHosts:
             )
             await refuse(scope, receive, send, MISDIRECTED, detail)
 
+    def allows(self, host: bytes) -> bool:
+        """Return whether the value of a ``Host`` header is one of the names."""
+        match = _AUTHORITY.fullmatch(host)
+        return match is not None and self._allows(match[1])
+
     def _matches(self, host: bytes) -> bool:
         name = host.decode().lower().rstrip(".")
         return any(

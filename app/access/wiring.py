@@ -16,7 +16,7 @@ from app.access.origins import CrossOrigin
 from app.access.rates import RateLimits
 from app.access.shared_counters import SharedCounters
 from app.admission.memory import BodyBudget
-from app.middleware.request_id import RequestId
+from app.middleware.request_id import RequestId, RequestIds
 from app.openapi.problems import PROBLEMS
 from app.settings import Settings, listed
 from dh_to_urdf.messages import say
@@ -76,12 +76,15 @@ def check_access(settings: Settings) -> None:
         RateLimits(settings.rate_limit)
 
 
-def protect(app: FastAPI, settings: Settings, counters: Path | None = None) -> KeySource:
+def protect(
+    app: FastAPI, settings: Settings, ids: RequestIds, counters: Path | None = None
+) -> KeySource:
     """Add middleware; the last added is the outermost.
 
     Args:
         app: The application.
         settings: What a deployment chose.
+        ids: Those that requests get.
         counters: The file in which all workers of the service count; None: this one is alone.
 
     Returns:
@@ -111,9 +114,18 @@ def protect(app: FastAPI, settings: Settings, counters: Path | None = None) -> K
             expose_headers=READABLE,
         )
     app.add_middleware(AllowedHosts, names=allowed_hosts(settings))
-    app.add_middleware(RequestId)
+    app.add_middleware(RequestId, ids=ids)
     app.add_middleware(SafeHeaders, private=keys.required, embeddable="*" in origins)
     return keys
+
+
+def is_open(settings: Settings) -> bool:
+    """Return whether a request is taken without keys, counting, or pages of other origins."""
+    return not (
+        key_source(settings).required
+        or settings.rate_limit.strip()
+        or listed(settings.cors_origins)
+    )
 
 
 def describe(document: dict[str, Any], *, needs_keys: bool) -> None:

@@ -188,6 +188,16 @@ FRAME_IN_QUERY = Parameter(texts.text, "Frame name; default the tip.")
 TaskSpace: TypeAlias = Annotated[
     Task, declared(TaskName((TASK_IN_QUERY,)), TASK_TEXT, {"allOf": [TASK_SCHEMA]})
 ]
+TargetTaskSpace: TypeAlias = Annotated[
+    Task,
+    declared(
+        TaskName((TASK_IN_QUERY,), optional=True),
+        TASK_TEXT + " Default pose; for a target without orientation and at most three joints what"
+        " it gives: position, xy or xy_phi.",
+        {"anyOf": [TASK_SCHEMA, {"type": "null"}]},
+    ),
+]
+"""The task of a target, which is read with the target where it is left out."""
 Frame: TypeAlias = Annotated[
     str, declared(FrameName((FRAME_IN_QUERY,)), "Frame name; default the tip.")
 ]

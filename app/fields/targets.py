@@ -21,13 +21,22 @@ from app.http.strict_json import validation_problem
 from app.http.units import Units
 from dh_to_urdf.errors import Location
 from dh_to_urdf.messages import say
+from kinematics.chain import chain_of
 from kinematics.inverse.target import Targets, mended, target_poses
-from kinematics.task import Task
+from kinematics.task import POSE, TASKS, Task
 from robots.robot import FloatArray
 
 _ROW = {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4}
 _MATRIX = {"type": "array", "items": _ROW, "minItems": 4, "maxItems": 4}
 _FORMS = ("matrix", "position", "quaternion_xyzw", "rpy", "euler", "phi", "direction")
+FEW_JOINTS = 3
+"""Joints of an arm up to which a position alone says that the position is the task."""
+_OF_FORMS = {
+    (("position",), 3): "position",
+    (("position",), 2): "xy",
+    (("position", "phi"), 2): "xy_phi",
+}
+"""The task that a target without orientation gives."""
 LOOKED_AT = 100
 """Targets of a list that are looked at for angles in another unit."""
 _SEQUENCE = msgspec.Meta(extra_json_schema=SEQUENCE_SCHEMA)
@@ -104,6 +113,28 @@ def target_pose(
     return pose
 
 
+def _task(reading: Reading, targets: Sequence[Target | TargetBatch]) -> Task:
+    """Return the task of a request; where it is left out, what its targets and its arm give.
+
+    An arm of three joints has no pose of its choice: a position alone is meant as one.
+    """
+    task: Task | None = reading.given["task"]
+    if task is None:
+        forms = {_forms(one) for one in targets}
+        short = chain_of(reading.robot, reading.given["frame"]).dof <= FEW_JOINTS
+        fitting = _OF_FORMS.get(forms.pop()) if len(forms) == 1 and short else None
+        task = reading.given["task"] = TASKS[fitting] if fitting else POSE
+    return task
+
+
+def _forms(target: Target | TargetBatch) -> tuple[tuple[str, ...], int]:
+    """Return the forms that a target gives, and the number of coordinates of its position."""
+    given = tuple(name for name in _FORMS if getattr(target, name) is not None)
+    rows = target.position if isinstance(target, TargetBatch) else [target.position]
+    sizes = {len(row) for row in rows or () if row is not None}
+    return given, sizes.pop() if len(sizes) == 1 else 0
+
+
 def _named(location: Location) -> str:
     """Return what a place of the request is called."""
     return " ".join(str(part) for part in location)
@@ -174,7 +205,7 @@ class OneTarget(Field):
         """
         if value is None:
             return None
-        return target_pose(value, reading.given["task"], reading.doubts, location)
+        return target_pose(value, _task(reading, [value]), reading.doubts, location)
 
 
 @dataclass(frozen=True)
@@ -210,9 +241,10 @@ class ManyTargets(Field):
             InvalidTarget: One is no pose, or lacks what the task needs.
         """
         if value is None:
+            reading.given["task"] = reading.given["task"] or POSE
             return None
-        task: Task = reading.given["task"]
         if isinstance(value, np.ndarray):
+            task = _task(reading, ())
             array = value if value.ndim == 3 else value[None]
             _check_count(len(array), location, reading)
             targets = Targets(matrix=array, location=location, many=True, by_field=True)
@@ -220,6 +252,7 @@ class ManyTargets(Field):
             reading.doubts.mended(mended(array, poses), say("a target's matrix"))
             reading.doubts.place(poses[:, :3, 3], say("a target"))
             return poses if value.ndim == 3 else poses[0]
+        task = _task(reading, [value] if isinstance(value, TargetBatch) else value)
         if isinstance(value, TargetBatch):
             poses = target_poses(_by_field(value, location, reading), task)
             if value.matrix is not None:

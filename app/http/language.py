@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 from fastapi import Request
 
@@ -24,6 +25,7 @@ def language_of(request: Request) -> Language:
     return ENGLISH if not accept else _best(accept)
 
 
+@lru_cache(maxsize=64)
 def _best(accept: str) -> Language:
     """Return the language of the first range with the greatest weight (RFC 4647, lookup)."""
     for name, (weight, _) in sorted(accepted_ranges(accept).items(), key=lambda item: item[1]):

@@ -38,6 +38,8 @@ PYTHON_SOURCE = "text/x-python"
 
 C_SOURCE = "text/x-c"
 
+MATLAB_SOURCE = TABLE_TEXTS["matlab"].media_type
+
 FORMATS = {
     "json": JSON,
     "text": TEXT,

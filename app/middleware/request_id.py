@@ -19,13 +19,35 @@ _LOG = logging.getLogger("denavit")
 _ID = re.compile(rb"[A-Za-z0-9._-]{1,64}")
 
 
-class RequestId:
-    """Gives each request an id: the client's ``X-Request-ID`` if it is harmless, else a new one."""
+class RequestIds:
+    """Ids of requests: the client's ``X-Request-ID`` if it is harmless, else a new one."""
 
-    def __init__(self, app: ASGIApp) -> None:
-        self.app = app
+    def __init__(self) -> None:
         self.prefix = secrets.token_hex(6)
         self.counter = itertools.count(1)
+
+    def of(self, given: bytes) -> str:
+        """Return the id of a request.
+
+        Args:
+            given: Its ``X-Request-ID``, empty where there is none.
+        """
+        if given and _ID.fullmatch(given):
+            return given.decode("ascii")
+        return f"{self.prefix}-{next(self.counter):x}"
+
+
+class RequestId:
+    """Gives each request an id.
+
+    Args:
+        app: What is behind.
+        ids: Those of the application.
+    """
+
+    def __init__(self, app: ASGIApp, ids: RequestIds) -> None:
+        self.app = app
+        self.ids = ids
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handles one ASGI connection."""
@@ -33,10 +55,7 @@ class RequestId:
             await self.app(scope, receive, send)
             return
         given = next((value for name, value in scope["headers"] if name == b"x-request-id"), b"")
-        if given and _ID.fullmatch(given):
-            request_id = given.decode("ascii")
-        else:
-            request_id = f"{self.prefix}-{next(self.counter):x}"
+        request_id = self.ids.of(given)
         scope.setdefault("state", {})["request_id"] = request_id
         REQUEST_ID.set(request_id)
 

@@ -17,7 +17,7 @@ from app.fields import texts
 from app.fields.bounds import within
 from app.fields.field import LEFT_OUT, Field, Parameter, declared
 from app.fields.joints import Seed
-from app.fields.names import Frame, TaskSpace, one_of
+from app.fields.names import Frame, TargetTaskSpace, one_of
 from app.fields.numbers import within_query
 from app.fields.targets import OptionalTarget, TargetList
 from app.http.negotiation import NDJSON, NPY
@@ -25,6 +25,7 @@ from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.branches import BranchEndView, branch_end_view
 from app.operations.joint_values import joint_values_view, joints_shown
 from app.operations.operation import LIGHT_DOF, SHEET_FORMS, Answer, Context, Operation
+from app.operations.reachable_part import ReachableView, reachable_view
 from app.operations.shapes import (
     AnswerUnits,
     EachInteger,
@@ -55,11 +56,9 @@ from kinematics.inverse import (
     solve_ik_batch,
 )
 from kinematics.inverse.all_solutions import all_solutions, curve_solutions, exact_solutions
-from kinematics.inverse.forbidden import Forbidden
 from kinematics.inverse.one_branch import OneBranch, follow_branch
 from kinematics.inverse.solutions import Choice, choose
-from kinematics.inverse.unreached import why_unreached
-from kinematics.task import POSE
+from kinematics.inverse.unreached import Reasons, why_unreached
 from robots.robot import FloatArray, Robot
 
 SHARE_TO_SOLVE = 0.9
@@ -115,7 +114,7 @@ class IKRequest(msgspec.Struct, kw_only=True):
     target: OptionalTarget = None
     targets: TargetList = None
     frame: Frame = LEFT_OUT
-    task: TaskSpace = POSE
+    task: TargetTaskSpace = LEFT_OUT
     seed: Seed = None
     tolerance: IKTolerance = msgspec.field(default_factory=ToleranceField)
     max_restarts: Annotated[
@@ -165,7 +164,8 @@ class IKAnswer(TypedDict):
     Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
     best that was found. Errors are in m and rad, in the axes of the task. ``explanation``, for one
     target that was not reached: what is proved of it, such as an orientation that the structure
-    cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs.
+    cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs;
+    ``reachable``: what of the target is reached instead, the nearest orientation first.
     ``branches``, with ``follow``: those that were tried, and where and why each ends.
     """
 
@@ -181,6 +181,7 @@ class IKAnswer(TypedDict):
     branches: NotRequired[list[BranchEndView]]
     forbidden: NotRequired[ForbiddenView]
     explanation: NotRequired[list[str]]
+    reachable: NotRequired[list[ReachableView]]
     columns: list[str]
     frame: str
     task: str
@@ -577,9 +578,19 @@ def _told(
         options=options,
         found=found,
     )
+    if why.reachable and not why.reachable[0].given_up:
+        # What the search for a part of it came upon.
+        part = why.reachable[0]
+        result = result._replace(
+            status=IKStatus.CONVERGED,
+            q=part.q,
+            position_error=part.position_error,
+            orientation_error=part.orientation_error,
+        )
+        return _single(robot, request, context, result)
     if why.proven:
         result = result._replace(status=IKStatus.UNREACHABLE)
-    return _single(robot, request, context, result, why.sentences, why.forbidden)
+    return _single(robot, request, context, result, why)
 
 
 def _single(
@@ -587,8 +598,7 @@ def _single(
     request: IKRequest,
     context: Context,
     result: IKResult,
-    why: tuple[str, ...] | None = None,
-    forbidden: Forbidden | None = None,
+    why: Reasons | None = None,
 ) -> Answer:
     q = context.units.joints_out(robot, result.q)
     answer: IKAnswer = {
@@ -604,9 +614,13 @@ def _single(
         **_echo(robot, request, context, result.seed),
     }
     if why is not None:
-        answer["explanation"] = list(why)
-    if forbidden is not None:
-        answer["forbidden"] = forbidden_view(robot, forbidden, context.units)
+        answer["explanation"] = list(why.sentences)
+        if why.forbidden is not None:
+            answer["forbidden"] = forbidden_view(robot, why.forbidden, context.units)
+        if why.reachable:
+            answer["reachable"] = [
+                reachable_view(robot, one, context.units) for one in why.reachable
+            ]
     records = None
     if context.form == NPY:
         errors = np.array([result.position_error]), np.array([result.orientation_error])
@@ -640,6 +654,7 @@ class _Echo(TypedDict):
     branches: NotRequired[list[BranchEndView]]
     forbidden: NotRequired[ForbiddenView]
     explanation: NotRequired[list[str]]
+    reachable: NotRequired[list[ReachableView]]
     warnings: list[str]
 
 

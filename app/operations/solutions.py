@@ -11,11 +11,12 @@ import numpy as np
 from app.admission.need import Need
 from app.fields.field import LEFT_OUT
 from app.fields.joints import Seed
-from app.fields.names import Frame, TaskSpace
+from app.fields.names import Frame, TargetTaskSpace
 from app.fields.redundancy import SwivelAngle, Windings, WindingsChoice
 from app.fields.targets import RequiredTarget
 from app.operations.inverse import IKTolerance, RandomSeed, ToleranceField
 from app.operations.operation import SHEET_FORMS, Answer, Context, Operation, Runs
+from app.operations.reachable_part import ReachableView, reachable_view
 from app.operations.self_motion import SelfMotionView, self_motion_view
 from app.operations.shapes import AnswerUnits, Vector
 from app.operations.sizes import LISTED, fixed_bytes
@@ -29,7 +30,6 @@ from kinematics.inverse.all_solutions import all_solutions
 from kinematics.inverse.equivalents import with_equivalents
 from kinematics.inverse.solutions import IKSolution
 from kinematics.inverse.unreached import beyond_limits, why_unreached
-from kinematics.task import POSE
 from robots.robot import FloatArray, Robot
 
 MOST_ROWS = 8_000
@@ -41,7 +41,7 @@ class IKSolutionsRequest(msgspec.Struct, kw_only=True):
 
     target: RequiredTarget
     frame: Frame = LEFT_OUT
-    task: TaskSpace = POSE
+    task: TargetTaskSpace = LEFT_OUT
     seed: Seed = None
     tolerance: IKTolerance = msgspec.field(default_factory=ToleranceField)
     random_seed: RandomSeed = 0
@@ -70,7 +70,8 @@ class IKSolutionsAnswer(TypedDict):
     that a singular branch leaves free; they have the seed's value. ``multiplicity``, where it is
     above 1: how many solutions meet there, as two do where an arm is stretched. ``beyond_limits``,
     where there are some, names the joints beyond their limits. ``explanation``, where no solution
-    is within the limits: why, as far as it is proved; ``forbidden``: the same for programs.
+    is within the limits: why, as far as it is proved; ``forbidden``: the same for programs;
+    ``reachable``: what of the target is reached instead, the nearest orientation first.
     ``self_motion``, of an arm with more joints than the task needs: the curves of solutions that
     these are on.
     """
@@ -87,6 +88,7 @@ class IKSolutionsAnswer(TypedDict):
     self_motion: NotRequired[SelfMotionView]
     forbidden: NotRequired[ForbiddenView]
     explanation: NotRequired[list[str]]
+    reachable: NotRequired[list[ReachableView]]
     warnings: list[str]
 
 
@@ -137,6 +139,10 @@ def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
         answer["explanation"] = list(why.sentences)
         if why.forbidden is not None:
             answer["forbidden"] = forbidden_view(robot, why.forbidden, context.units)
+        if why.reachable:
+            answer["reachable"] = [
+                reachable_view(robot, one, context.units) for one in why.reachable
+            ]
     rows = [one.q for one in found.solutions]
     q = np.array(rows).reshape(-1, robot.dof)
     return Answer(
@@ -191,12 +197,13 @@ def _view(robot: Robot, solution: IKSolution, context: Context) -> IKSolutionVie
 SOLUTIONS = Operation(
     name="ik/solutions",
     summary="All solutions of inverse kinematics",
-    description="Every q that reaches a pose: in closed form, complete, for 6R arms with a"
-    " spherical wrist or three parallel axes, planar 2R and 3R, and SCARA; algebraic, complete, for"
-    " any other arm with no more joints than the task has rows. An arm with one joint more has"
-    " curves of solutions: self_motion tells each, with its ends, and solutions on it are listed;"
-    " those of 7R arms with spherical shoulder and wrist by swivel angle. For others by search. As"
-    " npy: q of each, shape (n, dof). As csv and latex: one row a solution.",
+    description="Every q that reaches a pose: in closed form, complete, for arms of three joints"
+    " that place a point, alone or before a spherical wrist, 6R arms with three parallel axes,"
+    " planar arms of two and three joints, and SCARA; algebraic, complete, for any other arm with"
+    " no more joints than the task has rows. An arm with one joint more has curves of solutions:"
+    " self_motion tells each, with its ends, and solutions on it are listed; those of 7R arms with"
+    " spherical shoulder and wrist by swivel angle. For others by search. As npy: q of each, shape"
+    " (n, dof). As csv and latex: one row a solution.",
     request=IKSolutionsRequest,
     answer=IKSolutionsAnswer,
     memory=_memory,

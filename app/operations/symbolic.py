@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Annotated, Any, NotRequired, TypedDict
+from typing import Annotated, Any, Literal, NotRequired, TypedDict
 
 import msgspec
 
@@ -13,7 +13,7 @@ from app.admission.need import NOTHING, Need
 from app.fields import texts
 from app.fields.field import Field, Parameter, Text, declared
 from app.fields.names import FRAME_IN_QUERY, TASK_IN_QUERY, TASK_SCHEMA, TaskName, one_of
-from app.http.negotiation import C_SOURCE, JSON, LATEX, PYTHON_SOURCE, TEXT
+from app.http.negotiation import C_SOURCE, JSON, LATEX, MATLAB_SOURCE, PYTHON_SOURCE, TEXT
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.operation import Answer, Context, Operation, Runs
 from app.operations.shapes import AnswerUnits
@@ -33,7 +33,12 @@ from kinematics.task import Task
 from robots.chains import chain_of_robot
 from robots.robot import Robot
 
-_NOTATIONS = {LATEX: Notation.LATEX, PYTHON_SOURCE: Notation.PYTHON, C_SOURCE: Notation.C}
+_NOTATIONS = {
+    LATEX: Notation.LATEX,
+    PYTHON_SOURCE: Notation.PYTHON,
+    C_SOURCE: Notation.C,
+    MATLAB_SOURCE: Notation.MATLAB,
+}
 
 
 _QUANTITY = {"enum": list(Quantity)}
@@ -55,9 +60,10 @@ class SymbolicRequest(msgspec.Struct, kw_only=True):
         _text(
             texts.names,
             "Comma-separated: A, T0, T, position, rotation, jacobian, det_jacobian,"
-            " inverse_jacobian.",
+            " inverse_jacobian, inverse.",
             "Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian,"
-            ' det_jacobian, inverse_jacobian; or "all". Default T.',
+            " det_jacobian, inverse_jacobian, inverse (the inverse model of an arm with a closed"
+            ' form, derived in steps); or "all". Default T.',
             {"allOf": [{"anyOf": [_ANY_QUANTITY, {"type": "array", "items": _QUANTITY}]}]},
         ),
     ] = msgspec.field(default_factory=lambda: ["T"])
@@ -110,7 +116,7 @@ class SymbolicRequest(msgspec.Struct, kw_only=True):
     ] = None
     format: Annotated[
         str,
-        msgspec.Meta(description="How expressions are written: text, latex, python or c."),
+        msgspec.Meta(description="How expressions are written: text, latex, python, c or matlab."),
         msgspec.Meta(extra_json_schema=one_of(Notation)),
     ] = "text"
     time_budget_ms: Annotated[
@@ -169,6 +175,36 @@ class InverseForm(TypedDict):
     columns: list[str]
 
 
+class ModelLine(TypedDict):
+    """A line of a derivation: a ``remark``, an ``equation`` that is used, or a ``formula``."""
+
+    kind: Literal["remark", "equation", "formula"]
+    text: str
+
+
+class ModelStep(TypedDict):
+    """A step of a derivation."""
+
+    title: str
+    lines: list[ModelLine]
+
+
+class InverseModel(TypedDict):
+    """An inverse model in steps.
+
+    ``kind``, ``description`` and ``postures`` are those of ``ik/solutions``; ``target`` names the
+    elements of the 4x4 target. A formula ``e1 = 1`` stands for both signs; ``q`` is found last.
+    """
+
+    kind: str
+    description: str
+    target: list[list[str]]
+    steps: list[ModelStep]
+    q: dict[str, str]
+    postures: list[list[str]]
+    most_solutions: int
+
+
 class SymbolicAnswer(TypedDict):
     """Expressions as texts. ``simplified`` says of which quantities they are in their last form.
 
@@ -197,6 +233,7 @@ class SymbolicAnswer(TypedDict):
     jacobian: NotRequired[JacobianForms | None]
     det_jacobian: NotRequired[DeterminantForm | None]
     inverse_jacobian: NotRequired[InverseForm | None]
+    inverse: NotRequired[InverseModel | None]
     code: NotRequired[str | None]
     warnings: list[str]
 
@@ -209,6 +246,7 @@ def _run(robot: Robot, request: SymbolicRequest, context: Context) -> Answer:
     _refuse_fractions(table)
     with _in_milliseconds(request):
         answer = context.symbolic_workers().run(table, _read(request, context))
+    _refuse_without_closed_form(request, answer)
     listing = answer.pop("listing", None)
     payload: dict[str, Any] = {
         "units": {"angle": "rad", "length": "m"},
@@ -267,6 +305,23 @@ def _refuse_fractions(table: DHTable) -> None:
         )
 
 
+def _refuse_without_closed_form(request: SymbolicRequest, answer: dict[str, Any]) -> None:
+    """Refuse an inverse model that was asked for by name where there is none.
+
+    Raises:
+        RequestProblem: With the reason.
+    """
+    reason = answer.pop("no_inverse", None)
+    if reason is None or request.quantities == "all":
+        return
+    named = [request.quantities] if isinstance(request.quantities, str) else request.quantities
+    raise RequestProblem(
+        INVALID_REQUEST,
+        say("this robot has no inverse model in closed form: {reason}", reason=reason),
+        f"/quantities/{named.index(Quantity.INVERSE)}" if len(named) > 1 else "/quantities",
+    )
+
+
 def _read(request: SymbolicRequest, context: Context) -> symbolic.SymbolicRequest:
     named = [request.quantities] if isinstance(request.quantities, str) else request.quantities
     everything = request.quantities == "all"
@@ -290,14 +345,15 @@ SYMBOLIC = Operation(
     name="symbolic",
     summary="Closed forms",
     description="Link matrices, pose, Jacobian, its determinant and its inverse in the short names"
-    " of lectures (C23 = cos(q2 + q3)), as text, LaTeX, or a function of Python or C. Worked out in"
-    " a process of its own; what is not simplified in time is given as it is.",
+    " of lectures (C23 = cos(q2 + q3)), and the inverse model of arms with a closed form in steps;"
+    " as text, LaTeX, or a function of Python, C or MATLAB. Worked out in a process of its own;"
+    " what is not simplified in time is given as it is.",
     request=SymbolicRequest,
     answer=SymbolicAnswer,
     memory=_memory,
     run=_run,
     example={"quantities": ["position", "det_jacobian"], "parameters": "symbolic"},
     example_robot="puma560",
-    forms=(JSON, TEXT, LATEX, PYTHON_SOURCE, C_SOURCE),
+    forms=(JSON, TEXT, LATEX, PYTHON_SOURCE, C_SOURCE, MATLAB_SOURCE),
     runs=Runs.PROCESS,
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import msgspec
@@ -45,15 +46,19 @@ from app.settings import Settings
 from app.sheets.latex import tabular
 from kinematics.errors import OutOfTime
 from robots.robot import Robot
+from robots.stored_robot import StoredRobot
 
 PLAIN = Units()
+EMPTY: Mapping[str, str] = MappingProxyType({})
 INLINE_BYTES = 4_000
 """Bodies above this are read in a thread, so that they do not delay other requests."""
 TARGET_BYTES = 1_000
 """Room for one of many targets."""
 
 
-def add_routes(app: FastAPI, operations: Iterable[Operation], max_body: int) -> None:
+def add_routes(
+    app: FastAPI, operations: Iterable[Operation], max_body: int
+) -> dict[str, Computation]:
     """Add the routes of computations.
 
     They are plain Starlette routes, first in the list: a solve takes 20 µs, which would be lost
@@ -63,15 +68,20 @@ def add_routes(app: FastAPI, operations: Iterable[Operation], max_body: int) -> 
         app: The application.
         operations: The computations.
         max_body: Largest body in bytes.
+
+    Returns:
+        What answers each computation, by its name.
     """
+    found = {operation.name: Computation(operation, max_body) for operation in operations}
     for operation in operations:
-        handlers = _Handlers(operation, max_body)
+        handlers = found[operation.name]
         path = f"/v1/robots/{{robot_id}}/{operation.name}"
         app.router.routes += [
             ByEnding(path, handlers.post, methods=["POST"]),
             ByEnding(path, handlers.get, methods=["GET"]),
             ByEnding(f"/v1/{operation.name}", handlers.inline, methods=["POST"]),
         ]
+    return found
 
 
 class ByEnding(Route):
@@ -92,8 +102,13 @@ class ByEnding(Route):
         return super().matches(scope)
 
 
-class _Handlers:
-    """The three forms of one computation."""
+class Computation:
+    """The three forms of one computation.
+
+    Args:
+        operation: What it is.
+        max_body: Largest body in bytes.
+    """
 
     def __init__(self, operation: Operation, max_body: int) -> None:
         self.operation = operation
@@ -107,33 +122,70 @@ class _Handlers:
         services = await services_of(request)
         stored = await services.robot(request.path_params["robot_id"], request)
         kind = require_type(request, *self.bodies)
-        units, query = PLAIN, None
-        if request.scope["query_string"]:
-            more = self.form.parameters if kind == NPY else ()
-            check_query(request, *more, common=self.operation.parameters)
-            units, query = units_of(request), request.query_params
-        wanted = wanted_type(request, *self.operation.forms)
+        asking = self._asking(request, stored, services.settings, kind == NPY)
         body = await read_body(request, self.max_body)
-        reading = _reading(stored.robot, units, services.settings, stored.robot.doubts)
         if kind == NPY:
-            parameters: Mapping[str, str] = {} if query is None else query
             return await self._answer(
-                request, reading, wanted, len(body), lambda: self._npy(body, parameters, reading)
+                request, asking, len(body), lambda: self._npy(body, asking.query, asking.reading)
             )
         return await self._answer(
-            request, reading, wanted, len(body), lambda: self._json(body, services.settings)
+            request, asking, len(body), lambda: self._json(body, services.settings)
         )
 
     async def get(self, request: Request) -> Response:
         """Compute on a stored robot, from a query."""
         services = await services_of(request)
         stored = await services.robot(request.path_params["robot_id"], request)
-        check_query(request, *self.form.parameters, common=self.operation.parameters)
-        units, wanted = units_of(request), wanted_type(request, *self.operation.forms)
-        reading = _reading(stored.robot, units, services.settings, stored.robot.doubts)
-        decoded = self.form.from_query(request.query_params, reading)
+        asking = self._asking(request, stored, services.settings, True)
+        decoded = self.form.from_query(asking.query, asking.reading)
         size = len(request.scope["query_string"])
-        return await self._answer(request, reading, wanted, size, lambda: decoded)
+        return await self._answer(request, asking, size, lambda: decoded)
+
+    def at_once(
+        self, request: Request, stored: StoredRobot, services: Services, body: bytes | None
+    ) -> Response | None:
+        """Return the answer of :meth:`post` or :meth:`get` if it takes microseconds, else None.
+
+        Args:
+            request: The request, of which only the head is read.
+            stored: The robot.
+            services: Those of the application.
+            body: A JSON body; None: a query.
+
+        Raises:
+            RequestProblem: What is asked cannot be read.
+            KinematicsError: It does not fit.
+        """
+        asking = self._asking(request, stored, services.settings, body is None)
+        if asking.wanted == NDJSON:
+            return None
+        decoded = (
+            self.form.from_query(asking.query, asking.reading)
+            if body is None
+            else self._json(body, services.settings)
+        )
+        form = _form_of(request, asking.wanted)
+        asked = self.form.resolved(decoded, asking.reading)
+        return self._short(asked, form, _context(request, asking, services))
+
+    def _asking(
+        self, request: Request, stored: StoredRobot, settings: Settings, by_query: bool
+    ) -> _Asking:
+        """Return what the head says; ``by_query``: fields of the request are in the query."""
+        units, query = PLAIN, EMPTY
+        if by_query or request.scope["query_string"]:
+            more = self.form.parameters if by_query else ()
+            check_query(request, *more, common=self.operation.parameters)
+            units, query = units_of(request), request.query_params
+        wanted = wanted_type(request, *self.operation.forms)
+        reading = _reading(stored.robot, units, settings, stored.robot.doubts)
+        return _Asking(reading, wanted, query)
+
+    def _short(self, asked: msgspec.Struct, form: _Form, context: Context) -> Response | None:
+        """Return the answer of a request if it takes microseconds, else None."""
+        robot = context.doubts.robot
+        answer = self.operation.run_at_once(robot, asked, context)
+        return None if answer is None else _written(answer, form, context, short=True)
 
     async def inline(self, request: Request) -> Response:
         """Compute on a robot in the body."""
@@ -155,7 +207,8 @@ class _Handlers:
             decoded = self._with_robot(body, services.settings)
         robot, told = await services.inline_robot(decoded.robot, request)
         reading = _reading(robot, units, services.settings, told)
-        return await self._answer(request, reading, wanted, len(body), lambda: decoded)
+        asking = _Asking(reading, wanted, request.query_params)
+        return await self._answer(request, asking, len(body), lambda: decoded)
 
     def _json(self, body: bytes, settings: Settings) -> msgspec.Struct:
         if len(body) > MAX_FIELD:
@@ -186,42 +239,45 @@ class _Handlers:
     async def _answer(
         self,
         request: Request,
-        reading: Reading,
-        wanted: str,
+        asking: _Asking,
         size: int,
         decode: Callable[[], msgspec.Struct],
     ) -> Response:
         """Run the computation where it belongs, and write its answer."""
-        services, operation, robot = await services_of(request), self.operation, reading.robot
-        form = _form_of(request, wanted)
-        context = Context(
-            reading.units,
-            reading.settings,
-            reading.doubts,
-            wanted,
-            services.symbolic,
-            services.programs,
-            language_of(request),
-        )
+        services = await services_of(request)
+        form, context = _form_of(request, asking.wanted), _context(request, asking, services)
 
         def read() -> msgspec.Struct:
-            asked: msgspec.Struct = self.form.resolved(decode(), reading)
+            asked: msgspec.Struct = self.form.resolved(decode(), asking.reading)
             return asked
 
-        work = _Work(request, services, operation, robot, context, form)
+        work = _Work(request, services, self.operation, asking.reading.robot, context, form)
         if size > INLINE_BYTES:
             return await work.answered(read, size)
         asked = read()
-        if wanted != NDJSON:
-            answer = operation.run_at_once(robot, asked, context)
-            if answer is not None:
-                return _written(answer, form, context, short=True)
+        if asking.wanted != NDJSON:
+            response = self._short(asked, form, context)
+            if response is not None:
+                return response
         return await work.answered(lambda: asked, 0)
 
 
 def _reading(robot: Robot, units: Units, settings: Settings, told: tuple[str, ...]) -> Reading:
     """Return what a request is read with; ``told`` is what its answer says of the robot."""
     return Reading(robot, units, settings, RequestDoubts(robot, units, told), {})
+
+
+def _context(request: Request, asking: _Asking, services: Services) -> Context:
+    reading = asking.reading
+    return Context(
+        reading.units,
+        reading.settings,
+        reading.doubts,
+        asking.wanted,
+        services.symbolic,
+        services.programs,
+        language_of(request),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,6 +295,21 @@ class _Form:
     digits: int | None = None
     table: CsvForm | None = None
     statuses: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Asking:
+    """What the head of a request says.
+
+    Attributes:
+        reading: With what its fields are read.
+        wanted: Media type of the answer.
+        query: Its query, whose names have been checked.
+    """
+
+    reading: Reading
+    wanted: str
+    query: Mapping[str, str]
 
 
 def _form_of(request: Request, wanted: str) -> _Form:

@@ -30,6 +30,8 @@ from uvicorn.protocols.http.httptools_impl import (
     RequestResponseCycle,
 )
 
+from app.serving.short_requests import ShortRequest, ShortRequests
+
 LOG = logging.getLogger("denavit")
 STATE = "connections"
 """Name of the guard in the lifespan state."""
@@ -91,10 +93,16 @@ class Phase(Enum):
 
 
 class ConnectionGuard:
-    """What the connections of one process share: their number, the clock, and the turnstile."""
+    """What the connections of one process share: their number, the clock, and the turnstile.
 
-    def __init__(self, limits: ConnectionLimits) -> None:
+    Args:
+        limits: What each may take.
+        short: Answers short computations without a task; None: all go to the application.
+    """
+
+    def __init__(self, limits: ConnectionLimits, short: ShortRequests | None = None) -> None:
         self.limits = limits
+        self.short = short
         self.most = limits.most
         self.open: dict[GuardedProtocol, None] = {}
         self._queue: deque[Callable[[], None]] = deque()
@@ -187,6 +195,7 @@ class GuardedProtocol(HttpToolsProtocol):
         self._refusal = (400, "malformed-request", UNREAD)
         self._head_end = b""
         self._running: RequestResponseCycle | None = None
+        self._held: tuple[RequestResponseCycle, ASGI3Application, ShortRequest] | None = None
         self._parting = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
@@ -273,6 +282,9 @@ class GuardedProtocol(HttpToolsProtocol):
             self._enter(Phase.IDLE if done else Phase.ANSWER, 0.0)
         self._raw = 0
         super().on_message_complete()
+        if self._held is not None and self._held[0] is self.cycle:
+            self._begin(*self._held)
+            self._held = None
 
     def on_response_complete(self) -> None:
         """The answer is written."""
@@ -403,11 +415,45 @@ class GuardedProtocol(HttpToolsProtocol):
             super()._start_asgi_task(cycle, app)
             return
 
+        short = self.guard.short
+        found = None if short is None else short.find(cycle.scope)
+        if found is not None and cycle.more_body:
+            self._held = cycle, app, found
+        else:
+            self._begin(cycle, app, found)
+
+    def _begin(
+        self, cycle: RequestResponseCycle, app: ASGI3Application, found: ShortRequest | None
+    ) -> None:
+        """Answer a request in its turn."""
+
         def start() -> None:
-            if not cycle.disconnected:
+            if not (cycle.disconnected or (found is not None and self._answered(cycle, found))):
                 super(GuardedProtocol, self)._start_asgi_task(cycle, app)
 
         self.guard.begin(start, self.loop)
+
+    def _answered(self, cycle: RequestResponseCycle, found: ShortRequest) -> bool:
+        """Answer a short request here, if it is one; return whether it was."""
+        short = self.guard.short
+        if short is None or self.flow.write_paused or self.transport.is_closing():
+            return False
+        answer = short.answer(found, bytes(cycle.body))
+        if answer is None:
+            return False
+        cycle.response_started = cycle.response_complete = True
+        head = [b"HTTP/1.1 200 OK\r\n"]
+        for name, value in cycle.default_headers:
+            head += (name, b": ", value, b"\r\n")
+        head.append(answer.head)
+        if not cycle.keep_alive:
+            head.append(b"connection: close\r\n")
+        self.transport.write(b"".join((*head, b"\r\n", answer.body)))
+        if not cycle.keep_alive:
+            self.transport.close()
+        self.on_response_complete()
+        short.keep(found, answer)
+        return True
 
     def _enter(self, phase: Phase, allowed: float) -> None:
         self.phase, self.since, self._allowed = phase, monotonic(), allowed

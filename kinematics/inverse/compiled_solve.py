@@ -8,38 +8,50 @@ import numpy as np
 
 from kinematics.compiled import inner, jit
 from kinematics.inverse.closed_form import Kind, parallel_axes, planar, spherical_wrist
-from kinematics.inverse.closed_form.candidates import WORK, Candidates, FormConstants, improve
-from kinematics.inverse.damped_least_squares import (
+from kinematics.inverse.closed_form.candidates import (
+    ENOUGH,
+    WORK,
+    Candidates,
+    FormConstants,
+    improve,
+)
+from kinematics.inverse.criteria import (
     CONVERGED,
     GIVEN_UP,
-    UNREACHABLE,
+    OUT_OF_STEPS,
     Criteria,
-    proceed,
+    criteria_from,
+    last_start,
     reached,
 )
+from kinematics.inverse.damped_least_squares import conclude, errors_at, near_seed, told
 from kinematics.inverse.damped_step import LOWER, TURN, UPPER
+from kinematics.inverse.lanes.descent import measure, put_target, room_at, rows_of_room
+from kinematics.inverse.lanes.problem import Problem, problem_of
+from kinematics.inverse.lanes.starts import first_start, later_starts
+from kinematics.inverse.lanes.targets import FOUND, PENDING
 from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, unpacked
-from kinematics.inverse.task_error import residual, workspace
+from kinematics.inverse.task_error import residual
 from kinematics.kernels import Array
+from kinematics.lanes.memory import lane_memory, past, pointer, store
+from kinematics.lanes.vector import LANES, eight_lanes
 
 SPHERICAL_WRIST, PARALLEL_AXES, PLANAR = 0, 1, 2
 KINDS: dict[Kind, int] = {
+    "three_joints": SPHERICAL_WRIST,
     "spherical_wrist": SPHERICAL_WRIST,
     "parallel_axes": PARALLEL_AXES,
     "planar_2r": PLANAR,
     "planar_3r": PLANAR,
+    "planar": PLANAR,
     "scara": PLANAR,
 }
 """Classes whose solutions are finitely many."""
 
-EXACT = 1e-9
-"""What a closed form promises, m and rad; a finer tolerance is the numeric solver's."""
 TOUCH = 1e-12
 """A limit exceeded by no more than this is rounding, rad or m."""
 MOST = 33
 """Rows for the candidates of any class."""
-DOUBTS = 20
-"""Starts of the numeric solver before a closed form without solution is taken at its word."""
 
 
 @inner
@@ -99,7 +111,12 @@ def _nearest(
 
 @inner
 def _closed(
-    constants: SolverConstants, criteria: Criteria, target: Array, seed: Array, answer: Array
+    constants: SolverConstants,
+    problem: Problem,
+    criteria: Criteria,
+    target: Array,
+    seed: Array,
+    answer: Array,
 ) -> bool:
     """Put the closed-form solution nearest to the seed, and its two errors, into the answer.
 
@@ -125,6 +142,12 @@ def _closed(
         index = _nearest(candidates, count, limits, chain.is_revolute, criteria, seed, answer)
         if index < 0:
             return False
+        # The answer has the candidate now, within the limits; most are as exact as they can be.
+        position, rotation = errors_at(problem, pointer(target), pointer(answer))
+        exact = math.sqrt(position) + math.sqrt(rotation) <= ENOUGH
+        if exact and reached(criteria, position, rotation):
+            answer[K], answer[K + 1] = math.sqrt(position), math.sqrt(rotation)
+            return True
         candidate = candidates.q[index]
         if improve(chain, target, candidate, errors[index], work):
             position, rotation = errors[index, 0] ** 2, errors[index, 1] ** 2
@@ -141,80 +164,118 @@ def _closed(
         errors[index, 0] = np.inf
 
 
-@inner
-def _solve(
-    constants: SolverConstants,
-    criteria: Criteria,
-    target: Array,
-    seed: Array,
-    first: int,
-    budget: int,
-    answer: Array,
-    W: Array,
-) -> tuple[int, int, int]:
-    """Solve one target as :func:`solve_one` does, in a workspace."""
-    proven = False
-    if constants.kind != NUMERIC and criteria.steps > 0.0:
-        if first == 0 and _closed(constants, criteria, target, seed, answer):
-            return 0, 0, CONVERGED
-        # Finding nothing means that there is nothing, where the tolerance is that of the form.
-        proven = criteria.position >= EXACT * EXACT and criteria.rotation >= EXACT * EXACT
-    if proven:
-        criteria = Criteria(
-            criteria.position, criteria.rotation, criteria.steps, min(criteria.restarts, DOUBTS)
-        )
-    steps, start, code = proceed(
-        constants, criteria, target.reshape(16), seed, first, budget, answer, W
-    )
-    if proven and code == GIVEN_UP:
-        code = UNREACHABLE
-    return steps, start, code
-
-
-@inner
-def _criteria(values: Array) -> Criteria:
-    """Return the criteria of :attr:`kinematics.inverse.result.IKOptions.criteria`."""
-    return Criteria(values[0], values[1], values[2], int(values[3]))
-
-
 @jit
 def solve_one(
     P: Array, target: Array, seed: Array, first: int, budget: int, criteria: Array, answer: Array
-) -> tuple[int, int, int]:
-    """Solve one target, or go on with it; see :func:`~.damped_least_squares.proceed`.
+) -> tuple[int, int, int, float, float]:
+    """Solve one target, or go on with it: starts first …, until the budget of steps is spent.
+
+    The closed form is asked first, then the numeric solver: its start 0 is the seed, start s the
+    s-th point of the sequence.
 
     Args:
         P: Constants of the chain; see :func:`~.solver_constants.packed`.
         target: Pose of the frame in base axes, shape (4, 4).
         seed: In the chain's order, within the limits, rad and m; shape (K,).
-        first: The start to begin with.
+        first: The start to begin with; above 0, the answer must be as the last call left it.
         budget: Steps after which no new start is begun.
         criteria: Squared tolerances, most steps of a start, most restarts; shape (4,).
-        answer: Filled: q, its two errors, what the next call needs; shape (2 K + 5,).
+        answer: Filled: q, its position and rotation error, then the best q of all starts, its
+            energy and squared errors; shape (2 K + 5,).
 
     Returns:
-        Steps, the start that came last, and a code of :mod:`~.damped_least_squares`.
+        Steps, the start that came last, a code of :mod:`~.criteria`, and both errors, m and rad.
+        After OUT_OF_STEPS the next start may follow.
     """
-    W = workspace(int(P[0]))
-    return _solve(unpacked(P), _criteria(criteria), target, seed, first, budget, answer, W)
+    ending, problem = criteria_from(criteria), problem_of(P)
+    asked = int(P[2]) != NUMERIC and ending.steps > 0.0 and first == 0
+    if asked and _closed(unpacked(P), problem, ending, target, seed, answer):
+        return 0, 0, CONVERGED, answer[problem.n], answer[problem.n + 1]
+    G, origin = pointer(target), pointer(seed)
+    best = past(pointer(answer), problem.n + 2)
+    last, steps, s, converged = last_start(P, ending, G), 0, first, False
+    if first == 0:
+        steps, converged = first_start(problem, ending, G, origin, best)
+    after = max(first, 1)
+    if not converged and after <= last and steps < budget:
+        more, s, converged = later_starts(
+            problem, ending, G, origin, after, last, budget - steps, best
+        )
+        steps += more
+    code = CONVERGED if converged else GIVEN_UP if s >= last else OUT_OF_STEPS
+    more, code = conclude(P, problem, ending, G, origin, code, pointer(answer))
+    return steps + more, s, code, answer[problem.n], answer[problem.n + 1]
 
 
 @jit
-def solve_many(
-    P: Array, targets: Array, seed: Array, budget: int, criteria: Array, answers: Array, ends: Array
+def solve_closed(
+    P: Array, targets: Array, seed: Array, criteria: Array, answers: Array, ends: Array
 ) -> None:
-    """Solve many targets, one after the other.
+    """Solve those of many targets that have a solution in closed form; mark the others.
 
     Args:
         P: Constants of the chain; see :func:`~.solver_constants.packed`.
         targets: Poses of the frame in base axes, shape (n, 4, 4).
         seed: Of all, shape (K,).
-        budget: Steps of each target.
         criteria: Squared tolerances, most steps of a start, most restarts; shape (4,).
         answers: Filled as ``answer`` of :func:`solve_one`; shape (n, 2 K + 5).
-        ends: Filled: steps, last start, code; shape (n, 3).
+        ends: Filled: steps, last start, code, which is ``PENDING`` of the others; shape (n, 3).
     """
-    constants, ending, W = unpacked(P), _criteria(criteria), workspace(int(P[0]))
+    constants, problem, ending = unpacked(P), problem_of(P), criteria_from(criteria)
+    asked = constants.kind != NUMERIC and ending.steps > 0.0
     for i in range(len(targets)):
-        steps, start, code = _solve(constants, ending, targets[i], seed, 0, budget, answers[i], W)
-        ends[i, 0], ends[i, 1], ends[i, 2] = steps, start, code
+        ends[i, 0] = ends[i, 1] = 0
+        found = asked and _closed(constants, problem, ending, targets[i], seed, answers[i])
+        ends[i, 2] = CONVERGED if found else PENDING
+
+
+@jit
+def conclude_many(
+    P: Array, targets: Array, seed: Array, criteria: Array, answers: Array, ends: Array
+) -> None:
+    """Make answers of what the starts of many targets have found.
+
+    Args:
+        P: Constants of the chain; see :func:`~.solver_constants.packed`.
+        targets: Poses of the frame in base axes, shape (n, 16).
+        seed: Of all, shape (K,).
+        criteria: Squared tolerances, most steps of a start, most restarts; shape (4,).
+        answers: The best q of each; filled as ``answer`` of :func:`solve_one`; shape (n, 2 K + 5).
+        ends: Codes from ``FOUND`` on become codes of answers; shape (n, 3).
+    """
+    ending, problem, like = criteria_from(criteria), problem_of(P), eight_lanes()
+    n, origin, first = problem.n, pointer(seed), pointer(answers)
+    memory = lane_memory(rows_of_room(n, problem.K), LANES)
+    memory[:] = 0.0
+    room = room_at(pointer(memory), n, problem.K, LANES)
+    waiting, count = np.zeros(LANES, np.int64), 0
+    for i in range(len(targets)):
+        if ends[i, 2] >= FOUND:
+            code, ends[i, 2] = ends[i, 2] - FOUND, CONVERGED
+            G, answer = past(pointer(targets), 16 * i), past(first, i * (2 * n + 5))
+            if code != CONVERGED:
+                more, code = conclude(P, problem, ending, G, origin, code, answer)
+                ends[i, 0] += more
+                ends[i, 2] = code
+            elif near_seed(problem, origin, answer):
+                put_target(room, count, LANES, G, answer, n)
+                for k in range(n):
+                    room.q[k * LANES + count] = answer[k]
+                waiting[count] = i
+                count += 1
+            else:
+                answer[n], answer[n + 1] = (
+                    math.sqrt(answer[2 * n + 3]),
+                    math.sqrt(answer[2 * n + 4]),
+                )
+        if count == LANES or (count > 0 and i + 1 == len(targets)):
+            _, _, positions, rotations = measure(problem, room, like)
+            store(room.progress, 0, positions)
+            store(room.progress, 1, rotations)
+            for lane in range(count):
+                position, rotation = room.progress[lane], room.progress[LANES + lane]
+                G = past(pointer(targets), 16 * waiting[lane])
+                errors = past(first, waiting[lane] * (2 * n + 5) + n)
+                ends[waiting[lane], 2] = told(P, ending, G, CONVERGED, position, rotation, errors)
+            count = 0
+    memory[0, 0] = 0.0  # the memory is in use until here

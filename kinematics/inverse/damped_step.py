@@ -1,11 +1,10 @@
-"""Compiled: a damped least-squares step within joint limits."""
+"""Compiled: the linear equations of a damped step, and joint values within limits."""
 
 from __future__ import annotations
 
 import math
 
 from kinematics.compiled import inner, jit
-from kinematics.inverse.task_error import TaskChain, columns
 from kinematics.kernels import Array
 
 TURN = 2.0 * math.pi
@@ -13,44 +12,6 @@ LOWER, UPPER, WRAPS = 0, 1, 2
 """Rows of the limits of n unknowns, shape (3, n): lower (-inf: none) and upper (inf: none),
 rad and m, and nonzero where an angle's range spans a turn, so that a step beyond one limit
 re-enters at the other."""
-
-
-@inner
-def step(
-    chain: TaskChain, limits: Array, q: Array, damping: float, W: Array, result: Array
-) -> None:
-    """Take a damped step from the q of the last residual, within the limits.
-
-    A joint at a limit that the step would push through it is held, and the others do without it.
-
-    Args:
-        chain: The chain and the task.
-        limits: Limits of its unknowns, shape (3, n).
-        q: Unknowns of the last residual, shape (n,).
-        damping: λ, above 0.
-        W: Workspace, after ``residual`` at q; the axes in it are overwritten.
-        result: Filled with the new unknowns, shape (n,); may be q itself.
-    """
-    n, K = len(q), len(chain.is_revolute)
-    columns(chain, W)
-    for _ in range(n):
-        damped(W, n, K, damping)
-        again = False
-        for k in range(n):
-            d = 0.0
-            for i in range(6, 12):
-                d += W[k, i] * W[K + 1, i]
-            W[k, 0] = d
-            if limits[WRAPS, k] == 0.0 and (
-                (d < 0.0 and q[k] <= limits[LOWER, k]) or (d > 0.0 and q[k] >= limits[UPPER, k])
-            ):
-                for i in range(6, 12):
-                    W[k, i] = 0.0
-                again = True
-        if not again:
-            break
-    for k in range(n):
-        result[k] = inside(q[k] + W[k, 0], limits[LOWER, k], limits[UPPER, k], limits[WRAPS, k])
 
 
 @inner

@@ -36,7 +36,7 @@ def orientation_gap(
         if not groups or np.linalg.norm(np.cross(groups[-1], axis)) > ANGLE:
             groups.append(axis)
     if not groups:
-        return (_turn(wanted) if vector is None else _between(vector, wanted)), 0
+        return (turn_of(wanted) if vector is None else _between(vector, wanted)), 0
     if vector is None:
         vector, image = groups[-1], wanted @ groups[-1]
         turned = groups[:-1] or groups
@@ -65,6 +65,7 @@ def _between(a: FloatArray, b: FloatArray) -> float:
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
 
 
-def _turn(R: FloatArray) -> float:
+def turn_of(R: FloatArray) -> float:
+    """Return the angle of a rotation, rad, in [0, pi]."""
     twist = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
     return float(np.arctan2(np.linalg.norm(twist), np.trace(R) - 1.0))

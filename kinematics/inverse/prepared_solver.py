@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from time import perf_counter
@@ -13,10 +12,11 @@ import numpy as np
 from kinematics.chain import Chain, chain_of
 from kinematics.compiled import writable
 from kinematics.deadline import current
-from kinematics.inverse import damped_least_squares as kernel
+from kinematics.inverse import criteria as kernel
 from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.closed_form import closed_form_of
-from kinematics.inverse.compiled_solve import KINDS, solve_many, solve_one
+from kinematics.inverse.compiled_solve import KINDS, solve_one
+from kinematics.inverse.many_targets import Targets
 from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus
 from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, packed
 from kinematics.inverse.starts import starts
@@ -25,14 +25,11 @@ from kinematics.kernels import Array
 from kinematics.task import Task
 from robots.robot import FloatArray, Robot
 
-SLICE = 256
+SLICE = 1024
 """Steps between two looks at the clock: a quarter of a millisecond."""
 STEP_SECONDS = 0.5e-6
 """Less than a step takes; turns the time budget of a batch's target into steps."""
-PART = 128
-"""Most targets that one thread works on between two looks at the clock."""
-PART_STEPS = 400_000
-"""Most steps, times joints, between two looks at the clock: some tenths of a second."""
+_FLOATS = np.dtype(np.float64)
 
 KEPT = 512
 """Solvers that are kept."""
@@ -103,6 +100,7 @@ class Solver:
                 np.array([chain.lower, chain.upper, self.bounds.wraps[columns]]),
                 starts(random_seed, low[columns], high[columns]),
                 chain.reach if chain.length else np.inf,
+                chain.links,
                 NUMERIC if form is None else KINDS[form.kind],
                 np.empty(0) if form is None else form.constants,
             )
@@ -114,24 +112,23 @@ class Solver:
     def solve(self, target: FloatArray, seed: FloatArray | None, options: IKOptions) -> IKResult:
         """Solve one target, shape (4, 4); see :func:`kinematics.inverse.solve_ik`."""
         started = perf_counter()
-        target = np.ascontiguousarray(target, np.float64)
-        if not target.flags.writeable:
-            target = target.copy()
+        if target.dtype is not _FLOATS or not target.flags.carray:
+            target = writable(target)
         if seed is None:
             start, origin = self.middle, self._middle_of_chain
         else:
             start = self.bounds.inside(seed)
             origin = start if self._whole else start[self.chain.columns]
-        K = len(origin)
-        P, criteria, answer = (
-            self.constants(options.random_seed),
-            options.criteria,
-            np.empty(2 * K + 5),
+        K, P, criteria = len(origin), self.constants(options.random_seed), options.criteria
+        answer = np.empty(2 * K + 5)
+        steps, last, code, position, rotation = solve_one(
+            P, target, origin, 0, SLICE, criteria, answer
         )
-        steps, last, code = solve_one(P, target, origin, 0, SLICE, criteria, answer)
         while code == kernel.OUT_OF_STEPS and perf_counter() - started < options.time_budget:
             current().check_wanted()
-            more, last, code = solve_one(P, target, origin, last + 1, SLICE, criteria, answer)
+            more, last, code, position, rotation = solve_one(
+                P, target, origin, last + 1, SLICE, criteria, answer
+            )
             steps += more
         status = _OF_CODE[code]
         if status is IKStatus.NOT_CONVERGED and options.time_budget <= 0:
@@ -141,9 +138,9 @@ class Solver:
         else:
             q = start.copy()
             q[self.chain.columns] = answer[:K]
-        position, rotation = answer.item(K), answer.item(K + 1)
         elapsed = perf_counter() - started
-        return IKResult(status, q, start, position, rotation, steps, last, elapsed)
+        # Not by its constructor, which takes as long as a step.
+        return tuple.__new__(IKResult, (status, q, start, position, rotation, steps, last, elapsed))
 
     def solve_batch(
         self,
@@ -167,53 +164,26 @@ class Solver:
         K = len(columns)
         start = self.middle if seed is None else self.bounds.inside(seed)
         answers, ends = np.empty((n, 2 * K + 5)), np.empty((n, 3), np.int64)
-        elapsed, origin = np.zeros(n), start[columns]
-        P = self.constants(options.random_seed)
-        budget = int(min(max(options.time_budget / STEP_SECONDS, 1), 2**40))
-        at_once = int(min(budget, max(1, PART_STEPS // max(1, K))))
-        none_left, wanted = options.within(0.0).criteria, current()
-
-        def work(first: int) -> None:
-            wanted.check_wanted()
-            part = slice(first, first + size)
-            began = perf_counter()
-            criteria = options.criteria if began < deadline else none_left
-            quick = min(budget, SLICE)
-            solve_many(P, targets[part], origin, quick, criteria, answers[part], ends[part])
-            if criteria is none_left:
-                ends[part, 2][ends[part, 2] == kernel.GIVEN_UP] = kernel.OUT_OF_STEPS
-            else:
-                for i in np.flatnonzero(ends[part, 2] == kernel.OUT_OF_STEPS) + first:
-                    go_on(int(i))
-            elapsed[part] = (perf_counter() - began) / len(targets[part])
-
-        def go_on(i: int) -> None:
-            steps, last, code = (int(x) for x in ends[i])
-            while code == kernel.OUT_OF_STEPS and steps < budget and perf_counter() < deadline:
-                wanted.check_wanted()
-                most = min(budget - steps, at_once)
-                more, last, code = solve_one(
-                    P, targets[i], origin, last + 1, most, options.criteria, answers[i]
-                )
-                # A start that gave up at once counts too, so that this comes to an end.
-                steps += max(1, more)
-            ends[i] = steps, last, code
-
-        # The first slice of every target, at most: one start, and what it takes to settle.
-        most_steps = SLICE + 2 * int(options.criteria[2])
-        size = int(min(PART, max(1, PART_STEPS // (most_steps * max(1, K)))))
-        parts = range(0, n, size)
-        if threads > 1 and len(parts) > 1:
-            with ThreadPoolExecutor(threads) as pool:
-                list(pool.map(work, parts))
+        asked = Targets(
+            self.constants(options.random_seed),
+            targets,
+            start[columns],
+            options.criteria,
+            options.within(0.0).criteria,
+            int(min(max(options.time_budget / STEP_SECONDS, 1), 2**40)),
+            answers,
+            ends,
+            np.zeros(n),
+        )
+        asked.solve(threads, deadline)
+        if self._whole:
+            q = np.ascontiguousarray(answers[:, :K])
         else:
-            for first in parts:
-                work(first)
-        q = np.repeat(start[None], n, axis=0)
-        q[:, columns] = answers[:, :K]
+            q = np.repeat(start[None], n, axis=0)
+            q[:, columns] = answers[:, :K]
         codes = _STATUS_OF_CODE[ends[:, 2]]
         position, rotation = answers[:, K], answers[:, K + 1]
-        return IKBatch(codes, q, start, position, rotation, ends[:, 0], ends[:, 1], elapsed)
+        return IKBatch(codes, q, start, position, rotation, ends[:, 0], ends[:, 1], asked.elapsed)
 
 
 def solver_of(robot: Robot, frame: str, task: Task) -> Solver:

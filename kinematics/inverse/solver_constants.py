@@ -13,6 +13,7 @@ import numpy as np
 from kinematics.compiled import inner
 from kinematics.inverse.task_error import TaskChain
 from kinematics.kernels import Array
+from kinematics.lanes.links import WIDTH
 
 NUMERIC = -1
 """Kind of a chain without closed form."""
@@ -29,6 +30,7 @@ class SolverConstants(NamedTuple):
         starts: Where starts are taken from, see :func:`kinematics.inverse.starts.starts`;
             shape (4, K).
         reach: See :attr:`kinematics.chain.Chain.reach`; m.
+        links: Constants of the chain for lanes, see :func:`kinematics.lanes.links.links_of`.
         kind: Class of its closed form, or ``NUMERIC``.
         form: Constants of its closed form; empty without one.
     """
@@ -37,6 +39,7 @@ class SolverConstants(NamedTuple):
     limits: Array
     starts: Array
     reach: float
+    links: Array
     kind: int
     form: Array
 
@@ -58,32 +61,72 @@ def packed(constants: SolverConstants) -> Array:
         chain.C,
         chain.coupling,
         chain.offset,
+        constants.links,
         constants.form,
     )
     return np.concatenate((head, *(array.reshape(-1) for array in arrays)))
 
 
+class Layout(NamedTuple):
+    """Where the parts of packed constants begin, for n unknowns and K joints."""
+
+    n: int
+    K: int
+    is_coupled: bool
+    mask: int
+    limits: int
+    starts: int
+    turns: int
+    placements: int
+    coupling: int
+    offset: int
+    links: int
+    form: int
+
+
 @inner
-def unpacked(P: Array) -> SolverConstants:
-    """Return the parts of what :func:`packed` made, as views."""
+def layout_of(P: Array) -> Layout:
+    """Return where the parts of what :func:`packed` made begin."""
     K, coupled = int(P[0]), int(P[3])
     n = coupled if coupled > 0 else K
     starts, turns = _LIMITS + 3 * n, _LIMITS + 7 * n
     placements, coupling = turns + K, turns + 13 * K + 12
     offset = coupling + K * coupled
-    form = offset + (K if coupled > 0 else 0)
-    C = P[placements:coupling].reshape((K + 1, 12))
+    links = offset + (K if coupled > 0 else 0)
+    form = links + (K + 2) * WIDTH
+    return Layout(
+        n,
+        K,
+        coupled > 0,
+        _MASK,
+        _LIMITS,
+        starts,
+        turns,
+        placements,
+        coupling,
+        offset,
+        links,
+        form,
+    )
+
+
+@inner
+def unpacked(P: Array) -> SolverConstants:
+    """Return the parts of what :func:`packed` made, as views."""
+    at = layout_of(P)
+    n, K = at.n, at.K
     return SolverConstants(
         TaskChain(
-            C,
-            P[turns:placements],
+            P[at.placements : at.coupling].reshape((K + 1, 12)),
+            P[at.turns : at.placements],
             P[_MASK:_LIMITS],
-            P[coupling:offset].reshape((K, coupled)),
-            P[offset:form],
+            P[at.coupling : at.offset].reshape((K, n if at.is_coupled else 0)),
+            P[at.offset : at.links],
         ),
-        P[_LIMITS:starts].reshape((3, n)),
-        P[starts:turns].reshape((4, n)),
+        P[_LIMITS : at.starts].reshape((3, n)),
+        P[at.starts : at.turns].reshape((4, n)),
         P[1],
+        P[at.links : at.form].reshape((K + 2, WIDTH)),
         int(P[2]),
-        P[form:],
+        P[at.form :],
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from kinematics.inverse.api import solve_ik
 from kinematics.inverse.closed_form.geometry import axis_lines
 from kinematics.inverse.forbidden import Forbidden, Forbids, branches_beyond, least_misses
 from kinematics.inverse.orientations import orientation_gap
+from kinematics.inverse.reachable import GivenUp, Reachable, reachable_parts
 from kinematics.inverse.result import IKOptions, IKStatus
 from kinematics.inverse.solutions import IKSolutions
 from kinematics.task import Task, task_from
@@ -20,6 +21,9 @@ from robots.robot import FloatArray, Robot
 
 POSITION_SECONDS = 0.05
 """Time for the search of the position alone."""
+PARTS_BUDGET = 0.5
+"""Time budget of a target, s, from which on it is looked for what of it is within reach: that takes
+some tenths of a second."""
 NAMED = 3
 """Joints beyond their limits that a sentence names."""
 
@@ -32,11 +36,13 @@ class Reasons:
         sentences: Each proved, or measured.
         proven: Whether they prove, whatever the limits, that no q comes within the tolerance.
         forbidden: What forbids the target; None where it is within reach.
+        reachable: What of it is within reach, the best first.
     """
 
     sentences: tuple[str, ...]
     proven: bool
     forbidden: Forbidden | None = None
+    reachable: tuple[Reachable, ...] = ()
 
 
 def why_unreached(
@@ -49,7 +55,7 @@ def why_unreached(
     options: IKOptions,
     found: IKSolutions | None = None,
 ) -> Reasons:
-    """Return what can be said about a target that was not reached.
+    """Return what can be said about a target that was not reached, and what of it is reached.
 
     Args:
         robot: The robot.
@@ -63,6 +69,45 @@ def why_unreached(
     Raises:
         UnknownFrame: The robot has no such frame.
     """
+    why = _reasons(robot, target, frame=frame, task=task, seed=seed, options=options, found=found)
+    if options.time_budget < PARTS_BUDGET:
+        return why
+    parts = reachable_parts(
+        robot, target, frame=frame, task=task, seed=seed, tolerance=options.tolerance
+    )
+    if not parts:
+        return why
+    best, forbidden = parts[0], why.forbidden
+    by_search = forbidden is not None and forbidden.position_miss is not None
+    if by_search and forbidden is not None and forbidden.orientation_miss is not None:
+        least = min(forbidden.orientation_miss, best.orientation_error)
+        forbidden = replace(forbidden, orientation_miss=least)
+    return Reasons((*why.sentences, *_least(best)), why.proven, forbidden, parts)
+
+
+def _least(best: Reachable) -> tuple[str, ...]:
+    """Say how near a search came to the orientation at the position."""
+    if GivenUp.POSITION in best.given_up or not best.given_up:
+        return ()
+    return (
+        say(
+            "within the limits, the least by which the orientation was found to be missed at the"
+            " position is {least:.6g}°",
+            least=np.rad2deg(best.orientation_error),
+        ),
+    )
+
+
+def _reasons(
+    robot: Robot,
+    target: FloatArray,
+    *,
+    frame: str | None,
+    task: Task,
+    seed: FloatArray | None,
+    options: IKOptions,
+    found: IKSolutions | None,
+) -> Reasons:
     name = robot.tip_frame if frame is None else frame
     chain = chain_of(robot, name)
     if chain.length == 0:

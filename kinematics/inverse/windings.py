@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from kinematics.chain import Chain
 from kinematics.inverse.damped_step import TURN
+from kinematics.inverse.elimination.finishing import turned_all
 from kinematics.inverse.result import Tolerance
 from kinematics.inverse.task_error import residual, task_chain, workspace
 from kinematics.task import Task
@@ -27,20 +28,15 @@ def turned(robot: Robot, q: FloatArray, reference: FloatArray, chain: Chain) -> 
 
     Args:
         robot: The robot.
-        q: Shape (dof,), rad and m.
+        q: Shape (..., dof), rad and m.
         reference: Shape (dof,), rad and m.
         chain: Whose joints are turned.
     """
-    q = q.copy()
-    for column in chain.columns[chain.is_periodic]:
-        nearest = q[column] + TURN * np.round((reference[column] - q[column]) / TURN)
-        # A limit met to rounding counts as met.
-        lower, upper = robot.lower[column] - 1e-12, robot.upper[column] + 1e-12
-        candidates = [nearest, nearest - TURN, nearest + TURN]
-        fitting = [value for value in candidates if lower <= value <= upper]
-        value = min(fitting or [nearest], key=lambda v: abs(v - reference[column]))
-        q[column] = min(max(value, robot.lower[column]), robot.upper[column]) if fitting else value
-    return q
+    rows = np.array(q, dtype=np.float64, ndmin=2)
+    turns = np.zeros(rows.shape[1])
+    turns[chain.columns[chain.is_periodic]] = 1.0
+    turned_all(rows, reference, np.stack((robot.lower, robot.upper)), turns)
+    return rows.reshape(q.shape)
 
 
 def on_limits(

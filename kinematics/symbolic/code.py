@@ -1,4 +1,4 @@
-"""Expressions as source of a function in Python or C, with common subexpressions (SymPy)."""
+"""Expressions as source of a function in Python, C or MATLAB, with common subexpressions."""
 
 from __future__ import annotations
 
@@ -38,6 +38,11 @@ class _Python(PythonCodePrinter):  # type: ignore[misc]
 class _C(C99CodePrinter):  # type: ignore[misc]
     def _print_Float(self, value: sympy.Float) -> str:  # noqa: N802
         return repr(float(value))
+
+
+class _Matlab(_Python):
+    def doprint(self, expression: sympy.Expr) -> str:
+        return str(super().doprint(expression)).replace("**", "^")
 
 
 @dataclass(frozen=True)
@@ -114,6 +119,51 @@ def c_code(functions: Sequence[Function], names: Names, dof: int, *, share: bool
     return "\n\n".join(parts) + "\n"
 
 
+def matlab_code(
+    functions: Sequence[Function], names: Names, dof: int, *, share: bool = True
+) -> str:
+    """Return MATLAB functions; lengths are set in them.
+
+    Args:
+        functions: What to write.
+        names: Symbols of the expressions.
+        dof: Length of q.
+        share: Whether to compute common subexpressions once.
+    """
+    parts = []
+    for function in functions:
+        body = _body(function, names, _Matlab({"fully_qualified_modules": False}), share)
+        lines = [
+            f"function out = {function.name}(q)",
+            f"% {function.says}; q: {dof} values, rad and m.",
+        ]
+        lines += [f"    {name} = {names.lengths[name]!r};" for name in body.lengths]
+        lines += [f"    {name} = q({names.variables[name]});" for name in body.variables]
+        lines += [f"    {name} = {_angle(name, names, '({})', first=1)};" for name in body.angles]
+        lines += [f"    {name} = {value};" for name, value in body.assignments]
+        lines += [*_matlab_result(body.results, function.shape), "end"]
+        parts.append("\n".join(lines))
+    return "\n\n".join(parts) + "\n"
+
+
+def _matlab_result(values: Sequence[str], shape: tuple[int, ...]) -> list[str]:
+    """Return lines that set the result; of several matrices the last index is their number."""
+    if len(shape) < 2:
+        column = "; ".join(values)
+        return [f"    out = [{column}];" if shape else f"    out = {column};"]
+    *outer, rows, columns = shape
+    size, lines = rows * columns, []
+    for k in range(outer[0] if outer else 1):
+        grid = [
+            ", ".join(values[k * size + i * columns : k * size + (i + 1) * columns])
+            for i in range(rows)
+        ]
+        lines.append(f"    out{f'(:, :, {k + 1})' if outer else ''} = [{grid[0]}")
+        lines += [f"        {row}" for row in grid[1:]]
+        lines[-1] += "];"
+    return lines
+
+
 def _body(function: Function, names: Names, printer: _Python | _C, share: bool) -> _Body:
     found = sorted(set().union(*map(symbols, function.expressions)), key=names.order)
     kinds = {kind: [name for name in found if names.kind(name) is kind] for kind in Kind}
@@ -150,12 +200,12 @@ def _number(digits: str) -> sympy.Expr:
     return sympy.Integer(digits) if digits.lstrip("-").isdigit() else sympy.Float(digits, 17)
 
 
-def _angle(name: str, names: Names) -> str:
+def _angle(name: str, names: Names, index: str = "[{}]", first: int = 0) -> str:
     angle = names.angles[name[1:]]
     parts = []
     for joint, n in angle.multiples:
         times = "" if abs(n) == 1 else f"{abs(n)}*"
-        parts.append(f"{'-' if n < 0 else '+'} {times}q[{joint - 1}]")
+        parts.append(f"{'-' if n < 0 else '+'} {times}q{index.format(joint - 1 + first)}")
     if angle.constant:
         parts.append(f"{'-' if angle.constant < 0 else '+'} {abs(angle.constant)!r}")
     inside = " ".join(parts).removeprefix("+ ")

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from dh_to_urdf.messages import chained, say
+from kinematics.symbolic.inverse_model.view import latex_lines, text_lines
 from kinematics.symbolic.latex import bracketed
 
 WIDTH = 100
@@ -20,6 +21,8 @@ def text_listing(answer: Mapping[str, Any]) -> str:
     lines += [f"{name} = {value}" for name, value in answer["definitions"].items()]
     for block in _blocks(answer):
         lines += ["", *block]
+    if answer.get("inverse"):
+        lines += ["", *text_lines(answer["inverse"], answer["frame"], answer["base"])]
     lines += [chained("", ("# ", note)) for note in answer["notes"]]
     return chained("\n", (*lines, ""))
 
@@ -38,6 +41,8 @@ def latex_listing(answer: Mapping[str, Any]) -> str:
     if aligned:
         joined = " \\\\\n".join(aligned)
         lines.append(f"\\[ \\begin{{aligned}}\n{joined}\n\\end{{aligned}} \\]")
+    if answer.get("inverse"):
+        lines += latex_lines(answer["inverse"], answer["frame"], answer["base"])
     lines += [chained("", ("% ", note)) for note in answer["notes"]]
     return chained("\n", (*lines, ""))
 

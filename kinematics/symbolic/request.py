@@ -25,7 +25,7 @@ class Quantity(StrEnum):
     frame in the base, with its ``position`` and the columns of its ``rotation``. ``jacobian``: the
     geometric Jacobian. ``det_jacobian``: its determinant in factors; for a redundant arm those of
     its square parts. ``inverse_jacobian``: where J is square and small, its inverse, as a matrix
-    and what it is divided by.
+    and what it is divided by. ``inverse``: the inverse model in steps, of arms with a closed form.
     """
 
     A = "A"
@@ -36,6 +36,7 @@ class Quantity(StrEnum):
     JACOBIAN = "jacobian"
     DET_JACOBIAN = "det_jacobian"
     INVERSE_JACOBIAN = "inverse_jacobian"
+    INVERSE = "inverse"
 
 
 class Notation(StrEnum):
@@ -45,9 +46,10 @@ class Notation(StrEnum):
     LATEX = "latex"
     PYTHON = "python"
     C = "c"
+    MATLAB = "matlab"
 
 
-CODE = (Notation.PYTHON, Notation.C)
+CODE = (Notation.PYTHON, Notation.C, Notation.MATLAB)
 PARAMETERS = ("numeric", "symbolic")
 DEFAULT_BUDGET = 10.0
 MAX_SYMBOLS = 256

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 from dh_to_urdf.table import DHTable
-from kinematics.symbolic.code import Function, c_code, python_code
+from kinematics.symbolic.code import Function, c_code, matlab_code, python_code
 from kinematics.symbolic.expressions import Product, Sum, latex, symbols, text
 from kinematics.symbolic.inverse import Inverse
 from kinematics.symbolic.names import Kind, Names
@@ -145,7 +145,7 @@ def source(
     *,
     share: bool,
 ) -> str:
-    """Return the quantities as functions of Python or C."""
+    """Return the quantities as functions of Python, C or MATLAB."""
     functions = []
     words = {
         "frame": request.frame,
@@ -169,7 +169,11 @@ def source(
         functions.append(_determinant_function(determinant))
     if inverse is not None and inverse.written:
         functions += _inverse_functions(inverse)
-    write = python_code if request.notation is Notation.PYTHON else c_code
+    write = {
+        Notation.PYTHON: python_code,
+        Notation.C: c_code,
+        Notation.MATLAB: matlab_code,
+    }[request.notation]
     return write(functions, names, table.dof, share=share)
 
 

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from dh_to_urdf.messages import as_data
+from dh_to_urdf.messages import Message, as_data
 
 if TYPE_CHECKING:
     from dh_to_urdf.table import DHTable
@@ -32,7 +32,12 @@ def prepare() -> Callable[[tuple[DHTable, SymbolicRequest]], Iterator[bytes]]:
 
 def _with_messages(answer: dict[str, Any]) -> dict[str, Any]:
     """Return an answer whose sentences keep what they are made of, through JSON."""
-    answer["notes"] = [as_data(note) for note in answer["notes"]]
-    if "listing" in answer:
-        answer["listing"] = as_data(answer["listing"])
-    return answer
+    return {name: _as_data(value) for name, value in answer.items()}
+
+
+def _as_data(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _as_data(inner) for name, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_as_data(inner) for inner in value]
+    return {"said": as_data(value)} if isinstance(value, Message) else value

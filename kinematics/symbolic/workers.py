@@ -75,10 +75,7 @@ class SymbolicWorkers:
             raise SymbolicUnavailable
         key = _key(table, request)
         line = self._known(key, request.time_budget) or self._made(table, request, key)
-        answer: dict[str, Any] = json.loads(line)
-        answer["notes"] = [from_data(note) for note in answer["notes"]]
-        if "listing" in answer:
-            answer["listing"] = from_data(answer["listing"])
+        answer: dict[str, Any] = _with_messages(json.loads(line))
         return answer
 
     def _made(self, table: DHTable, request: SymbolicRequest, key: bytes) -> str:
@@ -117,6 +114,17 @@ class SymbolicWorkers:
             size = sum(len(text) for text, _ in self._answers.values())
             while size > CACHE_CHARACTERS and len(self._answers) > 1:
                 size -= len(self._answers.popitem(last=False)[1][0])
+
+
+def _with_messages(value: Any) -> Any:
+    """Return an answer with its sentences as messages again."""
+    if isinstance(value, list):
+        return [_with_messages(inner) for inner in value]
+    if not isinstance(value, dict):
+        return value
+    if value.keys() == {"said"}:
+        return from_data(value["said"])
+    return {name: _with_messages(inner) for name, inner in value.items()}
 
 
 def _key(table: DHTable, request: SymbolicRequest) -> bytes:

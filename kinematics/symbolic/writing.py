@@ -6,10 +6,18 @@ import time
 from functools import partial
 from typing import Any
 
-from dh_to_urdf.messages import say
+from dh_to_urdf.messages import chained, say
 from dh_to_urdf.table import DHTable
 from kinematics.symbolic.check import Checker
 from kinematics.symbolic.inverse import Inverse, inverse_of, simplify_inverse
+from kinematics.symbolic.inverse_model import (
+    Derivation,
+    NoClosedForm,
+    derive,
+    evaluated,
+    model_source,
+    model_view,
+)
 from kinematics.symbolic.length_names import Length, written_name
 from kinematics.symbolic.listing import latex_listing, text_listing
 from kinematics.symbolic.parameters import lengths_of, nearly_right_angles
@@ -47,6 +55,8 @@ class Writing:
         self.entries: list[Entries] = []
         self.determinant: Determinant | None = None
         self.inverse: Inverse | None = None
+        self.model: Derivation | None = None
+        self.no_inverse: str | None = None
         self.left_out: dict[Quantity, str] = {}
         self.code: str | None = None
         self._shared = False
@@ -61,8 +71,13 @@ class Writing:
                     self.determinant = limited(left, self.work.determinant)
                 elif quantity is Quantity.INVERSE_JACOBIAN:
                     self.inverse = limited(left, self._plain_inverse)
+                elif quantity is Quantity.INVERSE:
+                    self.model = limited(left, self._derived)
                 else:
                     self.entries.append(limited(left, partial(self._plain, quantity)))
+            except NoClosedForm as reason:
+                self.no_inverse = str(reason)
+                self.left_out[quantity] = say("inverse is left out: {reason}", reason=reason)
             except Unfinished as reason:
                 self.left_out[quantity] = say(
                     "{quantity} is left out: {reason}", quantity=quantity, reason=reason
@@ -89,12 +104,15 @@ class Writing:
         """Return the answer so far, ready for JSON."""
         request, names = self.request, self.work.names
         used = used_symbols(self.entries, self.determinant, self.inverse)
+        definitions_of = set(used)
+        if self.model is not None:
+            used |= set(self.model.lengths)
         joints = [self.table.rows[k].name for k in self.table.free_rows]
         found: dict[str, Any] = {
             "convention": self.table.convention.value,
             "parameters": request.parameters,
             "values": {name: names.lengths[name] for name in self._in_order(used)},
-            "definitions": definitions(used, names),
+            "definitions": definitions(definitions_of, names),
             "columns": joints,
             "frame": request.frame,
             "base": request.base,
@@ -108,6 +126,10 @@ class Writing:
             found["notes"] += [note for note in self.determinant.notes() if note]
         if self.inverse is not None and self.inverse.note:
             found["notes"].append(self.inverse.note)
+        if self.model is not None:
+            found["notes"] += self.model.notes
+        if self.no_inverse is not None:
+            found["no_inverse"] = self.no_inverse
         if request.notation in CODE:
             found["code"] = self.code
         if request.listing:
@@ -125,6 +147,14 @@ class Writing:
         if inverse.written and not self.checker.inverts(inverse, self._axes):
             raise AssertionError("inverse_jacobian disagrees with the table")
         return inverse
+
+    def _derived(self) -> Derivation:
+        model = derive(self.table, self.request)
+        if not evaluated(model, self.table, self.checker.samples):
+            raise NoClosedForm(
+                say("its formulas lose too many digits with these numbers; ask ik/solutions")
+            )
+        return model
 
     @property
     def _axes(self) -> str:
@@ -171,7 +201,10 @@ class Writing:
             self._shared = share
 
     def _source(self, *, share: bool) -> str:
-        return source(
+        model = [] if self.model is None else [model_source(self.model, self.request.notation)]
+        if self.request.quantities == (Quantity.INVERSE,):
+            return chained("", model)
+        written = source(
             self.table,
             self.request,
             self.entries,
@@ -180,6 +213,7 @@ class Writing:
             self.work.names,
             share=share,
         )
+        return chained("\n\n", (written, *model))
 
     def _quantities(self, joints: list[str]) -> dict[str, Any]:
         if self.request.notation in CODE:
@@ -207,6 +241,9 @@ class Writing:
             found["det_jacobian"] = view_of
         if self.inverse is not None:
             found["inverse_jacobian"] = inverse_view(self.inverse, joints, write)
+        if self.model is not None:
+            latex = self.request.notation is Notation.LATEX
+            found["inverse"] = model_view(self.model, latex=latex)
         return found
 
     def _simplified(self) -> dict[str, bool]:
@@ -215,6 +252,8 @@ class Writing:
             found["det_jacobian"] = self.determinant.simplified
         if self.inverse is not None and self.inverse.written:
             found["inverse_jacobian"] = self.inverse.simplified
+        if self.model is not None:
+            found["inverse"] = True
         found |= {q.value: False for q in self.left_out}
         if self.request.notation in CODE:
             found["code"] = self._shared

@@ -7,12 +7,13 @@ import sys
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
-from kinematics import kernels
 from kinematics.forward import fk
 from kinematics.inverse import IKOptions, solve_ik, solve_ik_batch
 from kinematics.inverse import compiled_solve as routine
 from kinematics.inverse.all_solutions import all_solutions
+from kinematics.inverse.lanes import targets
 from kinematics.jacobian import jacobian
+from kinematics.lanes import batches
 from kinematics.named_singularities import factorization
 from kinematics.redundancy.arm import Arm
 from kinematics.redundancy.clearance.link_geometry import link_geometry, too_near
@@ -116,7 +117,7 @@ def test_no_robot_task_or_obstacle_is_a_new_type():
 
 def test_read_only_and_scattered_arrays_are_no_new_types():
     warm_up()
-    watched = (kernels.forward_many, kernels.jacobian_many, routine.solve_one, routine.solve_many)
+    watched = (batches.forward_many, batches.jacobian_many, routine.solve_one, targets.advance)
     before = [len(function.signatures) for function in watched]
     robot = shipped_robot("panda")
     q = np.full((4, robot.dof), 0.3)

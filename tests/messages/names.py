@@ -20,6 +20,7 @@ from dh_to_urdf.extraction.normals import Case
 from dh_to_urdf.languages import HEADING, WORD
 from dh_to_urdf.table import JointType
 from kinematics.inverse.forbidden import Forbids
+from kinematics.inverse.reachable import GivenUp
 from kinematics.inverse.result import IKStatus
 from kinematics.redundancy.judging.verdict import Reason
 from kinematics.redundancy.timing.result import RetimeStatus
@@ -43,8 +44,9 @@ CODES = {
     "type": tuple(JointType),
     "posture": (
         *("front", "back", "up", "down", "positive", "negative", "flip", "noflip", "left"),
-        *("right", "in", "out", "first", "second", "third", "fourth"),
+        *("right", "in", "out", "first", "second", "third", "fourth", "extended", "retracted"),
     ),
+    "given_up": tuple(GivenUp),
     "of": ("determinant", "manipulability"),
     "chosen": ("given", "mean_lever"),
 }

@@ -18,7 +18,7 @@ import pinocchio as pin
 from kinematics.chain import chain_of
 from kinematics.deadline import current
 from kinematics.inverse.bounds import JointBounds
-from kinematics.inverse.damped_least_squares import (
+from kinematics.inverse.criteria import (
     DAMPING,
     FLOOR,
     MAX_DAMPING,

@@ -47,11 +47,14 @@ def elbow_of(kind, axes, names):
         return Z[first], end - O[first], O[second] - O[first]
     if kind == "parallel_axes":
         return Z[1], O[3] - O[1], O[2] - O[1]
-    n = np.cross(Z[3], Z[4])
-    along = np.cross(O[4] - O[3], Z[4]) @ n / (n @ n)
-    wrist = O[3] + along * Z[3]
-    first = 0 if names[0] in ("up", "down") else 1
-    return Z[first], wrist - O[first], O[first + 1] - O[first]
+    wrist = axes.T[0, :3, 3]
+    if kind == "spherical_wrist":
+        n = np.cross(Z[3], Z[4])
+        along = np.cross(O[4] - O[3], Z[4]) @ n / (n @ n)
+        wrist = O[3] + along * Z[3]
+    turning = np.flatnonzero(axes.turns[:3])
+    first, second = turning[:2] if names[0] in ("up", "down") else turning[1:3]
+    return Z[first], wrist - O[first], O[second] - O[first]
 
 
 def check_names(robot, q):
@@ -182,15 +185,15 @@ def test_a_planar_arm_placed_by_position():
     assert not all_solutions(robot, target, task=TASKS["position"]).solutions
 
 
-def test_an_arm_without_closed_form_names_what_is_free():
-    """A 3R arm whose end is on axis 1: its value does nothing."""
+def test_a_joint_that_does_nothing_is_named():
+    """A 3R arm whose end is on axis 1."""
     rows = [("R", np.pi / 2, 0.0, 0.3, 0.0, 1), ("R", 0.0, 0.4, 0.0, 0.0, 1)]
     rows += [("R", 0.0, 0.4, 0.0, 0.0, 1)]
     robot = arm_from(rows)
     target = np.eye(4)
     target[2, 3] = 0.8
     found = all_solutions(robot, target, task=TASKS["position"])
-    assert found.method == "algebraic"
+    assert found.method == "closed_form"
     assert {one.free for one in found.solutions} == {("j1",)}
     assert len(found.solutions) == 2
     assert all(abs(one.q[0] - found.seed[0]) < 1e-12 for one in found.solutions)

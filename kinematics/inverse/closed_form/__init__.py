@@ -13,7 +13,8 @@ from dh_to_urdf.messages import say
 from kinematics.chain import Chain
 from kinematics.inverse.closed_form import parallel_axes, planar, spherical_wrist, srs
 from kinematics.inverse.closed_form.candidates import SAME, Candidates, FormConstants
-from kinematics.inverse.closed_form.classify import ClosedForm, Kind, classify
+from kinematics.inverse.closed_form.classify import classify
+from kinematics.inverse.closed_form.form import ClosedForm, Kind
 from kinematics.inverse.task_error import task_chain
 from kinematics.task import POSE, Task
 from robots.robot import FloatArray
@@ -21,10 +22,12 @@ from robots.robot import FloatArray
 __all__ = ["ClosedForm", "Kind", "Solutions", "closed_form_of", "solutions", "swivel_of"]
 
 _SOLVERS: dict[Kind, Callable[..., int]] = {
+    "three_joints": spherical_wrist.solve,
     "spherical_wrist": spherical_wrist.solve,
     "parallel_axes": parallel_axes.solve,
     "planar_2r": planar.solve,
     "planar_3r": planar.solve,
+    "planar": planar.solve,
     "scara": planar.solve,
     "srs": srs.solve,
 }

@@ -17,6 +17,9 @@ from robots.robot import FloatArray
 
 ANGLE = 1e-8
 LENGTH = 1e-8
+INDEPENDENT = 1e-7
+"""Part of the largest singular value below which joints do the same."""
+INDEPENDENT_SEED = 20_261_130
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +84,38 @@ class AxisLines:
         """Return the distance of a point from axis i, m."""
         return float(np.linalg.norm(point - self.foot(i, point)))
 
+    def moves(self, point: FloatArray, q: FloatArray) -> FloatArray:
+        """Return how a point at the end and its frame move with each joint at q, shape (6, K).
+
+        Rows are linear velocity, in parts of ``size``, and angular velocity.
+
+        Args:
+            point: Where it is at q = 0, m.
+            q: rad, and parts of ``size``, shape (K,).
+        """
+        columns: list[FloatArray] = []
+        for k in range(len(q) - 1, -1, -1):
+            h = self.directions[k]
+            if self.is_revolute[k]:
+                R = _rotation(h, float(q[k]))
+                arm = (point - self.points[k]) / self.size
+                columns.append(np.concatenate((np.cross(h, arm), h)))
+                point = self.points[k] + R @ (point - self.points[k])
+                columns = [np.concatenate((R @ one[:3], R @ one[3:])) for one in columns]
+            else:
+                columns.append(np.concatenate((h, np.zeros(3))))
+                point = point + q[k] * self.size * h
+        return np.array(columns[::-1]).T
+
+    def are_independent(self, point: FloatArray, rows: slice) -> bool:
+        """Return whether some rows of the motion of a point see every joint, but for singular q."""
+        random = np.random.default_rng(INDEPENDENT_SEED)
+        for q in random.uniform(-np.pi, np.pi, (3, len(self.directions))):
+            sigma = np.linalg.svd(self.moves(point, q)[rows], compute_uv=False)
+            if sigma[-1] > INDEPENDENT * sigma[0]:
+                return True
+        return False
+
     def in_tip(self, direction: FloatArray) -> FloatArray:
         """Return a direction in the axes of the frame."""
         return np.asarray(self.pose[:3, :3].T @ direction)
@@ -107,3 +142,9 @@ def axis_lines(chain: Chain) -> AxisLines:
     extent = float(np.linalg.norm(chain.placements[1:-1, [3, 7, 11]], axis=1).sum())
     tool = float(np.linalg.norm(chain.placements[-1, [3, 7, 11]]))
     return AxisLines(unit, np.array(points[:-1]), chain.is_revolute, pose, extent + tool or 1.0)
+
+
+def _rotation(h: FloatArray, angle: float) -> FloatArray:
+    """Return the rotation about a unit vector (Rodrigues), shape (3, 3)."""
+    K = np.array([[0.0, -h[2], h[1]], [h[2], 0.0, -h[0]], [-h[1], h[0], 0.0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K)

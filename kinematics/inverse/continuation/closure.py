@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from robots.robot import FloatArray
 LEAST_PIVOT = 1e-6
 """Part of the largest singular value below which a Jacobian at a general point has lost rank."""
 MOST_JOINTS = 16
+EXACT, NEARLY = 1e-12, 1e-4
+"""Angle of two axes, rad, or their distance in sizes, that is rounding of 0; and that is small
+enough to be meant as 0."""
 SIZE_SEED = 20_231_107
 
 
@@ -47,17 +51,23 @@ class SquareSystem:
         """Number of equations, and of unknowns."""
         return len(self.closure.rows)
 
+    @cached_property
+    def is_nearly_special(self) -> bool:
+        """Return whether axes that follow each other are parallel, or meet, but for rounding."""
+        for placement in self.closure.C[1 : self.joints]:
+            R, t = placement.reshape(3, 4)[:, :3], placement.reshape(3, 4)[:, 3]
+            across = np.hypot(R[0, 2], R[1, 2])
+            if EXACT < across < NEARLY:
+                return True
+            if across >= NEARLY and EXACT < abs(t @ [-R[1, 2], R[0, 2], 0.0]) / across < NEARLY:
+                return True
+        return False
+
     def scaled(self, pose: FloatArray) -> NDArray[np.complex128]:
         """Return a pose, 4x4 or 12 numbers, as compiled functions take it, in units of the size."""
         numbers = np.array(pose, dtype=np.complex128).reshape(-1)[:12]
         numbers[[3, 7, 11]] /= self.size
         return numbers
-
-    def with_driven(self, driven: NDArray[np.int64]) -> SquareSystem:
-        """Return the system in which these joints are given and the others are sought."""
-        others = np.setdiff1d(np.arange(len(self.is_revolute)), driven)
-        closure = self.closure._replace(unknowns=others, driven=driven)
-        return SquareSystem(closure, self.size, self.joints, self.is_revolute)
 
 
 def square_system(chain: Chain, task: Task, driven: tuple[int, ...] = ()) -> SquareSystem | None:

@@ -33,6 +33,11 @@ LARGEST_ANGLE, LARGEST_LENGTH = 25.0, 1e5
 """Imaginary part of an angle, rad, and a length in sizes of the chain, beyond which is infinity."""
 SINGULAR = 1e-7
 """Smallest pivot of a Jacobian, in parts of its largest, below which solutions meet."""
+NO_RANK = 1e-13
+"""Smallest pivot below which a Newton step means nothing."""
+MOST_POLISHING = 40
+LONGEST = 0.3
+"""Longest polishing step beside where solutions meet, rad or sizes."""
 NEAR = 1e-2
 """Rest of a way that counts as just before its target."""
 
@@ -164,16 +169,21 @@ def follow(chain: Closure, way: Way, Q: Array, most: float, ends: Array) -> None
         if ends[n] != ARRIVED:
             continue
         target_at(way, 1.0, G)
-        for _ in range(3):
+        last = LONGEST
+        for _ in range(MOST_POLISHING):
             linearise(chain, way, G, Q[n], W, G[12:], A)
-            if solve(A) < SINGULAR:
+            least = solve(A)
+            if least < SINGULAR:
                 ends[n] = BESIDE
-                break
+                if least < NO_RANK:
+                    break
             size = 0.0
             for c in range(m):
                 size = max(size, abs(A[c, m].real) + abs(A[c, m].imag))
-            if not size < 2.0 * SETTLED:
+            # Beside where solutions meet the first steps may be long, and halve what is left.
+            if not size < (0.9 * last if ends[n] == BESIDE else 2.0 * SETTLED):
                 break
+            last = size
             for c in range(m):
                 Q[n, chain.unknowns[c]] += A[c, m]
             if size < POLISHED:

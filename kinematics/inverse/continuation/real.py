@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.chain import Chain
-from kinematics.inverse.closed_form.candidates import SAME
+from kinematics.compiled import writable
 from kinematics.inverse.continuation.closure import SquareSystem, square_system
 from kinematics.inverse.continuation.fibre import (
     LARGE_STEP,
@@ -22,7 +22,10 @@ from kinematics.inverse.continuation.fibre import (
     moved_fibre,
 )
 from kinematics.inverse.continuation.following import ARRIVED, BESIDE, FAR, LOST
-from kinematics.inverse.continuation.settling import settle, task_columns
+from kinematics.inverse.continuation.meeting import DOUBLE, RealSolution, put, real_solution
+from kinematics.inverse.continuation.settling import settle, settle_all
+from kinematics.inverse.continuation.valley import Valley, valley_through
+from kinematics.inverse.elimination.solving import Elimination, elimination_of
 from kinematics.inverse.task_error import task_chain
 from kinematics.inverse.windings import on_circle
 from kinematics.task import Task
@@ -36,34 +39,6 @@ REAL = 1e-7
 """Imaginary part of a solution that is real but for rounding."""
 MET = 1e-6
 """Difference of two solutions that should not be the same."""
-DOUBLE = 1e-3
-"""Difference of answers beside a singular one that count as it."""
-SINGULAR = 1e-6
-"""Part of the largest singular value below which the Jacobian has lost rank."""
-ALONG = 1e-2
-"""Step along a direction that the task does not see, for seeing whether it goes on, rad or m."""
-
-
-@dataclass(frozen=True, eq=False)
-class RealSolution:
-    """One real solution, checked on the chain.
-
-    Attributes:
-        q: Joint values, angles in (-pi, pi], shape (K,).
-        multiplicity: How many complex solutions end there.
-        position_error: Measured, m.
-        orientation_error: Measured, rad.
-        free: True for joints that move along a family of solutions which this is one of;
-            shape (K,).
-        is_singular: Whether it is where solutions meet.
-    """
-
-    q: FloatArray
-    multiplicity: int
-    position_error: float
-    orientation_error: float
-    free: NDArray[np.bool_]
-    is_singular: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,13 +48,27 @@ class RealSolutions:
     Attributes:
         solutions: The real solutions.
         degree: Number of complex solutions of a general target.
-        is_complete: Whether each of them was followed to its end, and the ends are as they must
-            be: no two the same where none meet, and the conjugate of each among them.
+        is_complete: Whether each of them was found: all of them at once, each checked; or each
+            followed to its end, and the ends are as they must be: no two the same where none
+            meet, and the conjugate of each among them.
+        added: Number of joints that were added to make the equations square.
+        was_followed: Whether they were followed, not found at once.
+        is_doubtful: Whether solutions nearly meet, of an arm that is special but for rounding.
     """
 
     solutions: tuple[RealSolution, ...]
     degree: int
     is_complete: bool
+    added: int
+    was_followed: bool
+    is_doubtful: bool
+
+
+@lru_cache(maxsize=256)
+def chain_elimination(chain: Chain, task: Task) -> Elimination | None:
+    """Return the elimination of a chain, from memory if asked for before; None: there is none."""
+    system = square_system(chain, task)
+    return None if system is None else elimination_of(system)
 
 
 @lru_cache(maxsize=256)
@@ -101,6 +90,51 @@ def chain_fibre(chain: Chain, task: Task, driven: tuple[int, ...] = ()) -> Fibre
 @lru_cache(maxsize=256)
 def _other_fibre(fibre: Fibre, seed: int) -> Fibre:
     return moved_fibre(fibre, seed)
+
+
+def square_solutions(
+    chain: Chain, task: Task, target: FloatArray, seed: FloatArray
+) -> RealSolutions | None:
+    """Find all real solutions of a target, at once where that can be, else by continuation.
+
+    Args:
+        chain: Its joints must all be free.
+        task: The task.
+        target: Pose of the frame in base axes, shape (4, 4), m.
+        seed: Where a family of solutions is shown; shape (K,).
+
+    Returns:
+        None where the task leaves joints free, or no target is general.
+    """
+    elimination = chain_elimination(chain, task)
+    if elimination is not None:
+        found = _at_once(elimination, chain, task, target)
+        if found is not None:
+            return found
+    fibre = chain_fibre(chain, task)
+    return None if fibre is None else real_solutions(fibre, chain, task, target, seed)
+
+
+def _at_once(
+    elimination: Elimination, chain: Chain, task: Task, target: FloatArray
+) -> RealSolutions | None:
+    """Return the real ones of the solutions that elimination finds; None where it does not."""
+    values = elimination.solutions(target)
+    if values is None:
+        return None
+    q = values.real[(values.imag == 0.0).all(axis=1)]
+    errors, reached = np.empty((len(q), 2)), np.empty(len(q), dtype=np.bool_)
+    settle_all(task_chain(chain, task), writable(target), q, errors, reached)
+    if not reached.all():
+        return None
+    none = np.zeros(chain.length, dtype=np.bool_)
+    solutions = tuple(
+        RealSolution(one, 1, position, orientation, none, False)
+        for one, (position, orientation) in zip(
+            on_circle(q, chain.is_revolute), errors.tolist(), strict=True
+        )
+    )
+    return RealSolutions(solutions, len(values), True, 0, False, False)
 
 
 def real_solutions(
@@ -126,22 +160,38 @@ def real_solutions(
     driven = seed.astype(np.complex128)
     driven[~chain.is_revolute] /= system.size
     q, ends, sound = _followed(fibre, system.scaled(target), driven[system.closure.driven])
-    constants = task_chain(chain, task)
+    constants, pose = task_chain(chain, task), writable(target)
     found: list[RealSolution] = []
+    valleys: list[Valley] = []
+    is_near = False
     for values, end in zip(q, ends, strict=True):
         if end in (FAR, LOST) or not _may_be_real(system, values, int(end)):
             continue
         guess = values.real[: system.joints].copy()
         guess[~chain.is_revolute] *= system.size
-        before, errors = guess.copy(), np.empty(2)
-        if not settle(constants, target, guess, errors):
-            continue
-        if end == ARRIVED and np.abs(guess - before).max() > DOUBLE * max(1.0, system.size):
-            continue
         meets = bool(end == BESIDE or (np.abs(values.imag) > REAL).any())
-        one = _solution(chain, task, target, guess, errors, seed, meets)
-        _put(chain, found, one)
-    return RealSolutions(tuple(found), fibre.degree, sound)
+        starts = [guess]
+        if len(guess) == system.rows and not any(
+            v.holds(guess, chain.is_revolute) for v in valleys
+        ):
+            valley = valley_through(constants, pose, guess)
+            if valley is not None:
+                valleys.append(valley)
+                starts += valley.zeros
+        is_near |= meets
+        for start in starts:
+            there, errors = start.copy(), np.empty(2)
+            if not settle(constants, pose, there, errors):
+                continue
+            if end == ARRIVED and np.abs(there - start).max() > DOUBLE * max(1.0, system.size):
+                continue
+            put(chain, found, real_solution(chain, task, target, there, errors, seed, meets))
+    # Of an arm that is special but for rounding, some solutions of a general target are so far
+    # away that they were not found; they come near where others meet.
+    doubtful = system.is_nearly_special and (is_near or bool(valleys))
+    return RealSolutions(
+        tuple(found), fibre.degree, sound and not doubtful, system.added, True, doubtful
+    )
 
 
 def _followed(
@@ -184,84 +234,3 @@ def _may_be_real(system: SquareSystem, q: ComplexArray, end: int) -> bool:
     if end == BESIDE:
         return bool(off < ROUGHLY)
     return bool(off < NEARLY_REAL and np.abs(q.imag).max() < NEARLY_REAL)
-
-
-def _solution(
-    chain: Chain,
-    task: Task,
-    target: FloatArray,
-    q: FloatArray,
-    errors: FloatArray,
-    seed: FloatArray,
-    is_singular: bool,
-) -> RealSolution:
-    free = np.zeros(chain.length, dtype=np.bool_)
-    if is_singular:
-        null = _unseen(chain, task, q)
-        if null is not None and _goes_on(chain, task, target, q, null):
-            q, errors = _nearest(chain, task, target, q, seed, errors)
-            null = _unseen(chain, task, q)
-            if null is not None:
-                free = np.abs(null).max(axis=1) > SINGULAR
-    q = on_circle(q, chain.is_revolute)
-    return RealSolution(q, 1, float(errors[0]), float(errors[1]), free, is_singular)
-
-
-def _unseen(chain: Chain, task: Task, q: FloatArray) -> FloatArray | None:
-    """Return directions of q that the task does not see, shape (K, r); None: there are none."""
-    columns = np.empty((chain.length, 6))
-    task_columns(task_chain(chain, task), q, columns)
-    directions, sigma, _ = np.linalg.svd(columns)
-    rank = int(np.count_nonzero(sigma > SINGULAR * sigma.max(initial=0.0)))
-    return np.asarray(directions[:, rank:]) if rank < chain.length else None
-
-
-def _goes_on(chain: Chain, task: Task, target: FloatArray, q: FloatArray, null: FloatArray) -> bool:
-    """Return whether solutions go on in a direction that the task does not see."""
-    for direction in null.T:
-        there, errors = q + ALONG * direction, np.empty(2)
-        reached = settle(task_chain(chain, task), target, there, errors)
-        if reached and np.abs(there - q).max() > 0.3 * ALONG * np.abs(direction).max():
-            return True
-    return False
-
-
-def _nearest(
-    chain: Chain,
-    task: Task,
-    target: FloatArray,
-    q: FloatArray,
-    seed: FloatArray,
-    errors: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the member of a family of solutions that is nearest to a seed, and its errors."""
-    constants = task_chain(chain, task)
-    for _ in range(50):
-        null = _unseen(chain, task, q)
-        if null is None:
-            break
-        step = null @ (null.T @ on_circle(seed - q, chain.is_revolute))
-        there, found = q + step * min(1.0, 0.5 / max(1e-12, float(np.abs(step).max()))), np.empty(2)
-        if float(np.abs(step).max()) < SAME or not settle(constants, target, there, found):
-            break
-        q, errors = there, found
-    return q, errors
-
-
-def _put(chain: Chain, found: list[RealSolution], one: RealSolution) -> None:
-    """Add a solution, or count it where it is known already."""
-    for k, other in enumerate(found):
-        difference = on_circle(one.q - other.q, chain.is_revolute)
-        radius = DOUBLE if one.is_singular or other.is_singular else SAME
-        if float(np.abs(difference).max()) < radius:
-            better = min(one, other, key=lambda x: x.position_error + x.orientation_error)
-            found[k] = RealSolution(
-                better.q,
-                other.multiplicity + one.multiplicity,
-                better.position_error,
-                better.orientation_error,
-                other.free | one.free,
-                other.is_singular or one.is_singular,
-            )
-            return
-    found.append(one)

@@ -252,3 +252,62 @@ def test_matrices_as_printed(client, decimals, taken):
     answer = client.post("/v1/robots/iiwa14/ik", json={"target": {"matrix": printed.tolist()}})
     assert answer.status_code == 422
     assert "reflection" in answer.json()["detail"]
+
+
+HALF = np.pi / 2
+SPHERICAL = {
+    "name": "rrp",
+    "convention": "standard",
+    "joints": [
+        {"name": "j1", "type": "R", "alpha": -HALF, "a": 0, "d": 0.3},
+        {"name": "j2", "type": "R", "alpha": HALF, "a": 0, "d": 0.2},
+        {"name": "j3", "type": "P", "alpha": 0, "a": 0, "theta": 0},
+    ],
+}
+
+
+def test_a_position_is_the_task_of_a_short_arm(client):
+    body = {"robot": SPHERICAL, "target": {"position": [0.4, 0.3, 0.5]}}
+    answer = client.post("/v1/ik/solutions", json=body).json()
+    assert (answer["task"], answer["method"], answer["complete"]) == (
+        "position",
+        "closed_form",
+        True,
+    )
+    names = {tuple(one["posture"]) for one in answer["solutions"]}
+    assert names == {(a, b) for a in ("front", "back") for b in ("extended", "retracted")}
+    assert client.post("/v1/ik", json=body).json()["task"] == "position"
+    body["targets"] = [body.pop("target")] * 2
+    assert client.post("/v1/ik", json=body).json()["status"] == ["converged"] * 2
+
+
+def test_coordinates_of_a_plane_are_the_task_of_a_plane_arm(client):
+    found = client.get("/v1/robots/planar_2r/ik/solutions?position=1.2,0.8").json()
+    assert (found["task"], len(found["solutions"])) == ("xy", 2)
+    found = client.get("/v1/robots/planar_3r/ik/solutions?position=1.2,0.8&phi=0.3").json()
+    assert (found["task"], len(found["solutions"])) == ("xy_phi", 2)
+
+
+def test_a_position_alone_is_no_pose_of_a_long_arm(client):
+    answer = client.get("/v1/robots/puma560/ik/solutions?position=0.4,0.2,0.5")
+    assert answer.status_code == 422
+    assert "orientation" in answer.json()["detail"]
+
+
+@pytest.mark.parametrize("operation", ["ik", "ik/solutions"])
+def test_what_of_a_pose_is_within_reach(client, operation):
+    """Five joints: the position is exact, the orientation the nearest."""
+    asked = f"/v1/robots/so101/{operation}?position=0.2,0.1,0.2&rpy=0.1,0.2,0.3&angle=deg"
+    answer = client.get(asked).json()
+    assert answer.get("status", "not_converged") == "not_converged"
+    parts = answer["reachable"]
+    errors = [one["orientation_error"] for one in parts]
+    assert errors == sorted(errors)
+    for one in parts:
+        assert one["position_error"] < 1e-8
+        assert one["given_up"]
+        assert set(one["given_up"]) <= {"direction_of_tool_axis", "rotation_about_tool_axis"}
+        q = ",".join(map(str, one["q"]))
+        pose = client.get(f"/v1/robots/so101/fk?q={q}&angle=deg").json()["poses"]
+        position = pose["gripper_frame_link"]["position"]
+        np.testing.assert_allclose(position, [0.2, 0.1, 0.2], atol=1e-7)

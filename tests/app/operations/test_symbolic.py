@@ -47,10 +47,11 @@ def test_position_as_a_student_asks_for_it(client):
 
 
 def test_text_is_python(client):
-    scope = {"cos": np.cos, "sin": np.sin, "sqrt": np.sqrt}
+    scope = {"cos": np.cos, "sin": np.sin, "sqrt": np.sqrt, "atan2": np.arctan2}
     scope |= {f"q{k}": 0.1 * k for k in range(1, 7)}
     path = "/v1/robots/puma560/symbolic?quantities=all&format=text&parameters=symbolic"
     exec(client.get(path).text, scope)
+    found = [scope[f"q{k}"] for k in range(1, 7)]
     q = [0.1 * k for k in range(1, 7)]
     T = client.post("/v1/robots/puma560/fk", json={"q": q}).json()["poses"]["tool"]["matrix"]
     assert scope["X"] == pytest.approx(T[0][3], abs=1e-12)
@@ -58,6 +59,9 @@ def test_text_is_python(client):
     J = client.post("/v1/robots/puma560/jacobian", json={"q": q}).json()["jacobian"]
     assert scope["J_12"] == pytest.approx(J[0][1], abs=1e-12)
     assert scope["det_J"] == pytest.approx(np.linalg.det(J), abs=1e-12)
+    # Its own position and rotation are the target of the inverse model at the end.
+    reached = client.post("/v1/robots/puma560/fk", json={"q": found}).json()
+    np.testing.assert_allclose(reached["poses"]["tool"]["matrix"], T, atol=1e-12)
 
 
 def test_python_and_c_as_files(client, tmp_path):
@@ -108,6 +112,84 @@ def test_a_robot_from_a_urdf_is_written_by_its_extracted_table(client):
     tip = client.get("/v1/robots/ur5_urdf").json()["tip_frame"]
     T = client.post("/v1/robots/ur5_urdf/fk", json={"q": q}).json()["poses"][tip]["matrix"]
     np.testing.assert_allclose(scope["fk"](q), T, atol=1e-12)
+
+
+FORMS = {
+    "json": "application/json",
+    "text": "text/plain",
+    "latex": "application/x-latex",
+    "python": "text/x-python",
+    "c": "text/x-c",
+    "matlab": "text/x-matlab",
+}
+
+
+@pytest.mark.parametrize("robot", ["puma560", "ur5", "stanford", "scara", "rx90", "kr6_r900"])
+def test_the_inverse_model_in_every_form(client, robot):
+    query = {"quantities": "inverse", "parameters": "symbolic"}
+    for form, kind in FORMS.items():
+        answer = client.get(f"/v1/robots/{robot}/symbolic", params={**query, "format": form})
+        assert answer.status_code == 200, answer.text
+        assert answer.headers["content-type"].startswith(kind)
+        assert "atan2" in answer.text
+
+
+def test_a_function_finds_what_ik_solutions_finds(client):
+    q = [0.1, -0.4, 0.7, 0.3, -0.8, 0.2]
+    T = client.post("/v1/robots/kr6_r900/fk", json={"q": q}).json()["poses"]["tool"]["matrix"]
+    scope: dict = {}
+    body = {"quantities": ["inverse"], "format": "python"}
+    exec(client.post("/v1/robots/kr6_r900/symbolic", json=body).json()["code"], scope)
+    found = {tuple(one["posture"]): one["q"] for one in scope["inverse_model"](T)}
+    asked = {"target": {"matrix": T}, "seed": [0] * 6}
+    known = client.post("/v1/robots/kr6_r900/ik/solutions", json=asked).json()["solutions"]
+    assert {tuple(one["posture"]) for one in known} == set(found)
+    for one in known:
+        difference = np.array(one["q"]) - found[tuple(one["posture"])]
+        assert np.abs(np.exp(1j * difference) - 1).max() < 1e-10
+
+
+def test_the_inverse_model_is_derived_in_french(client):
+    path = "/v1/robots/ur5/symbolic?quantities=inverse&parameters=symbolic&lang=fr"
+    model = client.get(path).json()["inverse"]
+    assert model["steps"][0]["title"] == "Le point où les axes 5 et 6 se coupent"
+    assert model["postures"] == [["left", "right"], ["up", "down"], ["in", "out"]]
+    for form in ("text", "latex", "python", "c", "matlab"):
+        text = client.get(f"{path}&format={form}").text
+        assert "On multiplie à gauche par l'inverse de A1" in text
+
+
+def test_the_inverse_model_of_a_urdf_by_its_extracted_table(client):
+    q = [0.3, -0.7, 1.1, 0.4, -0.9, 0.2]
+    body = {"quantities": ["inverse"], "format": "python"}
+    answer = client.post("/v1/robots/ur5_urdf/symbolic", json=body).json()
+    scope: dict = {}
+    exec(answer["code"], scope)
+    tip = client.get("/v1/robots/ur5_urdf").json()["tip_frame"]
+    T = client.post("/v1/robots/ur5_urdf/fk", json={"q": q}).json()["poses"][tip]["matrix"]
+    found = [one["q"] for one in scope["inverse_model"](T)]
+    assert min(np.abs(np.array(one) - q).max() for one in found) < 1e-7
+
+
+def test_an_arm_without_a_closed_form_is_told_why(client):
+    query = {"quantities": "T,inverse"}
+    problem = client.get("/v1/robots/panda/symbolic", params=query)
+    assert problem.status_code == 422
+    (error,) = problem.json()["errors"]
+    assert error["pointer"] == "/quantities/1"
+    assert "7 joints" in error["message"]
+    assert "ik/solutions" in error["message"]
+    answer = client.get("/v1/robots/panda/symbolic", params={"quantities": "all"}).json()
+    assert answer["inverse"] is None
+    assert any(note.startswith("inverse is left out") for note in answer["notes"])
+
+
+def test_matlab_of_the_other_closed_forms(client):
+    path = "/v1/robots/planar_2r/symbolic?quantities=A,position,det_jacobian&format=matlab"
+    text = client.get(path).text
+    assert text.count("function out = ") == 3
+    assert "    out = [C1 + 0.8*C12; S1 + 0.8*S12; 0];" in text
+    assert "    out(:, :, 2) = [C2, -S2, 0, 0.8*C2" in text
 
 
 @pytest.mark.parametrize(

@@ -41,6 +41,20 @@ KINDS = {
     "planar_2r": "planar_2r",
     "planar_3r": "planar_3r",
     "asr_twodof": "planar_2r",
+    "a1": "three_joints",
+    "anymal_b": "three_joints",
+    "anymal_c": "three_joints",
+    "b1": "three_joints",
+    "bolt": "three_joints",
+    "borinot": "planar_2r",
+    "double_pendulum_simple": "planar_2r",
+    "finger_edu": "three_joints",
+    "go1": "three_joints",
+    "go2": "three_joints",
+    "hyq": "three_joints",
+    "laikago": "three_joints",
+    "solo12": "three_joints",
+    "solo8": "planar_2r",
     "pa10": "srs",
     "iiwa14": "srs",
 }
@@ -277,7 +291,7 @@ def test_a_tilted_target_of_a_scara():
 def test_a_task_that_it_does_not_solve():
     _, chain, form = case("planar_3r")
     with pytest.raises(ValueError, match="xy_phi"):
-        solutions(form, chain, np.eye(4))
+        solutions(form, chain, np.eye(4), task=TASKS["position"])
 
 
 @pytest.mark.parametrize("name", ["pa10", "iiwa14"])

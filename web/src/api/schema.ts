@@ -741,10 +741,10 @@ export interface components {
              */
             frame?: string | null;
             /**
-             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz.
-             * @default pose
+             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz. Default pose; for a target without orientation and at most three joints what it gives: position, xy or xy_phi.
+             * @default null
              */
-            task?: (("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | string | number[];
+            task?: string | number[] | null;
             /**
              * @description One q, as a list or an object {joint name: value}; may be left out.
              * @default null
@@ -832,10 +832,10 @@ export interface components {
              */
             frame?: string | null;
             /**
-             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz.
-             * @default pose
+             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz. Default pose; for a target without orientation and at most three joints what it gives: position, xy or xy_phi.
+             * @default null
              */
-            task?: (("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | string | number[];
+            task?: string | number[] | null;
             /**
              * @description One q, as a list or an object {joint name: value}; may be left out.
              * @default null
@@ -881,10 +881,10 @@ export interface components {
              */
             frame?: string | null;
             /**
-             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz.
-             * @default pose
+             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz. Default pose; for a target without orientation and at most three joints what it gives: position, xy or xy_phi.
+             * @default null
              */
-            task?: (("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | string | number[];
+            task?: string | number[] | null;
             /**
              * @description One q, as a list or an object {joint name: value}; may be left out.
              * @default null
@@ -919,10 +919,10 @@ export interface components {
              */
             frame?: string | null;
             /**
-             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz.
-             * @default pose
+             * @description pose, position, orientation, xy, xz, yz, x, y, z, xy_phi, xyz_phi, direction (of the frame's z axis), position_direction, or a mask of six 0 or 1 for vx, vy, vz, wx, wy, wz. Default pose; for a target without orientation and at most three joints what it gives: position, xy or xy_phi.
+             * @default null
              */
-            task?: (("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | string | number[];
+            task?: string | number[] | null;
             /**
              * @description One q, as a list or an object {joint name: value}; may be left out.
              * @default null
@@ -2293,8 +2293,8 @@ export interface components {
          * @description What to write down, and how.
          */
         SymbolicRequest: {
-            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian, inverse_jacobian; or "all". Default T. */
-            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian")[]) | string[] | string;
+            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian, inverse_jacobian, inverse (the inverse model of an arm with a closed form, derived in steps); or "all". Default T. */
+            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian" | "inverse") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian" | "inverse")[]) | string[] | string;
             /**
              * @description numeric (default): lengths as numbers; symbolic: by name, a2 and d4, in khalil D2 and R4, of the base xb yb zb, of the tool xt yt zt.
              * @default numeric
@@ -2329,11 +2329,11 @@ export interface components {
              */
             task?: ((("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | null) | string | number[] | null;
             /**
-             * @description How expressions are written: text, latex, python or c.
+             * @description How expressions are written: text, latex, python, c or matlab.
              * @default text
              * @enum {string}
              */
-            format?: "text" | "latex" | "python" | "c";
+            format?: "text" | "latex" | "python" | "c" | "matlab";
             /**
              * @description For simplification, milliseconds.
              * @default 10000
@@ -2345,8 +2345,8 @@ export interface components {
          * @description What to write down, and how.
          */
         InlineSymbolicRequest: {
-            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian, inverse_jacobian; or "all". Default T. */
-            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian")[]) | string[] | string;
+            /** @description Of A (link matrices), T0 (products 0A_k), T, position, rotation, jacobian, det_jacobian, inverse_jacobian, inverse (the inverse model of an arm with a closed form, derived in steps); or "all". Default T. */
+            quantities?: (("all" | "A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian" | "inverse") | ("A" | "T0" | "T" | "position" | "rotation" | "jacobian" | "det_jacobian" | "inverse_jacobian" | "inverse")[]) | string[] | string;
             /**
              * @description numeric (default): lengths as numbers; symbolic: by name, a2 and d4, in khalil D2 and R4, of the base xb yb zb, of the tool xt yt zt.
              * @default numeric
@@ -2381,11 +2381,11 @@ export interface components {
              */
             task?: ((("pose" | "position" | "orientation" | "xy" | "xz" | "yz" | "x" | "y" | "z" | "xy_phi" | "xyz_phi" | "direction" | "position_direction") | (0 | 1)[]) | null) | string | number[] | null;
             /**
-             * @description How expressions are written: text, latex, python or c.
+             * @description How expressions are written: text, latex, python, c or matlab.
              * @default text
              * @enum {string}
              */
-            format?: "text" | "latex" | "python" | "c";
+            format?: "text" | "latex" | "python" | "c" | "matlab";
             /**
              * @description For simplification, milliseconds.
              * @default 10000
@@ -2666,7 +2666,8 @@ export interface components {
          *         Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
          *         best that was found. Errors are in m and rad, in the axes of the task. ``explanation``, for one
          *         target that was not reached: what is proved of it, such as an orientation that the structure
-         *         cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs.
+         *         cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs;
+         *         ``reachable``: what of the target is reached instead, the nearest orientation first.
          *         ``branches``, with ``follow``: those that were tried, and where and why each ends.
          */
         IKAnswer: {
@@ -2686,6 +2687,7 @@ export interface components {
             position_error: number;
             q: number[];
             random_seed: number;
+            reachable?: components["schemas"]["ReachableView"][];
             restarts: number;
             seed: number[];
             /** @enum {string} */
@@ -2754,6 +2756,24 @@ export interface components {
             value: number;
         };
         /**
+         * ReachableView
+         * @description A q within the limits that reaches a part of a target; errors in m and rad.
+         *
+         *         ``given_up``: what it does not reach. ``direction_error``: of the tool's axis z alone;
+         *         ``rotation_error``: about it, with its sign.
+         */
+        ReachableView: {
+            direction_error: number;
+            given_up: ("direction_of_tool_axis" | "position" | "rotation_about_tool_axis")[];
+            joint_values?: {
+                [key: string]: number;
+            };
+            orientation_error: number;
+            position_error: number;
+            q: number[];
+            rotation_error?: number;
+        };
+        /**
          * ToleranceView
          * @description Largest accepted errors, m and rad.
          */
@@ -2769,7 +2789,8 @@ export interface components {
          *         that a singular branch leaves free; they have the seed's value. ``multiplicity``, where it is
          *         above 1: how many solutions meet there, as two do where an arm is stretched. ``beyond_limits``,
          *         where there are some, names the joints beyond their limits. ``explanation``, where no solution
-         *         is within the limits: why, as far as it is proved; ``forbidden``: the same for programs.
+         *         is within the limits: why, as far as it is proved; ``forbidden``: the same for programs;
+         *         ``reachable``: what of the target is reached instead, the nearest orientation first.
          *         ``self_motion``, of an arm with more joints than the task needs: the curves of solutions that
          *         these are on.
          */
@@ -2781,6 +2802,7 @@ export interface components {
             forbidden?: components["schemas"]["ForbiddenView"];
             frame: string;
             method: string;
+            reachable?: components["schemas"]["ReachableView"][];
             seed: number[];
             self_motion?: components["schemas"]["SelfMotionView"];
             solutions: components["schemas"]["IKSolutionView"][];
@@ -3314,6 +3336,7 @@ export interface components {
             elapsed_ms: number;
             expressed_in: string;
             frame: string;
+            inverse?: components["schemas"]["InverseModel"] | null;
             inverse_jacobian?: components["schemas"]["InverseForm"] | null;
             jacobian?: components["schemas"]["JacobianForms"] | null;
             notation: string;
@@ -3367,6 +3390,41 @@ export interface components {
         FactorForm: {
             exponent: number;
             factor: string;
+        };
+        /**
+         * InverseModel
+         * @description An inverse model in steps.
+         *
+         *         ``kind``, ``description`` and ``postures`` are those of ``ik/solutions``; ``target`` names the
+         *         elements of the 4x4 target. A formula ``e1 = 1`` stands for both signs; ``q`` is found last.
+         */
+        InverseModel: {
+            description: string;
+            kind: string;
+            most_solutions: number;
+            postures: string[][];
+            q: {
+                [key: string]: string;
+            };
+            steps: components["schemas"]["ModelStep"][];
+            target: string[][];
+        };
+        /**
+         * ModelStep
+         * @description A step of a derivation.
+         */
+        ModelStep: {
+            lines: components["schemas"]["ModelLine"][];
+            title: string;
+        };
+        /**
+         * ModelLine
+         * @description A line of a derivation: a ``remark``, an ``equation`` that is used, or a ``formula``.
+         */
+        ModelLine: {
+            /** @enum {unknown} */
+            kind: "equation" | "formula" | "remark";
+            text: string;
         };
         /**
          * InverseForm
@@ -3526,7 +3584,8 @@ export interface components {
          *         Status: converged (checked on the model), not_converged, timeout, unreachable. q is then the
          *         best that was found. Errors are in m and rad, in the axes of the task. ``explanation``, for one
          *         target that was not reached: what is proved of it, such as an orientation that the structure
-         *         cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs.
+         *         cannot reach, or the joint that is beyond its limits; ``forbidden``: the same for programs;
+         *         ``reachable``: what of the target is reached instead, the nearest orientation first.
          *         ``branches``, with ``follow``: those that were tried, and where and why each ends.
          */
         IKAnswerBatch: {
@@ -3546,12 +3605,63 @@ export interface components {
             position_error: number[];
             q: number[][];
             random_seed: number;
+            reachable?: components["schemas"]["ReachableViewBatch"][];
             restarts: number[];
             seed: number[];
             status: ("converged" | "not_converged" | "timeout" | "unreachable")[];
             task: string;
             time_budget_ms: number;
             tolerance: components["schemas"]["ToleranceView"];
+            /** @description Units of the answer: {"angle": …, "length": "m"}. */
+            units: {
+                [key: string]: string;
+            };
+            warnings: string[];
+        };
+        /**
+         * ReachableViewBatch
+         * @description A q within the limits that reaches a part of a target; errors in m and rad.
+         *
+         *         ``given_up``: what it does not reach. ``direction_error``: of the tool's axis z alone;
+         *         ``rotation_error``: about it, with its sign.
+         */
+        ReachableViewBatch: {
+            direction_error: number;
+            given_up: ("direction_of_tool_axis" | "position" | "rotation_about_tool_axis")[];
+            joint_values?: {
+                [key: string]: number[];
+            };
+            orientation_error: number;
+            position_error: number;
+            q: number[];
+            rotation_error?: number;
+        };
+        /**
+         * IKSolutionsAnswerBatch
+         * @description All solutions, the closest to the seed first, those within the limits before the others.
+         *
+         *         ``complete`` says that mathematics knows no others (but for whole turns). ``free`` names joints
+         *         that a singular branch leaves free; they have the seed's value. ``multiplicity``, where it is
+         *         above 1: how many solutions meet there, as two do where an arm is stretched. ``beyond_limits``,
+         *         where there are some, names the joints beyond their limits. ``explanation``, where no solution
+         *         is within the limits: why, as far as it is proved; ``forbidden``: the same for programs;
+         *         ``reachable``: what of the target is reached instead, the nearest orientation first.
+         *         ``self_motion``, of an arm with more joints than the task needs: the curves of solutions that
+         *         these are on.
+         */
+        IKSolutionsAnswerBatch: {
+            columns: string[];
+            complete: boolean;
+            description: string;
+            explanation?: string[];
+            forbidden?: components["schemas"]["ForbiddenView"];
+            frame: string;
+            method: string;
+            reachable?: components["schemas"]["ReachableViewBatch"][];
+            seed: number[];
+            self_motion?: components["schemas"]["SelfMotionView"];
+            solutions: components["schemas"]["IKSolutionView"][];
+            task: string;
             /** @description Units of the answer: {"angle": …, "length": "m"}. */
             units: {
                 [key: string]: string;

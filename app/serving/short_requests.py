@@ -1,0 +1,214 @@
+"""Short computations, answered where their bytes arrive: without a task, and each layer once.
+
+It is made of the pieces of the ordinary way: names of hosts, ids, decoding, the computation, its
+writer, headers, records. What is unusual goes the ordinary way from its first step, and so does
+every error, of which that way says what is wrong: a header that is not among the plain ones, keys,
+counted requests, pages of other origins, traces, robots that are not in memory, batches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from time import perf_counter
+from typing import TYPE_CHECKING, cast
+
+from fastapi import Request, Response
+
+from app.access.headers import SafeHeaders
+from app.access.hosts import AllowedHosts, allowed_hosts
+from app.access.wiring import is_open
+from app.middleware.request_id import RequestIds
+from app.operations.operation import Runs
+from app.telemetry.lines import REQUEST_ID
+from app.telemetry.observed import Records
+from app.telemetry.tracing import asked_for
+
+if TYPE_CHECKING:
+    from starlette.types import Receive, Scope, Send
+    from uvicorn._types import HTTPScope
+
+    from app.dependencies import Services
+    from app.routes.compute import Computation
+
+PLAIN = frozenset(
+    (
+        *(b"accept", b"accept-encoding", b"accept-language", b"cache-control", b"connection"),
+        *(b"content-length", b"content-type", b"cookie", b"dnt", b"host", b"origin", b"pragma"),
+        *(b"priority", b"referer", b"sec-ch-ua", b"sec-ch-ua-mobile", b"sec-ch-ua-platform"),
+        *(b"sec-fetch-dest", b"sec-fetch-mode", b"sec-fetch-site", b"user-agent"),
+        b"x-request-id",
+    )
+)
+"""Headers that are known to be looked at by the pieces here, or by none."""
+ONCE = (b"accept", b"accept-language", b"content-length", b"content-type", b"host")
+"""Of which two in one request would be looked at by the ordinary way."""
+MAX_BYTES = 4_000
+"""Of a body or query that is read at once."""
+OK = 200
+
+
+@dataclass(frozen=True, slots=True)
+class ShortRequest:
+    """A request that may be answered at once.
+
+    Attributes:
+        scope: Its ASGI scope.
+        computation: What it asks for.
+        route: The template of its path.
+        robot_id: Of which robot.
+        given_id: Its own ``X-Request-ID``; empty where there is none.
+        begun: When its head had been read.
+    """
+
+    scope: Scope
+    computation: Computation
+    route: str
+    robot_id: str
+    given_id: bytes
+    begun: float
+
+
+@dataclass(frozen=True, slots=True)
+class ShortAnswer:
+    """An answer with status 200.
+
+    Attributes:
+        head: Its header lines.
+        body: Its body.
+        request_id: The id that it names.
+    """
+
+    head: bytes
+    body: bytes
+    request_id: str
+
+
+class ShortRequests:
+    """Answers short computations of one application.
+
+    Args:
+        services: Those of the application.
+        computations: What may be asked for, by name.
+        records: What is kept of each request.
+        ids: Ids of requests.
+    """
+
+    def __init__(
+        self,
+        services: Services,
+        computations: Mapping[str, Computation],
+        records: Records,
+        ids: RequestIds,
+    ) -> None:
+        self.services = services
+        self._computations = {
+            name: (one, f"/v1/robots/{{robot_id}}/{name}")
+            for name, one in computations.items()
+            if one.operation.runs is Runs.EVENT_LOOP
+        }
+        self._records = records
+        self._ids = ids
+        settings = services.settings
+        self._hosts = AllowedHosts(_never, allowed_hosts(settings))
+        self._safe = SafeHeaders(_never, private=False)
+        self._root = settings.root_path.rstrip("/")
+        self._head = lru_cache(maxsize=256)(self._head_of)
+
+    def find(self, http_scope: HTTPScope) -> ShortRequest | None:
+        """Return a request that may be answered here, by its head; None: it goes the other way."""
+        scope: Scope = cast("Scope", http_scope)
+        path = scope["path"]
+        if self._root:
+            path = path.removeprefix(self._root)
+        # /v1/robots/{id}/{name}; names of some computations have a slash of their own.
+        parts = path.split("/", 4)
+        if len(parts) != 5 or parts[2] != "robots" or parts[1] != "v1" or parts[0]:
+            return None
+        found = self._computations.get(parts[4])
+        if found is None or len(scope["query_string"]) > MAX_BYTES:
+            return None
+        method = scope["method"]
+        headers: dict[bytes, bytes] = {}
+        for name, value in scope["headers"]:
+            if name not in PLAIN or (name in headers and name in ONCE):
+                return None
+            headers.setdefault(name, value)
+        if not self._hosts.allows(headers.get(b"host", b"")):
+            return None
+        length, kind = headers.get(b"content-length"), headers.get(b"content-type")
+        if method == "POST":
+            if kind != b"application/json" or length is None or not length.isdigit():
+                return None
+            if len(length) > 4 or int(length) > MAX_BYTES:
+                return None
+        elif method != "GET" or length is not None or kind is not None:
+            return None
+        given = headers.get(b"x-request-id", b"")
+        return ShortRequest(scope, *found, parts[3], given, perf_counter())
+
+    def answer(self, asked: ShortRequest, body: bytes) -> ShortAnswer | None:
+        """Return the answer, or None where it goes the ordinary way after all.
+
+        Args:
+            asked: What :meth:`find` has found.
+            body: The whole body.
+        """
+        request = Request(asked.scope)
+        stored = self.services.store.in_memory(asked.robot_id)
+        if stored is None:
+            return None
+        request_id = self._ids.of(asked.given_id)
+        token = REQUEST_ID.set(request_id)
+        try:
+            read = body if asked.scope["method"] == "POST" else None
+            response = asked.computation.at_once(request, stored, self.services, read)
+        except Exception:  # the ordinary way meets it again, says what is wrong, and logs it
+            return None
+        finally:
+            REQUEST_ID.reset(token)
+        if response is None or type(response) is not Response or response.status_code != OK:
+            return None
+        written = bytes(response.body)
+        headers = tuple(one for one in response.raw_headers if one[0] != b"content-length")
+        head = b"content-length: %d\r\nx-request-id: %b\r\n%b" % (
+            len(written),
+            request_id.encode("ascii"),
+            self._head(headers),
+        )
+        return ShortAnswer(head, written, request_id)
+
+    def keep(self, asked: ShortRequest, answer: ShortAnswer) -> None:
+        """Count a request that has been answered here, and write its line."""
+        seconds = perf_counter() - asked.begun
+        token = REQUEST_ID.set(answer.request_id)
+        self._records.keep(asked.scope, asked.route, OK, seconds, len(answer.body))
+        REQUEST_ID.reset(token)
+
+    def _head_of(self, headers: tuple[tuple[bytes, bytes], ...]) -> bytes:
+        """Return header lines; those of the service, which are not checked by the server here."""
+        lines = [b"%b: %b" % one for one in self._safe.completed(headers)]
+        if any(b"\r" in line or b"\n" in line for line in lines):
+            raise ValueError("a header has a line break")
+        return b"".join(line + b"\r\n" for line in lines)
+
+
+def short_requests(
+    services: Services,
+    computations: Mapping[str, Computation],
+    records: Records,
+    ids: RequestIds,
+) -> ShortRequests | None:
+    """Return what answers short computations, None where every request goes the ordinary way.
+
+    That is where something is done for each request besides: keys and rates are looked at, pages
+    of other origins answered, traces kept.
+    """
+    if asked_for() or not is_open(services.settings):
+        return None
+    return ShortRequests(services, computations, records, ids)
+
+
+async def _never(scope: Scope, receive: Receive, send: Send) -> None:
+    raise NotImplementedError

@@ -1,0 +1,210 @@
+"""Short computations are answered without a task, and as the ordinary way answers them."""
+
+import json
+import re
+import socket
+from contextlib import closing
+
+import pytest
+
+from app.dependencies import Services
+from app.middleware.request_id import RequestIds
+from app.operations import OPERATIONS
+from app.routes.compute import Computation
+from app.serving.short_requests import short_requests
+from app.settings import Settings
+from app.telemetry.observed import Records
+from tests.conftest import PATIENCE, running_server
+from tests.recorded.exchange import Connection
+from tests.recorded.fixture import SETUP
+from tests.recorded.normalise import normalised
+from tests.recorded.replay import chosen_records
+
+BODY = json.dumps({"q": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]}).encode()
+OTHER_WAY = ("X-Unheard-Of", "1")
+"""A header that nothing looks at, and with which a request goes the ordinary way."""
+FK = "/v1/robots/puma560/fk"
+
+
+@pytest.fixture
+def short(tmp_path):
+    return made(data_dir=tmp_path)
+
+
+def made(**settings):
+    services = Services(Settings(preload=False, **settings))
+    computations = {one.name: Computation(one, 1_000_000) for one in OPERATIONS}
+    records = Records(None, access_log=False, log_clients=False)
+    return short_requests(services, computations, records, RequestIds())
+
+
+def scope(method="POST", path=FK, query=b"", **headers):
+    plain = {"host": "localhost", "content-type": "application/json", "content-length": "48"}
+    if method == "GET":
+        plain = {"host": "localhost"}
+    given = {**plain, **{name.replace("_", "-"): value for name, value in headers.items()}}
+    return {
+        "type": "http",
+        "method": method,
+        "path": path,
+        "query_string": query,
+        "headers": [(k.encode(), v.encode()) for k, v in given.items() if v is not None],
+    }
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        scope(user_agent="curl/8.5.0", accept="*/*"),
+        scope(user_agent="python-httpx/0.28", accept_encoding="gzip, br", connection="keep-alive"),
+        scope(origin="http://localhost:8000", sec_fetch_site="same-origin", referer="http://x/"),
+        scope(path="/v1/robots/panda/ik"),
+        scope(query=b"angle=deg&format=text"),
+        scope("GET", query=b"q=0,0,0,0,0,0", accept_language="fr"),
+    ],
+)
+def test_what_people_and_programs_send_is_answered_at_once(short, asked):
+    assert short.find(asked) is not None
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        scope("PUT"),
+        scope("HEAD", content_type=None, content_length=None),
+        scope(host="rebound.example.org/"),
+        scope(host=None),
+        scope(content_type="application/x-npy"),
+        scope(content_type="application/json; charset=latin-1"),
+        scope(content_length="4001"),
+        scope(content_length=None, transfer_encoding="chunked"),
+        scope(content_encoding="gzip"),
+        scope(expect="100-continue"),
+        scope(if_none_match='"x"'),
+        scope(authorization="Bearer abc"),
+        scope(query=b"q=" + b"0" * 5000),
+        scope(path="/v1/robots/puma560/urdf"),
+        scope(path="/v1/robots/puma560/path"),
+        scope(path="/v1/fk"),
+        scope(path="/other/v1/robots/puma560/fk"),
+    ],
+)
+def test_what_is_unusual_goes_the_ordinary_way(short, asked):
+    assert short.find(asked) is None
+
+
+def test_two_headers_of_one_kind_go_the_ordinary_way(short):
+    for name in (b"host", b"content-type", b"content-length", b"accept"):
+        asked = scope(accept="*/*")
+        asked["headers"].append((name, dict(asked["headers"])[name]))
+        assert short.find(asked) is None, name
+
+
+@pytest.mark.parametrize(
+    "more",
+    [{"rate_limit": "10/second"}, {"cors_origins": "*"}, {"api_keys": f"ada:write:{64 * '0'}"}],
+)
+def test_where_more_is_done_for_each_request_all_go_the_ordinary_way(tmp_path, more):
+    assert made(data_dir=tmp_path, **more) is None
+
+
+def test_where_traces_are_kept_all_go_the_ordinary_way(tmp_path, monkeypatch):
+    monkeypatch.setenv("OTEL_EXPORTER_OTLP_ENDPOINT", "http://localhost:4318")
+    monkeypatch.delenv("OTEL_SDK_DISABLED", raising=False)
+    assert made(data_dir=tmp_path) is None
+
+
+def test_errors_and_robots_that_are_not_loaded_go_the_ordinary_way(short):
+    found = short.find(scope())
+    assert short.answer(found, BODY) is None
+    short.services.store.get("puma560")
+    assert short.answer(found, BODY) is not None
+    assert short.answer(found, b'{"q": [0, 0]}') is None
+    assert short.answer(found, b"{") is None
+    assert short.answer(short.find(scope(path="/v1/robots/none/fk")), BODY) is None
+
+
+def both_ways(connection, sent):
+    plain = connection.send(sent)
+    return plain, connection.send(sent.with_header(*OTHER_WAY))
+
+
+def computed(every):
+    """Recorded requests of computations on shipped robots, which change nothing."""
+    found = [
+        one.asked
+        for one in chosen_records()
+        if one.asked.operation != SETUP
+        and one.asked.sent.method in ("GET", "POST")
+        and one.asked.sent.target.startswith("/v1/robots/")
+        and "recorded-" not in one.asked.sent.target
+        and one.asked.operation in {operation.name for operation in OPERATIONS}
+        and one.asked.operation not in ("path", "path/compare", "symbolic", "workspace")
+        # The last column of a table is the time that it took.
+        and not (one.asked.operation == "ik" and re.search("latex|csv", str(one.asked.sent)))
+    ]
+    return found[::every]
+
+
+def compared(address, every):
+    chosen = computed(every)
+    with closing(Connection(address)) as connection:
+        for asked in chosen:
+            alike(address, asked.sent, *both_ways(connection, asked.sent))
+    return len(chosen)
+
+
+def alike(address, sent, plain, other):
+    assert normalised(*plain, address) == normalised(*other, address), sent.shown()
+    assert sorted(plain[1]) == sorted(other[1]), sent.shown()
+    for name in {*plain[1]} - {"date", "x-request-id", "content-length"}:
+        assert plain[1][name] == other[1][name], sent.shown()
+
+
+def test_both_ways_answer_alike(server):
+    assert compared(server, 60) > 100
+
+
+@pytest.mark.slow
+def test_all_recorded_requests_are_answered_alike_both_ways(tmp_path):
+    with running_server(tmp_path) as (address, _):
+        assert compared(address, 1) > 5000
+
+
+def test_pipelined_requests_are_answered_in_order(server):
+    host, _, port = server.removeprefix("http://").partition(":")
+    asked = []
+    for k in range(30):
+        body = json.dumps({"q": [k / 100, 0, 0, 0, 0, 0]}).encode()
+        more = b"X-Unheard-Of: 1\r\n" if k % 3 == 0 else b""
+        asked.append(
+            b"POST %b HTTP/1.1\r\nHost: %b\r\nX-Request-ID: id-%d\r\nContent-Type:"
+            b" application/json\r\n%bContent-Length: %d\r\n\r\n%b"
+            % (FK.encode(), host.encode(), k, more, len(body), body)
+        )
+    asked[-1] = asked[-1].replace(b"Host:", b"Connection: close\r\nHost:")
+    with socket.create_connection((host, int(port)), PATIENCE) as connection:
+        connection.sendall(b"".join(asked))
+        parts = []
+        while part := connection.recv(65536):
+            parts.append(part)
+    text = b"".join(parts).decode()
+    ids = [line.split(": id-")[1] for line in text.splitlines() if "x-request-id: id-" in line]
+    assert ids == [str(k) for k in range(30)]
+    assert text.count("HTTP/1.1 200 OK") == 30
+    assert "connection: close" in text.rpartition("HTTP/1.1 200 OK")[2]
+
+
+def test_a_body_that_comes_in_pieces_is_waited_for(server):
+    host, _, port = server.removeprefix("http://").partition(":")
+    head = (
+        b"POST %b HTTP/1.1\r\nHost: %b\r\nContent-Type: application/json\r\nContent-Length: %d\r\n"
+        b"Connection: close\r\n\r\n" % (FK.encode(), host.encode(), len(BODY))
+    )
+    with socket.create_connection((host, int(port)), PATIENCE) as connection:
+        for piece in (head[:20], head[20:], BODY[:7], BODY[7:]):
+            connection.sendall(piece)
+        parts = []
+        while part := connection.recv(65536):
+            parts.append(part)
+    assert b"".join(parts).startswith(b"HTTP/1.1 200 OK")
