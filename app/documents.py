@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
+from email.message import EmailMessage
 from typing import Any
 
 from fastapi import Request
@@ -18,11 +20,14 @@ from dh_to_urdf import (
     read_mapping,
     read_par,
     read_pasted,
+    read_spreadsheet,
     read_yaml,
     split_values,
 )
+from dh_to_urdf.encodings import decoded
 from dh_to_urdf.errors import Fault
 from dh_to_urdf.messages import say
+from dh_to_urdf.par.text import MAX_PAR_LENGTH
 from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 
@@ -39,9 +44,23 @@ PASTED_TYPES = (
     "application/x-latex",
     "text/x-matlab",
     "text/x-python",
+    "text/html",
 )
+SPREADSHEET_TYPES = (
+    "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
+    "application/vnd.oasis.opendocument.spreadsheet",
+)
+BINARY = {"type": "string", "format": "binary"}
+"""Schema of a body of bytes."""
 XML_TYPES = ("application/xml", "text/xml", "application/urdf+xml")
-TABLES = ("application/json", "application/yaml", "text/csv", "text/x-symoro", "text/plain")
+TABLES = (
+    "application/json",
+    "application/yaml",
+    "text/csv",
+    "text/x-symoro",
+    "text/plain",
+    *SPREADSHEET_TYPES,
+)
 ACCEPTED = (*TABLES, "application/xml")
 
 _NOT_ID = re.compile(r"[^A-Za-z0-9._-]+")
@@ -71,40 +90,48 @@ def robot_from_body(
         check_query(request, "convention", "name", "length", "values", *also)
         name = query.get("name", default_name or "")
         angle, length = query.get("angle", "rad"), query.get("length", "m")
-        return robot_from_table(
-            read_csv(body, query.get("convention"), name, angle, length, _values(request))
-        )
+        text, warnings = decoded(body, _charset(request), max(1, len(body)))
+        table = read_csv(text, query.get("convention"), name, angle, length, _values(request))
+        return robot_from_table(replace(table, warnings=(*warnings, *table.warnings)))
     if kind in PAR_TYPES:
         check_query(request, "name", "values", "loops", *also, common=("format", "lang"))
+        charset = _charset(request)
         return robot_from_table(
             read_par(
-                body,
+                body if charset is None else decoded(body, charset, MAX_PAR_LENGTH)[0],
                 query.get("name"),
                 _values(request),
                 cut_loops=_cut_loops(request),
                 default_name=default_name,
             )
         )
-    if kind in PASTED_TYPES:
+    if kind in (*PASTED_TYPES, *SPREADSHEET_TYPES):
         check_query(request, "convention", "name", "length", "values", "columns", *also)
-        return robot_from_table(
-            read_pasted(
-                body,
-                query.get("convention"),
-                query.get("name"),
-                query.get("angle"),
-                query.get("length", "m"),
-                _values(request),
-                query.get("columns"),
-                default_name,
-            )
+        given = (
+            query.get("convention"),
+            query.get("name"),
+            query.get("angle"),
+            query.get("length"),
+            _values(request),
+            query.get("columns"),
+            default_name,
         )
+        if kind in SPREADSHEET_TYPES:
+            return robot_from_table(read_spreadsheet(body, *given))
+        return robot_from_table(read_pasted(body, *given, _charset(request)))
     if kind not in (*JSON_TYPES, *YAML_TYPES):
         raise unsupported(kind, ACCEPTED)
     check_query(request, "name", *also, common=("format", "lang"))
     default_name = query.get("name", default_name)
     read = read_json if kind in JSON_TYPES else read_yaml
     return robot_from_table(read(body, default_name))
+
+
+def _charset(request: Request) -> str | None:
+    """Return the ``charset`` of a request's content type; None where it names none."""
+    message = EmailMessage()
+    message["Content-Type"] = request.headers.get("content-type", "")
+    return message.get_content_charset()
 
 
 def _values(request: Request) -> dict[str, str] | None:

@@ -17,7 +17,7 @@ from dh_to_urdf.extraction.urdf_chain import read_chain
 from dh_to_urdf.matrices import DHMatrices, dh_matrices, link_matrix
 from dh_to_urdf.par.reader import read_par
 from dh_to_urdf.par.writer import table_to_par
-from dh_to_urdf.pasted.reader import read_pasted
+from dh_to_urdf.pasted.reader import read_pasted, read_spreadsheet
 from dh_to_urdf.table import Convention, DHRow, DHTable, Inertial, JointType, Limits
 from dh_to_urdf.writer import table_to_urdf
 
@@ -45,6 +45,7 @@ __all__ = [
     "read_mapping",
     "read_par",
     "read_pasted",
+    "read_spreadsheet",
     "read_yaml",
     "split_values",
     "table_to_par",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter, Request, Response
 
 from app.dependencies import ServicesDep
-from app.documents import TABLES, XML_TYPES, robot_from_body
+from app.documents import BINARY, SPREADSHEET_TYPES, TABLES, XML_TYPES, robot_from_body
 from app.http.bodies import read_body
 from app.http.language import language_of
 from app.http.negotiation import media_type, unsupported
@@ -37,6 +37,7 @@ def build_router(max_body: int) -> APIRouter:
                         kind: {"schema": {"type": "string"}}
                         for kind in ("text/csv", "text/x-symoro", "text/plain")
                     },
+                    **{kind: {"schema": BINARY} for kind in SPREADSHEET_TYPES},
                 },
             }
         },

@@ -12,7 +12,14 @@ from fastapi import APIRouter, Path, Request, Response
 
 from app.access.control import key_of
 from app.dependencies import RobotDep, ServicesDep
-from app.documents import PAR_TYPES, PASTED_TYPES, id_from_name, robot_from_body
+from app.documents import (
+    BINARY,
+    PAR_TYPES,
+    PASTED_TYPES,
+    SPREADSHEET_TYPES,
+    id_from_name,
+    robot_from_body,
+)
 from app.http.bodies import read_body
 from app.http.language import language_of
 from app.http.negotiation import JSON, TEXT, media_type, wanted_type
@@ -311,6 +318,7 @@ def build_router(max_body: int) -> APIRouter:
                 "text/csv": {"schema": {"type": "string"}, "example": _CSV_EXAMPLE},
                 "text/x-symoro": {"schema": {"type": "string"}, "example": _PAR_EXAMPLE},
                 "text/plain": {"schema": {"type": "string"}, "example": _PASTED_EXAMPLE},
+                **{kind: {"schema": BINARY} for kind in SPREADSHEET_TYPES},
                 "application/xml": {"schema": {"type": "string"}},
             },
         },
@@ -555,7 +563,7 @@ def _check_name(request: Request, robot: Robot, robot_id: str) -> None:
             "/name",
         )
     if robot.table is not None and robot_id not in (robot.name, id_from_name(robot.name)):
-        text = media_type(request) in (*PAR_TYPES, *PASTED_TYPES)
+        text = media_type(request) in (*PAR_TYPES, *PASTED_TYPES, *SPREADSHEET_TYPES)
         remedy = (
             say("give name={robot_id} in the query", robot_id=robot_id)
             if text

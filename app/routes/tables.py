@@ -9,7 +9,7 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from app.dependencies import RobotDep, ServicesDep
-from app.documents import XML_TYPES, robot_from_body
+from app.documents import BINARY, SPREADSHEET_TYPES, XML_TYPES, robot_from_body
 from app.http.bodies import read_body
 from app.http.csv_table import CsvForm
 from app.http.language import language_headers, language_of
@@ -183,6 +183,7 @@ def build_router(max_body: int) -> APIRouter:
                     "application/json": {"schema": {"$ref": REF.format(name="DHTable")}},
                     "application/yaml": {"schema": {"$ref": REF.format(name="DHTable")}},
                     "text/csv": {"schema": {"type": "string"}},
+                    **{kind: {"schema": BINARY} for kind in SPREADSHEET_TYPES},
                 },
             },
             "parameters": _parameters("to", "tip", "angle", *FORM, required=("to",)),

@@ -19,6 +19,7 @@ from ruamel.yaml.events import (
     ScalarEvent,
 )
 
+from dh_to_urdf.cells.decimal_commas import are_decimal, with_points
 from dh_to_urdf.documents.csv_words import column_of, type_of
 from dh_to_urdf.documents.limits import LIMIT_FIELDS
 from dh_to_urdf.documents.mapping import DEFAULT_NAME, read_mapping
@@ -253,6 +254,10 @@ def read_csv(
     twice, count = Counter(columns).most_common(1)[0]
     if count > 1:
         raise DHError.single((), say("the CSV header names {twice} twice", twice=quoted(twice)))
+    if "," not in _separator(lines):
+        french = any(column_of(word.strip().lower()) != word.strip().lower() for word in header)
+        if french or are_decimal(cell for record in records for cell in record):
+            records = [[with_points(cell) for cell in record] for record in records]
     rows = []
     for number, (line, record) in enumerate(zip(list(lines)[1:], records, strict=True)):
         if len(record) != len(columns):
@@ -284,11 +289,15 @@ def read_csv(
     return read_mapping(document, None if name == "" else DEFAULT_NAME, tuple(columns))
 
 
+def _separator(lines: Mapping[int, str]) -> str:
+    """Return what separates the cells of the header."""
+    return max(",;\t", key=next(iter(lines.values())).count)
+
+
 def _records(lines: Mapping[int, str]) -> list[list[str]]:
     """Split the lines into cells; refuse a quoted cell that goes on in the next line."""
     numbers, texts = list(lines), list(lines.values())
-    separator = max(",;\t", key=texts[0].count)
-    reader = csv.reader(texts, delimiter=separator, strict=True, skipinitialspace=True)
+    reader = csv.reader(texts, delimiter=_separator(lines), strict=True, skipinitialspace=True)
     records: list[list[str]] = []
     try:
         for record in reader:

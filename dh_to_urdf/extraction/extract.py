@@ -83,6 +83,10 @@ class Extraction:
     snap: float
 
 
+WIDE = 100.0
+"""Sizes of a chain beyond which limits of slides are taken to stand for none."""
+
+
 def extract(
     chain: SerialChain,
     convention: Convention,
@@ -154,13 +158,23 @@ def measure(chain: SerialChain, table: DHTable, configurations: int = CONFIGURAT
 
 
 def random_configurations(chain: SerialChain, count: int) -> Matrix:
-    """Return q = 0 and random q, shape (count, n), within limits, else ±π and ± the size."""
+    """Return q = 0 and random q, shape (count, n), within limits, else ±π and ± the size.
+
+    Of limits wider than a turn, or than :data:`WIDE` sizes, a part of that width around 0 or next
+    to it is taken: limits of ±999999 stand for none, and the sines of such angles lose digits.
+    """
     lower, upper = [], []
     for joint in chain.joints:
-        free = chain.size if joint.type is JointType.PRISMATIC else math.pi
+        slides = joint.type is JointType.PRISMATIC
+        free = chain.size if slides else math.pi
+        most = WIDE * free if slides else free
         low, high = joint.limits.lower, joint.limits.upper
-        lower.append(-free if low is None else low)
-        upper.append(free if high is None else high)
+        low, high = -free if low is None else low, free if high is None else high
+        if high - low > 2 * most:
+            middle = min(max(0.0, low + most), high - most)
+            low, high = middle - most, middle + most
+        lower.append(low)
+        upper.append(high)
     q = np.random.default_rng(0).uniform(lower, upper, (count, len(lower)))
     q[0] = 0.0
     return q

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+from dh_to_urdf.cells.decimal_commas import are_decimal, with_points
 from dh_to_urdf.cells.expressions import Cell, CellError, Quantity, cell_of_sum, parse_cell
 from dh_to_urdf.cells.values import Values
 from dh_to_urdf.documents.checks import Report
@@ -14,6 +15,7 @@ from dh_to_urdf.errors import quoted
 from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.latex import plain_cell
 from dh_to_urdf.pasted.raw_table import RawCell, RawTable
+from dh_to_urdf.pasted.stated_units import FACTORS, StatedUnits
 
 MAX_RAW_CELL: Final = 300
 TURN: Final = 2 * math.pi
@@ -26,8 +28,8 @@ ABSENT: Final = frozenset({"", "-", "–", "—", "−", "--", "---"})
 """Texts of cells that hold nothing."""
 ANY_VARIABLE: Final = frozenset({"*", "var", "var.", "variable"})
 """Texts that stand for the joint variable, whatever its name."""
-ANGLES: Final = {"rad": 1.0, "deg": math.pi / 180}
-LENGTHS: Final = {"m": 1.0, "mm": 1e-3}
+ANGLES: Final = ("rad", "deg")
+LENGTHS: Final = ("m", "mm")
 
 
 class CellReader:
@@ -40,19 +42,21 @@ class CellReader:
         warnings: What was assumed.
     """
 
-    def __init__(self, raw: RawTable, angle: str | None, length: str, values: Values) -> None:
+    def __init__(self, raw: RawTable, units: StatedUnits, values: Values) -> None:
         self.raw = raw
         self.values = values
         self.report = Report()
         self.warnings: list[str] = []
         self.numbers = list(range(1, len(raw.rows) + 1))
         """Number of the variable of each row; rows that do not move have none of their own."""
-        self._angle = angle
-        self._units = {
-            Quantity.ANGLE: ANGLES[angle or "rad"],
-            Quantity.LENGTH: LENGTHS[length],
-            Quantity.NUMBER: 1.0,
-        }
+        self._angle = units.angle
+        self._decimal_commas = are_decimal(
+            cell.text[:MAX_RAW_CELL]
+            for row in raw.rows
+            for key, cell in row.cells.items()
+            if cell.total is None and key not in ("index", "name", "type")
+        )
+        self._units = {quantity: units.factor(quantity) or 1.0 for quantity in Quantity}
 
     def add(self, k: int, cell: RawCell | None, message: str) -> None:
         """Note a fault of joint k (from 0), in a cell or in its row."""
@@ -97,6 +101,8 @@ class CellReader:
             )
             return None
         text = cell.text if cell.total is not None else plain_cell(cell.text)
+        if self._decimal_commas:
+            text = with_points(text)
         unit = cell.unit if cell.unit is not None else self._units[quantity]
         try:
             if cell.total is not None:
@@ -123,7 +129,7 @@ class CellReader:
                 ),
             )
             return None
-        if bare == TURN and unit == ANGLES["deg"] and abs(parsed.plain) > 360.0:
+        if bare == TURN and unit == FACTORS["deg"] and abs(parsed.plain) > 360.0:
             self.add(
                 k,
                 cell,
@@ -159,18 +165,34 @@ class CellReader:
         found = any(letter in letters for (letter, _), _ in parsed.terms)
         return parsed if found and known else None
 
-    def any_variable(self, cell: RawCell, column: str) -> int | None:
-        """Return the number of the joint variable in a cell; None for none."""
+    def variables(self, cell: RawCell | None, column: str) -> tuple[int | None, ...] | None:
+        """Return the numbers of the joint variables in a cell, None for one without number.
+
+        Args:
+            cell: The cell.
+            column: Its column: ``theta``, ``variable``, or that of the length along z.
+
+        Returns:
+            Empty for a cell without variable; None for one that cannot be read.
+        """
+        if cell is None or cell.text.strip() in ABSENT:
+            return ()
+        if len(cell.text) > MAX_RAW_CELL:
+            return None
+        text = cell.text if cell.total is not None else plain_cell(cell.text)
+        if text.lower() in ANY_VARIABLE:
+            return (None,)
+        letters = OWN_LETTERS["theta"] + OWN_LETTERS["d"] if column == "variable" else None
+        quantity = Quantity.LENGTH if column in ("d", "r") else Quantity.ANGLE
         try:
-            parsed = parse_cell(
-                plain_cell(cell.text),
-                Quantity.LENGTH if column in ("d", "r") else Quantity.ANGLE,
-                1.0,
-                self.values,
-            )
+            if cell.total is not None:
+                parsed = cell_of_sum(cell.total, quantity, 1.0, text, coupled=True)
+            else:
+                parsed = parse_cell(text, quantity, 1.0, self.values, coupled=True)
         except CellError:
             return None
-        return parsed.index if parsed.variable is not None else None
+        known = OWN_LETTERS[column] if letters is None else letters
+        return tuple(index for (letter, index), _ in parsed.terms if letter in known)
 
 
 def foreign_variable(

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from dh_to_urdf.cells.expressions import Quantity
 from dh_to_urdf.errors import quoted
 from dh_to_urdf.messages import say
+from dh_to_urdf.pasted.heading_words import key_of_words, symbol_among_words
 from dh_to_urdf.pasted.latex import plain_cell
 
+MAX_COLUMNS = 32
 MAX_HEADING = 100
 _SPELLINGS = {
     "index": "i j k n # no nr no. nr. num joint link axis row frame liaison links joints axes"
@@ -19,20 +22,22 @@ _SPELLINGS = {
     "name": "name nom jointname",
     "type": "type sigma σ jointtype kind",
     "alpha": "alpha α twist linktwist twistangle",
-    "a": "a linklength length",
+    "a": "a linklength",
     "d": "d linkoffset",
     "r": "r",
     "theta": "theta θ th jointangle",
-    "offset": "offset jointoffset qoffset",
+    "offset": "offset jointoffset qoffset décalage decalage",
     "variable": "q var variable jointvariable",
     "gamma": "gamma γ",
     "b": "b",
     "ant": "ant antecedent",
     "mu": "mu μ",
-    "sign": "sign",
-    "lower": "lower min qmin lowerlimit",
-    "upper": "upper max qmax upperlimit",
-    "velocity": "velocity",
+    "sign": "sign signe",
+    "mimic": "mimic suit",
+    "coupling": "coupling couplage",
+    "lower": "lower min qmin θmin thetamin lowerlimit",
+    "upper": "upper max qmax θmax thetamax upperlimit",
+    "velocity": "velocity vitesse",
     "effort": "effort",
 }
 _KEYS = {spelling: key for key, listed in _SPELLINGS.items() for spelling in listed.split()}
@@ -53,18 +58,20 @@ _UNITS = {
     **dict.fromkeys(("deg", "degree", "degrees", "degré", "degrés", "°"), _DEGREE),
     **dict.fromkeys(("rad", "radian", "radians"), 1.0),
     **dict.fromkeys(("m", "meter", "meters", "metre", "metres", "mètre", "mètres"), 1.0),
-    "cm": 1e-2,
-    "mm": 1e-3,
+    **dict.fromkeys(("cm", "centimeters", "centimetres", "centimètres"), 1e-2),
+    **dict.fromkeys(("mm", "millimeters", "millimetres", "millimètres", "millimeter"), 1e-3),
 }
-_UNIT = (
-    "degrees|degree|degrés|degré|deg|°|radians|radian|rad|mm|cm"
-    "|meters|metres|meter|metre|mètres|mètre|m"
-)
+_ANGLE_UNITS = {unit for unit in _UNITS if unit.startswith(("deg", "dég", "rad", "°"))}
+_UNIT = "|".join(sorted(_UNITS, key=len, reverse=True))
 _WITH_UNIT = re.compile(
-    rf"(?P<name>[^\[(/,°\s]+(?: [^\[(/,°\s]+)?)\s*(?:\(i(?:-1)?\)\s*)?"
-    rf"(?:\(\s*(?P<u1>{_UNIT})\s*\)|\[\s*(?P<u2>{_UNIT})\s*\]|[/,]\s*(?P<u3>{_UNIT})"
-    rf"|\s+(?:in )?(?P<u4>{_UNIT})|_(?P<u5>degrees|deg|rad|mm|cm)|(?P<u6>°))"
+    rf"(?P<name>[^\[(/,°\s]+(?: [^\[(/,°\s]+){{0,5}}?)\s*(?:\(i(?:-1)?\)\s*)?"
+    rf"(?:\(\s*(?:in |en )?(?P<u1>{_UNIT})\s*\)|\[\s*(?:in |en )?(?P<u2>{_UNIT})\s*\]"
+    rf"|[/,]\s*(?:in |en )?(?P<u3>{_UNIT})"
+    rf"|\s+(?:in |en )?(?P<u4>{_UNIT})|_(?P<u5>degrees|deg|rad|mm|cm)|(?P<u6>°))"
 )
+UNIT = re.compile(rf"[\[(]?\s*(?:in |en )?({_UNIT})\.?\s*[\])]?")
+"""A cell that is a unit."""
+_UNIT_AT_END = re.compile(rf"(.*\S)\s*[\[(]\s*(?:in |en )?({_UNIT})\s*[\])]")
 _SUBSCRIPT = re.compile(r"(?P<name>[^\W\d_]+)_?\(?(?P<sub>[ijkn](?P<previous>-1)?)\)?")
 
 
@@ -101,10 +108,13 @@ def read_heading(text: str, *, khalil: bool = False) -> Heading | None:
         return Heading("index", shown)
     unit = None
     match = _WITH_UNIT.fullmatch(plain)
+    bracket = _UNIT_AT_END.fullmatch(plain)
     if match and plain not in _KEYS:
         unit = next(unit for unit in match.groups()[1:] if unit)
         tail = plain[match.end("name") :]
         plain = match["name"] + ("(i-1)" if "(i-1)" in tail else "")
+    elif bracket:
+        plain, unit = bracket[1], bracket[2]
     name = plain.replace(" ", "")
     subscript = _SUBSCRIPT.fullmatch(name)
     key, sub = _KEYS.get(name), ""
@@ -113,8 +123,64 @@ def read_heading(text: str, *, khalil: bool = False) -> Heading | None:
         if key == "a" and khalil and not subscript["previous"]:
             key = "ant"
     if key is None:
+        key = key_of_words(plain)
+    if key is None:
+        symbol = symbol_among_words(plain)
+        inner = read_heading(symbol, khalil=khalil) if symbol is not None else None
+        if inner is None:
+            return None
+        key, sub = inner.key, inner.subscript
+    if (
+        unit
+        and key in COLUMN_QUANTITIES
+        and is_angle_unit(unit) != (COLUMN_QUANTITIES[key] is Quantity.ANGLE)
+    ):
         return None
     return Heading(key, shown, _UNITS[unit] if unit else None, sub)
+
+
+def is_heading(cells: Sequence[str], least: int = 2) -> bool:
+    """Return whether cells are a heading: each names a column, and of a table alpha and another.
+
+    Args:
+        cells: The cells.
+        least: Number of columns that must be named, besides those of numbers and names.
+    """
+    if len(cells) > MAX_COLUMNS:
+        return False
+    named: set[str] = set()
+    for cell in cells:
+        heading = read_heading(cell)
+        if heading is None:
+            return False
+        named.add(heading.key)
+    named -= {"index", "name", "ignored"}
+    return len(named) >= least and (least < 2 or "alpha" in named or len(named) > 2)
+
+
+def unit_of(cell: str) -> str | None:
+    """Return the unit that a cell is, ``""`` for an empty one, None for another."""
+    plain = plain_cell(cell).lower() if len(cell) < MAX_HEADING else "?"
+    if plain.strip("-–— ") == "":
+        return ""
+    found = UNIT.fullmatch(plain)
+    return found[1] if found else None
+
+
+def is_units(cells: Sequence[str]) -> bool:
+    """Return whether cells are a row of units."""
+    found = [unit_of(cell) for cell in cells]
+    return None not in found and any(found)
+
+
+def is_angle_unit(unit: str) -> bool:
+    """Return whether a unit is one of angles."""
+    return unit in _ANGLE_UNITS
+
+
+def unit_factor(unit: str) -> float:
+    """Return the factor of a unit to rad or m."""
+    return _UNITS[unit]
 
 
 def heading_problem(headings: list[Heading], convention: str) -> tuple[str, str]:

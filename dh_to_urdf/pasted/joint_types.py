@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from dh_to_urdf.cells.arithmetic import variable_of
 from dh_to_urdf.documents.joint_types import TYPE_ALIASES
@@ -20,7 +21,15 @@ _SPELLINGS = {
     JointType.FIXED: "2 fixe",
 }
 _TIP = re.compile(
-    r"(?:^|[^\w])(?:ee|e|g|t|tcp|tool|tip|hand|gripper|flange|end[ -]?effector)$", re.IGNORECASE
+    r"(?:^|[^\w])(?:ee|e|g|h|t|tcp|tool|tip|hand|gripper|flange|end[ _-]?eff(?:ector)?|wrist"
+    r"|outil|ot|organe terminal|effecteur|pince|bride|préhenseur"
+    r"|(?:tool|hand|end|tip) (?:frame|point|link)|werkzeug|flansch)$",
+    re.IGNORECASE,
+)
+_BASE = re.compile(
+    r"^(?:b|base|world|w|socle|bâti|ground|mount|base[ _]link|base frame|repère base|basis)\s*"
+    r"(?:$|[-–—→>]+\s*(?:0|1)$)",
+    re.IGNORECASE,
 )
 _TYPES = {
     spelling: type_ for type_, listed in _SPELLINGS.items() for spelling in listed.split()
@@ -38,7 +47,8 @@ def joint_types(cells: CellReader, z_column: str) -> list[JointType]:
         DHError: A type cannot be read or is open.
     """
     raw = cells.raw
-    cells.numbers = _variable_numbers(cells, z_column)
+    moving = moving_rows(cells, z_column)
+    cells.numbers = _variable_numbers(cells, z_column, moving)
     named = {
         column
         for k, row in enumerate(raw.rows)
@@ -48,14 +58,15 @@ def joint_types(cells: CellReader, z_column: str) -> list[JointType]:
     types = [_type(cells, k, row, z_column, named) for k, row in enumerate(raw.rows)]
     cells.report.raise_if_any()
     unknown = [k for k, type_ in enumerate(types) if type_ is None]
-    if unknown == [len(types) - 1] and named and _ends_chain(raw.rows[-1]):
-        types[-1], unknown = JointType.FIXED, []
+    for k in [k for k in unknown if not moving[k]]:
+        types[k] = JointType.FIXED
+        unknown.remove(k)
         cells.warnings.append(
             say(
-                "joint {count} (line {line}): the last row has no joint variable and is"
+                "joint {count} (line {line}): the row has no joint variable and is"
                 " read as one that does not move",
-                count=len(types),
-                line=raw.rows[-1].line,
+                count=k + 1,
+                line=raw.rows[k].line,
             )
         )
     if unknown and len(unknown) < len(types):
@@ -82,27 +93,81 @@ def joint_types(cells: CellReader, z_column: str) -> list[JointType]:
     return [type_ or JointType.REVOLUTE for type_ in types]
 
 
-def _variable_numbers(cells: CellReader, z_column: str) -> list[int]:
-    """Return the number of the variable of each row, from 1.
+def _variable_numbers(cells: CellReader, z_column: str, moving: list[bool]) -> list[int]:
+    """Return the number of the variable of each row, from 1, or from 0 where the text counts so.
 
-    Rows that a column says are fixed count only if the variables of the others count them.
+    Rows that do not move count only if the variables of the others count them.
     """
     rows = cells.raw.rows
-    fixed = [_is_fixed(row) for row in rows]
-    if not any(fixed):
-        return list(range(1, len(rows) + 1))
-    moving = [sum(not f for f in fixed[: k + 1]) for k in range(len(rows))]
-    for k, row in enumerate(rows):
-        if fixed[k] or moving[k] == k + 1:
-            continue
-        for column in ("theta", z_column, "variable"):
-            cell = row.cells.get(column)
-            if cell is None or len(cell.text) > MAX_RAW_CELL:
-                continue
-            found = cells.any_variable(cell, column)
-            if found is not None and found == moving[k]:
-                return moving
-    return list(range(1, len(rows) + 1))
+    counted = [sum(moving[: k + 1]) for k in range(len(rows))]
+    found = [_own_numbers(cells, row, z_column) for row in rows]
+    numbered = [(k, numbers) for k, numbers in enumerate(found) if moving[k] and numbers]
+    plain, by_order = list(range(1, len(rows) + 1)), counted
+    from_zero = [count - 1 for count in counted]
+    if numbered and all(from_zero[k] in own for k, own in numbered):
+        return from_zero
+    matches = [sum(numbers[k] in own for k, own in numbered) for numbers in (plain, by_order)]
+    return by_order if matches[1] and matches[1] >= matches[0] else plain
+
+
+def _own_numbers(cells: CellReader, row: RawRow, z_column: str) -> set[int]:
+    """Return the numbers of the variables in the cells of a row that may hold its own."""
+    found: set[int] = set()
+    for column in ("theta", z_column, "variable"):
+        numbers = cells.variables(row.cells.get(column), column)
+        found |= {number for number in numbers or () if number is not None}
+    return found
+
+
+def moving_rows(cells: CellReader, z_column: str) -> list[bool]:
+    """Return whether each row moves, as far as a column of types or the variables say.
+
+    A row without variable between rows with numbered ones does not move where the numbers leave it
+    out, and at the ends of the table where they count up to those of the others, or where the first
+    column names the base or the end of the arm. Other rows are taken to move.
+    """
+    rows = cells.raw.rows
+    moves = [not _is_fixed(row) for row in rows]
+    if any("type" in row.cells for row in rows):
+        return moves
+    held = [_held(cells, row, z_column) for row in rows]
+    with_variable = [k for k, numbers in enumerate(held) if numbers]
+    if not with_variable or None in held:
+        return moves
+    still = [
+        k
+        for k, numbers in enumerate(held)
+        if numbers == () and all(_is_given(rows[k], column) for column in ("theta", z_column))
+    ]
+    order = [_own_numbers(cells, rows[k], z_column) for k in with_variable]
+    counts = any(all(first + n in numbers for n, numbers in enumerate(order)) for first in (0, 1))
+    for k in still:
+        at_base, at_tip = k < with_variable[0], k > with_variable[-1]
+        if at_base:
+            ends = counts or _starts_chain(rows, k)
+        elif at_tip:
+            ends = _ends_chain(rows[k]) or (counts and not _label(rows[k]))
+        else:
+            ends = counts
+        if ends:
+            moves[k] = False
+    return moves
+
+
+def _is_given(row: RawRow, column: str) -> bool:
+    cell = row.cells.get(column)
+    return cell is not None and cell.text.strip() not in ABSENT
+
+
+def _held(cells: CellReader, row: RawRow, z_column: str) -> tuple[int | None, ...] | None:
+    """Return the variables of a row; None where a cell that may hold one cannot be read."""
+    found: tuple[int | None, ...] = ()
+    for column in ("theta", z_column, "variable"):
+        numbers = cells.variables(row.cells.get(column), column)
+        if numbers is None:
+            return None
+        found += numbers
+    return found
 
 
 def _is_fixed(row: RawRow) -> bool:
@@ -113,10 +178,22 @@ def _is_fixed(row: RawRow) -> bool:
     return _TYPES.get(word) is JointType.FIXED
 
 
+def _label(row: RawRow) -> str:
+    cell = row.cells.get("index") or row.cells.get("name")
+    return plain_cell(cell.text[:MAX_RAW_CELL]).strip() if cell is not None else ""
+
+
 def _ends_chain(row: RawRow) -> bool:
     """Return whether the first column names the end of the arm, as ``6->EE`` does."""
-    cell = row.cells.get("index") or row.cells.get("name")
-    return cell is not None and _TIP.search(plain_cell(cell.text[:MAX_RAW_CELL])) is not None
+    return _TIP.search(_label(row)) is not None
+
+
+def _starts_chain(rows: Sequence[RawRow], k: int) -> bool:
+    """Return whether the first column names the base, or numbers the row 0 before a row 1."""
+    label = _label(rows[k])
+    if _BASE.search(label):
+        return True
+    return label == "0" and k + 1 < len(rows) and _label(rows[k + 1]) == "1"
 
 
 def _type(

@@ -9,6 +9,8 @@ from __future__ import annotations
 import re
 import unicodedata
 
+from dh_to_urdf.pasted.programmed_cells import without_program
+
 MAX_DEPTH = 20
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}$^_~`]|[^\\{}$^_~`]", re.DOTALL)
 _GREEK = ("alpha", "beta", "gamma", "theta", "sigma", "mu", "pi", "phi", "varphi", "psi", "delta")
@@ -47,8 +49,9 @@ _CHARACTERS = {
     ord("⍺"): "α",
     ord("∗"): "*",
     ord("π"): "pi",
-    **dict.fromkeys(map(ord, "ϑϴΘƟɵӨөѲѳꝊꝋ"), "θ"),
-    **dict.fromkeys(map(ord, "ɑ∝"), "α"),
+    **dict.fromkeys(map(ord, "ϑϴΘƟɵӨөѲѳꝊꝋⲐⲑᎾⴱ⊖⊝ØøᶿѺѻ"), "θ"),
+    **dict.fromkeys(map(ord, "ɑ∝άὰάᾳⲁ⍶ᵅ"), "α"),
+    **{ord(c): plain for c, plain in zip("аԁАᴀ", "adAa", strict=True)},
     ord("√"): "sqrt",
 }
 _STARRED = re.compile(r"((?:theta|th|θ|q|d|r|t)_?\d*)\s*\*(?=\s*(?:$|[-+−)]))")
@@ -56,22 +59,22 @@ _FOOTNOTE = re.compile("(?<=[0-9.])(?=[₀-₉])")
 """Position between a number and a subscript, which is not one of its digits."""
 _BOLD = re.compile(r"^\*\*(.*)\*\*$")
 _CALLED = re.compile(r"(?<![^\W_])(theta|θ|q)\s?\(\s?(\d{1,3})\s?\)")
-_GENERIC = re.compile(r"(?<![^\W_])(theta|θ|q|d|r)_[ijk](?!\w)")
+_GENERIC = re.compile(r"(?<![^\W_])(?:(theta|θ|q|d|r)_|(θ))[ijk](?!\w)")
 
 
 def plain_cell(text: str) -> str:
     """Return a typeset cell as plain text, in time linear in its length."""
-    text = _FOOTNOTE.sub("_", text).translate(_CHARACTERS)
+    text = _FOOTNOTE.sub("_", without_program(text)).translate(_CHARACTERS)
     text = "".join(_plain_letter(c) for c in text)
     converted, _ = _Converter(_TOKEN.findall(text)).group(0)
     converted = _BOLD.sub(r"\1", " ".join(converted.split()))
     converted = _CALLED.sub(r"\1\2", converted)
-    return _GENERIC.sub(r"\1", _STARRED.sub(r"\1", converted)).strip()
+    return _GENERIC.sub(lambda found: found[1] or found[2], _STARRED.sub(r"\1", converted)).strip()
 
 
 def _plain_letter(character: str) -> str:
-    """Replace 𝜃 and other mathematical alphabets by plain letters."""
-    if 0x1D400 <= ord(character) <= 0x1D7FF:
+    """Replace 𝜃 and other mathematical alphabets, and wide letters, by plain ones."""
+    if 0x1D400 <= ord(character) <= 0x1D7FF or 0xFF01 <= ord(character) <= 0xFF5E:
         return unicodedata.normalize("NFKC", character)
     return character
 
@@ -110,7 +113,7 @@ class _Converter:
             inner, position = self.argument(position)
             return (f"_{inner}" if not inner or _BARE.fullmatch(inner) else f"_({inner})"), position
         if token == "^":
-            inner, position = self.argument(position)
+            inner, position = self.exponent(position)
             mark = inner.strip()
             if mark in ("°", "o"):
                 return "°", position
@@ -160,6 +163,18 @@ class _Converter:
         if self.tokens[position] == "{":
             return self.group(position + 1)
         return self.item(position)
+
+    def exponent(self, position: int) -> tuple[str, int]:
+        """Read what is raised: a group, a command, a mark, or a whole number with its sign."""
+        end = position
+        while end < len(self.tokens) and (
+            self.tokens[end].isdecimal()
+            or self.tokens[end] == "."
+            or (end == position and self.tokens[end] in ("-", "+"))
+        ):
+            end += 1
+        number = "".join(self.tokens[position:end])
+        return (number, end) if number.strip("+-") else self.argument(position)
 
     def follows_letter(self, position: int) -> bool:
         return position < len(self.tokens) and self.tokens[position][:1].isalpha()

@@ -7,13 +7,23 @@ from typing import Any
 
 from dh_to_urdf.errors import DHError, quoted
 from dh_to_urdf.messages import say
+from dh_to_urdf.pasted.pose_text import printed_pose
 from dh_to_urdf.pasted.source_tokens import closing, matrix_rows, text_of, tokens_of
 
 _NOTE = re.compile(
     r"^[ \t%#<>!*|\-]{0,20}(?:[^\W\d]\w{0,30}[ \t]?\.[ \t]?)?"
-    r"(base|tool)[ \t]{0,20}[=:][ \t]{0,20}(?=\S)",
+    r"(base|tool|outil)[ \t]{0,20}[=:][ \t]{0,20}(?=\S|\n[ \t]+[-\d])",
     re.IGNORECASE | re.MULTILINE,
 )
+_KEYS = {"base": "base", "tool": "tool", "outil": "tool"}
+_NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
+_WRITTEN = re.compile(
+    r"[ \t]?:[ \t]*(?:(?:identity|identité)[ \t]*$"
+    rf"|(?P<rows>(?:\n[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER}){{3}}[ \t]*){{4}})$)",
+    re.MULTILINE,
+)
+"""Base and tool as this service writes them in texts."""
+_POSE = re.compile(r"t[ \t]*=[^\n]{1,200}")
 _REST = re.compile(r"[ \t;>|\-]{0,20}$", re.MULTILINE)
 
 
@@ -35,7 +45,25 @@ def placement_notes(text: str) -> tuple[str, dict[str, Any]]:
     for match in _NOTE.finditer(text):
         if match.start() < kept:
             continue
-        key, line = match[1].lower(), text.count("\n", 0, match.start()) + 1
+        key, line = _KEYS[match[1].lower()], text.count("\n", 0, match.start()) + 1
+        written = _WRITTEN.match(text, match.end(1))
+        if written and key not in placements:
+            if written["rows"]:
+                lines = written["rows"].strip().splitlines()
+                placements[key] = {"matrix": [row.split() for row in lines]}
+            parts += [
+                text[kept : match.start()],
+                "\n" * text.count("\n", match.start(), written.end()),
+            ]
+            kept = written.end()
+            continue
+        pose = _POSE.match(text, match.end())
+        T = printed_pose(pose[0]) if pose else None
+        if pose and T is not None and key not in placements:
+            placements[key] = {"matrix": T.tolist()}
+            parts.append(text[kept : match.start()])
+            kept = pose.end()
+            continue
         if key in placements:
             raise DHError.single(
                 (key,), say("line {line}: {key} stands twice; keep one", line=line, key=key)

@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from dh_to_urdf.cells.arithmetic import Sum
+from dh_to_urdf.cells.expressions import Quantity
 from dh_to_urdf.documents.checks import NAME
 from dh_to_urdf.errors import DHError, quoted
 from dh_to_urdf.messages import say
-from dh_to_urdf.pasted.boxes import table_box
-from dh_to_urdf.pasted.grids import Line, grid_lines
-from dh_to_urdf.pasted.headings import KNOWN, Heading, heading_problem, read_heading
+from dh_to_urdf.pasted.grids import Line, grid_lines, words_beside
+from dh_to_urdf.pasted.headings import (
+    COLUMN_QUANTITIES,
+    KNOWN,
+    Heading,
+    heading_problem,
+    is_angle_unit,
+    is_units,
+    read_heading,
+    unit_factor,
+    unit_of,
+)
 from dh_to_urdf.table import Convention
 
 
@@ -59,12 +70,16 @@ class RawTable:
         typed: Whether rows without a type are revolute, as in the program of the text.
         name: Name of the robot, if the text has one.
         warnings: What was assumed.
+        notes: The words beside the table, which may say its units.
+        placed_in_m: Whether lengths of base and tool are in m whatever the unit of the table.
     """
 
     rows: list[RawRow]
     typed: bool = False
     name: str | None = None
     warnings: list[str] = field(default_factory=list)
+    notes: str = ""
+    placed_in_m: bool = False
 
 
 def table_from_grid(text: str, convention: Convention, columns: Sequence[str] | None) -> RawTable:
@@ -78,27 +93,150 @@ def table_from_grid(text: str, convention: Convention, columns: Sequence[str] | 
     Raises:
         DHError: No table, no heading, an unknown column, or rows of unequal lengths.
     """
-    text, passed = table_box(text)
-    lines = _without_blank_columns(grid_lines(text))
+    lines = grid_lines(text, None if columns is None else len(columns))
+    table = table_from_lines(lines, convention, columns)
+    table.notes = words_beside(text, lines)
+    return table
+
+
+def table_from_lines(
+    lines: list[Line], convention: Convention, columns: Sequence[str] | None = None
+) -> RawTable:
+    """Read a table of cells under a heading, or beside one.
+
+    Args:
+        lines: The cells.
+        convention: What the rows mean.
+        columns: Headings for a table that has none.
+
+    Raises:
+        DHError: As of :func:`table_from_grid`.
+    """
+    lines = _without_blank_columns(lines)
     if not lines:
         raise DHError.single((), say("the text holds no table; paste its heading and its rows"))
     if columns is not None:
         headings = headings_of(columns, convention, "columns")
         if len(lines) > 1 and _known(lines[0], convention) >= len(lines[0].cells):
             lines = lines[1:]
+        turned = len(lines) == len(headings) and {len(line.cells) for line in lines} != {len(lines)}
     else:
+        beside = _beside(lines, convention)
+        if beside is not None:
+            return _turned(lines, beside, convention)
         lines, headings = _headed(lines, convention)
+        turned = False
+    if lines and is_units(lines[0].cells) and len(lines[0].cells) == len(headings):
+        headings = [_with_unit(*pair) for pair in zip(headings, lines[0].cells, strict=True)]
+        lines = lines[1:]
+    if turned:
+        return _turned(lines, list(enumerate(headings)), convention)
     problem, warning = heading_problem(headings, convention.value)
     if problem:
         raise DHError.single((), problem)
     if _has_index(lines, headings):
         headings = [Heading("index", ""), *headings]
+    passed = [
+        say("column {heading} is left out", heading=quoted(heading.text))
+        for heading in headings
+        if heading.key == "ignored"
+    ]
     table = RawTable(
         [_row(line, headings) for line in lines],
         warnings=[*([warning] if warning else []), *passed],
     )
     _check_index(table)
     return table
+
+
+def _with_unit(heading: Heading, cell: str) -> Heading:
+    """Return a heading with the unit in the cell below it."""
+    unit = unit_of(cell)
+    if not unit:
+        return heading
+    quantity = COLUMN_QUANTITIES.get(heading.key)
+    if quantity is not None and (quantity is Quantity.ANGLE) != is_angle_unit(unit):
+        raise DHError.single(
+            (),
+            say(
+                "column {heading} has the unit {unit}, which is of another kind; mend the row of"
+                " units or leave it out",
+                heading=quoted(heading.text),
+                unit=quoted(unit),
+            ),
+        )
+    return replace(heading, unit=unit_factor(unit))
+
+
+def _beside(lines: list[Line], convention: Convention) -> list[tuple[int, Heading]] | None:
+    """Return the lines whose first cell names a parameter, where each joint is a column.
+
+    None where the first line, or one near it, is a heading, or the first column is none.
+    """
+    khalil = convention is Convention.KHALIL
+    found: list[tuple[int, Heading]] = []
+    for k, line in enumerate(lines):
+        heading = read_heading(line.cells[0], khalil=khalil) if line.cells else None
+        if heading is None or not line.cells[0].strip():
+            if k == 0:
+                continue
+            return None
+        if heading.key in ("index", "name"):
+            if k == 0:
+                continue
+            return None
+        found.append((k, heading))
+    named = {heading.key for _, heading in found}
+    if "alpha" not in named or len(named & set(COLUMN_QUANTITIES)) < 3 or len(found) != len(named):
+        return None
+    widths = {len(lines[k].cells) for k, _ in found}
+    first = lines[0]
+    if found[0][0] > 0 and len(first.cells) not in (*widths, *(w - 1 for w in widths)):
+        return None
+    return found if len(widths) == 1 and widths.pop() > 1 else None
+
+
+def _turned(
+    lines: list[Line], named: list[tuple[int, Heading]], convention: Convention
+) -> RawTable:
+    """Read a table whose joints are columns: each line begins with the name of a parameter."""
+    problem, warning = heading_problem([heading for _, heading in named], convention.value)
+    if problem:
+        raise DHError.single((), problem)
+    labelled = len(lines[named[0][0]].cells) > 1 and bool(
+        read_heading(lines[named[0][0]].cells[0]) and lines[named[0][0]].cells[0].strip()
+    )
+    start = int(labelled)
+    head = lines[0] if named[0][0] == 1 else None
+    unit_column = labelled and all(
+        len(lines[k].cells) > 2 and unit_of(lines[k].cells[1]) for k, _ in named
+    )
+    if unit_column:
+        start += 1
+        named = [(k, _with_unit(heading, lines[k].cells[1])) for k, heading in named]
+    rows = []
+    width = len(lines[named[0][0]].cells)
+    for column in range(start, width):
+        cells = {}
+        for k, heading in named:
+            if heading.key != "ignored":
+                cells[heading.key] = RawCell(
+                    lines[k].cells[column], heading.text, lines[k].number, heading.unit
+                )
+        if head is not None:
+            shift = len(head.cells) - width
+            label = head.cells[column + shift]
+            cells["index"] = RawCell(_number(label), "1", head.number)
+        rows.append(RawRow(lines[named[0][0]].number, cells))
+    table = RawTable(rows, warnings=[warning] if warning else [])
+    _check_index(table)
+    return table
+
+
+def _number(label: str) -> str:
+    """Return the number in a label such as ``Joint 1``, else the label."""
+    match = re.fullmatch(r"[^\W\d_]{1,20}[ .]{0,2}(\d{1,3})", label.strip())
+    return match[1] if match and read_heading(label.strip()[: match.start(1)]) else label
 
 
 def headings_of(texts: Sequence[str], convention: Convention, where: str) -> list[Heading]:
@@ -114,13 +252,14 @@ def headings_of(texts: Sequence[str], convention: Convention, where: str) -> lis
             raise DHError.single(
                 (),
                 say(
-                    "{where}: the column {text} is unknown; known are {known}",
+                    "{where}: the column {text} is unknown; known are {known}. Give it one of"
+                    " these names, or leave the column out if it says nothing of the geometry",
                     where=where,
                     text=quoted(text),
                     known=KNOWN,
                 ),
             )
-        if heading.key in [other.key for other in headings]:
+        if heading.key != "ignored" and heading.key in [other.key for other in headings]:
             raise DHError.single(
                 (),
                 say(
@@ -143,7 +282,8 @@ def _headed(lines: list[Line], convention: Convention) -> tuple[list[Line], list
     khalil = convention is Convention.KHALIL
     for position, line in enumerate(lines[:5]):
         found = [read_heading(cell, khalil=khalil) for cell in line.cells if cell.strip()]
-        named = {heading.key for heading in found if heading is not None} - {"index", "name"}
+        named = {heading.key for heading in found if heading is not None}
+        named -= {"index", "name", "ignored"}
         if len(named) < 2 or ("alpha" not in named and len(named) < 3):
             continue
         headings = headings_of(line.cells, convention, say("line {number}", number=line.number))
@@ -201,6 +341,7 @@ def _row(line: Line, headings: list[Heading]) -> RawRow:
         {
             heading.key: RawCell(cell, heading.text, line.number, heading.unit)
             for heading, cell in zip(headings, line.cells, strict=True)
+            if heading.key != "ignored"
         },
     )
 

@@ -59,7 +59,7 @@ def _row(cells: CellReader, k: int, row: RawRow, type_: JointType, z_column: str
         if key in ("index", "name"):
             _add_name(item, key, cell)
             continue
-        if key in ("sign", "ant", "mu"):
+        if key in ("sign", "ant", "mu", "mimic", "coupling"):
             item[key] = plain_cell(cell.text[:MAX_RAW_CELL])
             continue
         if key == own and plain_cell(cell.text[:MAX_RAW_CELL]).lower() in ANY_VARIABLE:

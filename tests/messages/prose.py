@@ -31,6 +31,7 @@ FILES = {
     "dh_to_urdf/writer.py": "URDF",
     "dh_to_urdf/par/writer.py": "SYMORO's comments",
     "dh_to_urdf/pasted/writer.py": "MATLAB, LaTeX and Markdown",
+    "dh_to_urdf/pasted/heading_words.py": "words that are read",
     "dh_to_urdf/pasted/headings.py": "words that are read",
     "dh_to_urdf/pasted/joint_types.py": "words that are read",
     "dh_to_urdf/pasted/programs/attributes.py": "names of functions that are read",

@@ -10,6 +10,7 @@ from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.programs import (
     array_functions,
     bodies,
+    frames,
     harmless,
     library,
     links,
@@ -194,6 +195,8 @@ def _call_library(
         if name != "hypot":
             return numbers.combined("**", one, two)
         return number(math.hypot(numbers.real(one), numbers.real(two)))
+    if name == "DataFrame" and not has_part(arguments, keywords):
+        return frames.data_frame(arguments, keywords)
     if name in library.ONE_NUMBER and len(arguments) == 1:
         return array_functions.of_one(name, arguments[0])
     if name in library.ARRAYS:

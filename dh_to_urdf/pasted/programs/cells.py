@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.messages import say
+from dh_to_urdf.pasted.latex import plain_cell
 from dh_to_urdf.pasted.programs.refusals import refused
 from dh_to_urdf.pasted.programs.values import Opaque, Placed, Scalar, Unresolved
 from dh_to_urdf.pasted.raw_table import RawCell
@@ -32,6 +33,11 @@ def raw_cell(placed: Placed, column: str, unit: float | None = None) -> RawCell:
             ),
         )
     if isinstance(value, Unresolved):
+        if plain_cell(value.name) != value.name:
+            # The name of an unknown factor must not be read as the whole cell.
+            raise refused(
+                line, say("{column} has an unknown name {name}", column=column, name=value.name)
+            )
         return RawCell(value.name, column, line, unit)
     return RawCell(text_of(value), column, line, unit, value)
 

@@ -47,8 +47,10 @@ MAX_STEPS = 60_000
 MAX_NESTED = 120
 """Evaluations within one another, calls of functions included."""
 _CONSTANTS: dict[str, Value] = {
-    "pi": PI,
-    "π": PI,
+    **dict.fromkeys(("pi", "π", "PI", "Pi", "M_PI"), PI),
+    "M_PI_2": Sum(angle=PI.angle / 2, has_angle=True),
+    "M_PI_4": Sum(angle=PI.angle / 4, has_angle=True),
+    "deg": Sum(angle=PI.angle / 180, has_angle=True),
     "inf": number(float("inf")),
     "Inf": number(float("inf")),
     "tau": Sum(angle=2 * PI.angle, has_angle=True),

@@ -12,8 +12,13 @@ from dh_to_urdf.pasted.programs.matlab_source import read_matlab
 from dh_to_urdf.pasted.programs.python_source import read_python
 from dh_to_urdf.pasted.programs.tree import Program
 
-MATRIX = re.compile(r"(?:^|[=(\s])\[\s*[-+\d.\[(]|\.array\s*\(|^[ \t]*\[", re.MULTILINE)
-"""A matrix in brackets."""
+MATRIX = re.compile(
+    r"(?:^|[=(\s])\[\s*(?:[-+\d.\[(]|(?:np\.|math\.)?(?:pi|PI|M_PI\w*|sqrt|deg2rad)\b|q\d)"
+    r"|\.array\s*\(|^[ \t]*\[|[=(\[]\s*\{\s*['\"]"
+    r"|^[ \t]*\{\s*['\"]|\bDataFrame\s*\(",
+    re.MULTILINE,
+)
+"""A matrix in brackets, or a dictionary of columns."""
 CALL = re.compile(
     r"\b(?:Link|LinkDH|DHLink|Revolute|Prismatic|RevoluteDH|PrismaticDH|RevoluteMDH|PrismaticMDH"
     r"|SerialLink|DHRobot|rigidBodyJoint|setFixedTransform)\s*\((?!\s*[ijkn]\s*\))"

@@ -41,6 +41,7 @@ KNOWN = frozenset(
         "pow",
         "power",
         "super",
+        "DataFrame",
         "object",
         "handle",
     }

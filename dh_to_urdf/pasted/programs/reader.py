@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,9 +9,9 @@ import numpy as np
 
 from dh_to_urdf.cells.arithmetic import Sum
 from dh_to_urdf.cells.values import Values
-from dh_to_urdf.documents.checks import NAME
-from dh_to_urdf.errors import DHError, quoted
+from dh_to_urdf.errors import DHError
 from dh_to_urdf.messages import say
+from dh_to_urdf.pasted.names import name_of
 from dh_to_urdf.pasted.placement_notes import placement_notes
 from dh_to_urdf.pasted.programs import selection, tables
 from dh_to_urdf.pasted.programs.cells import raw_cell
@@ -36,7 +35,6 @@ from dh_to_urdf.pasted.raw_table import RawCell, RawRow, RawTable
 from dh_to_urdf.poses import Matrix, rigid_transform
 from dh_to_urdf.table import Convention
 
-_FOREIGN = re.compile(r"[^\w .+:-]", re.ASCII)
 _INFINITE = float("inf")
 
 
@@ -75,11 +73,12 @@ def table_from_program(
         if robot is None or (columns is not None and not robot.links):
             found = tables.table_of(machine, program.comments, convention, columns)
             found.warnings += machine.warnings
+            found.placed_in_m = True
             return found, _notes(machine, program.comments, length)
     except RecursionError:
         raise DHError.single((), say("the program is nested too deeply")) from None
-    table = RawTable([], typed=True, warnings=list(machine.warnings))
-    table.name = _name(robot, table.warnings)
+    table = RawTable([], typed=True, warnings=list(machine.warnings), placed_in_m=True)
+    table.name = name_of(robot.name, table.warnings)
     for link in robot.links:
         _check_convention(convention, link, robot)
         table.rows.append(_row(link))
@@ -120,19 +119,6 @@ def _unused_notes(machine: Statements, robot: Robot) -> list[str]:
                 )
             )
     return warnings
-
-
-def _name(robot: Robot, warnings: list[str]) -> str | None:
-    """Return the name of a robot, without characters that names here do not have."""
-    if robot.name is None or NAME.fullmatch(robot.name):
-        return robot.name
-    name = _FOREIGN.sub("_", robot.name)[:64].strip(" ._-+:")
-    if not name or not NAME.fullmatch(name):
-        return None
-    warnings.append(
-        say("the name {robot} is written {name}", robot=quoted(robot.name), name=quoted(name))
-    )
-    return name
 
 
 def _row(link: Link) -> RawRow:

@@ -7,17 +7,17 @@ from collections.abc import Sequence
 
 from dh_to_urdf.errors import DHError, DHSyntaxError, quoted
 from dh_to_urdf.messages import say
-from dh_to_urdf.pasted.grids import MAX_COLUMNS
-from dh_to_urdf.pasted.headings import Heading, heading_problem, read_heading
-from dh_to_urdf.pasted.programs.arrays import as_array
+from dh_to_urdf.pasted.headings import MAX_COLUMNS, Heading, heading_problem
+from dh_to_urdf.pasted.programs import column_names
+from dh_to_urdf.pasted.programs.arrays import as_array, transposed
 from dh_to_urdf.pasted.programs.cells import raw_cell
 from dh_to_urdf.pasted.programs.execution import Statements
+from dh_to_urdf.pasted.programs.frames import table_of_frames
 from dh_to_urdf.pasted.programs.tree import Comment
-from dh_to_urdf.pasted.programs.values import Array, Items, Placed, Unread, Value
+from dh_to_urdf.pasted.programs.values import Array, Items, Placed, Scalar, Unread, Value
 from dh_to_urdf.pasted.raw_table import RawRow, RawTable, headings_of
 from dh_to_urdf.table import Convention
 
-_COLUMN_NAME = re.compile(r"(?:dh_?|link_?)?(a|d|r|alpha|theta|offset|sigma|type|gamma|b)s?")
 _KEY = re.compile(r"(alpha|theta|q|a|d|r)_?([0-9]{1,3})")
 
 
@@ -40,9 +40,18 @@ def table_of(
     """
     arrays = _arrays(machine)
     wide = [(name, a) for name, a in arrays if not a.flat and a.shape[1] >= 3 and a.elements]
-    several = [(name, a) for name, a in wide if a.shape[0] > 1] or wide
+    several = [(name, a) for name, a in wide if a.shape[0] > 1]
+    lists = _of_lists(arrays, convention)
+    if lists is not None and columns is None:
+        table, found_lists = lists
+        if all(_is_made_of(array, found_lists) for _, array in several):
+            return table
+    framed = table_of_frames((*machine.scopes[-1].values(), *machine.loose), convention)
+    if framed is not None and not several:
+        return framed
+    several = several or ([] if lists else wide)
     if not several:
-        found = _of_dictionary(machine, convention) or _of_lists(arrays, convention)
+        found = _of_dictionary(machine, convention)
         if found is not None:
             return found
         raise DHSyntaxError.single(
@@ -111,7 +120,7 @@ def _of_matrix(
         raise DHError.single(
             (), say("a row has over {max_columns} elements", max_columns=MAX_COLUMNS)
         )
-    headings = _headings(comments, convention, columns)
+    array, headings = _headings(array, comments, convention, columns)
     problem, warning = heading_problem(headings, convention.value)
     if problem:
         raise DHError.single((), problem)
@@ -140,20 +149,26 @@ def _of_matrix(
 
 
 def _headings(
-    comments: Sequence[Comment], convention: Convention, columns: Sequence[str] | None
-) -> list[Heading]:
-    """Return the columns as given, or as a comment names them."""
+    array: Array,
+    comments: Sequence[Comment],
+    convention: Convention,
+    columns: Sequence[str] | None,
+) -> tuple[Array, list[Heading]]:
+    """Return a matrix with a row a joint, and its columns as given, or as a comment names them."""
+    high, wide = array.shape
     if columns is not None:
-        return headings_of(columns, convention, "columns")
-    khalil = convention is Convention.KHALIL
-    for comment in comments:
-        if len(comment.text) > 300:
-            continue
-        text = comment.text.lstrip("%# \t[").rstrip("] ")
-        words = [word for word in re.split(r"[\s,|;&]+", text) if word]
-        found = [read_heading(word, khalil=khalil) for word in words]
-        if len(words) >= 3 and all(found):
-            return headings_of(words, convention, say("line {line}", line=comment.line))
+        found = headings_of(columns, convention, "columns")
+        turned = len(found) == high and len(found) != wide
+        return (transposed(array) if turned else array), found
+    of_each = column_names.of_rows(comments, array.lines) if len(array.lines) == high else None
+    if of_each is not None and high > 2:
+        return transposed(array), of_each
+    found_in = column_names.in_comments(comments, (wide,))
+    if found_in is not None:
+        return array, found_in
+    found_in = column_names.in_comments(comments, (high,)) if high > 2 else None
+    if found_in is not None:
+        return transposed(array), found_in
     raise DHError.single(
         (),
         say(
@@ -163,14 +178,26 @@ def _headings(
     )
 
 
-def _of_lists(arrays: Sequence[tuple[str, Array]], convention: Convention) -> RawTable | None:
-    """Return a table of lists ``a = […]``, ``d = […]``, ``alpha = […]``; None for none."""
+def _is_made_of(array: Array, lists: Sequence[Sequence[Scalar]]) -> bool:
+    """Return whether every row, or every column, of a matrix is one of the lists."""
+    rows = [list(row) for row in array.rows]
+    columns = [list(column) for column in zip(*array.rows, strict=True)]
+    known = [list(one) for one in lists]
+    return all(row in known for row in rows) or all(column in known for column in columns)
+
+
+def _of_lists(
+    arrays: Sequence[tuple[str, Array]], convention: Convention
+) -> tuple[RawTable, list[tuple[Scalar, ...]]] | None:
+    """Return a table of lists ``a = […]``, ``d = […]``, ``alpha = […]``, and the lists."""
     found: dict[str, tuple[str, Array]] = {}
+    units: dict[str, float | None] = {}
     for name, array in arrays:
-        match = _COLUMN_NAME.fullmatch(name.lower())
-        key = "type" if match and match[1] == "sigma" else match[1] if match else ""
-        if not key or 1 not in array.shape:
+        heading = column_names.column_of_variable(name)
+        if heading is None or 1 not in array.shape:
             continue
+        key = heading.key
+        units[key] = heading.unit
         if key in found:
             raise DHError.single(
                 (),
@@ -194,13 +221,13 @@ def _of_lists(arrays: Sequence[tuple[str, Array]], convention: Convention) -> Ra
     table = RawTable([])
     for k in range(sizes.pop()):
         cells = {
-            key: raw_cell(Placed(array.elements[k], array.line or 1), name)
+            key: raw_cell(Placed(array.elements[k], array.line or 1), name, units[key])
             for key, (name, array) in found.items()
         }
         table.rows.append(RawRow(k + 1, cells))
     if "type" not in found and "theta" not in found:
         table.typed = True
-    return table
+    return table, [array.elements for _, array in found.values()]
 
 
 def _of_dictionary(machine: Statements, convention: Convention) -> RawTable | None:

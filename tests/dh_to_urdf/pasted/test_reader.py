@@ -669,7 +669,7 @@ def test_the_whole_print_of_a_robot_of_the_toolbox():
     assert [(row.d, row.a) for row in table.rows] == [(0.4, 0.3), (0, 0.2)]
     assert table.warnings == ("line 10: the box of named configurations is left out",)
     tool = "\n┌──────┬──────────┐\n│ tool │ t = 0, 0 │\n└──────┴──────────┘\n"
-    with pytest.raises(DHError, match="line 16: the box with base and tool"):
+    with pytest.raises(DHError, match="line 16: the box says of the tool"):
         read_pasted(PRINT + tool, "standard")
 
 
@@ -682,7 +682,7 @@ def test_a_last_row_to_the_end_of_the_arm_does_not_move():
     for last in ("2->EE", "2->G", "2 -> tool", "end-effector"):
         table = read_pasted(text.format(last), "modified")
         assert [row.type.value for row in table.rows] == ["revolute", "revolute", "fixed"]
-        assert "the last row has no joint variable" in table.warnings[0]
+        assert "the row has no joint variable" in table.warnings[0]
     with pytest.raises(DHError, match="no cell holds the joint variable"):
         read_pasted(text.format("2->3"), "modified")
 
