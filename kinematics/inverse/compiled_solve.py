@@ -9,7 +9,6 @@ import numpy as np
 from kinematics.compiled import inner, jit
 from kinematics.inverse.closed_form import Kind, parallel_axes, planar, spherical_wrist
 from kinematics.inverse.closed_form.candidates import (
-    ENOUGH,
     WORK,
     Candidates,
     FormConstants,
@@ -24,16 +23,16 @@ from kinematics.inverse.criteria import (
     last_start,
     reached,
 )
-from kinematics.inverse.damped_least_squares import conclude, errors_at, near_seed, told
+from kinematics.inverse.damped_least_squares import conclude, near_seed, told
 from kinematics.inverse.damped_step import LOWER, TURN, UPPER
 from kinematics.inverse.lanes.descent import measure, put_target, room_at, rows_of_room
-from kinematics.inverse.lanes.problem import Problem, problem_of
+from kinematics.inverse.lanes.problem import problem_of
 from kinematics.inverse.lanes.starts import first_start, later_starts
 from kinematics.inverse.lanes.targets import FOUND, PENDING
 from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, unpacked
 from kinematics.inverse.task_error import residual
 from kinematics.kernels import Array
-from kinematics.lanes.memory import lane_memory, past, pointer, store
+from kinematics.lanes.memory import lane_memory, past, start_of, store
 from kinematics.lanes.vector import LANES, eight_lanes
 
 SPHERICAL_WRIST, PARALLEL_AXES, PLANAR = 0, 1, 2
@@ -111,12 +110,7 @@ def _nearest(
 
 @inner
 def _closed(
-    constants: SolverConstants,
-    problem: Problem,
-    criteria: Criteria,
-    target: Array,
-    seed: Array,
-    answer: Array,
+    constants: SolverConstants, criteria: Criteria, target: Array, seed: Array, answer: Array
 ) -> bool:
     """Put the closed-form solution nearest to the seed, and its two errors, into the answer.
 
@@ -142,12 +136,6 @@ def _closed(
         index = _nearest(candidates, count, limits, chain.is_revolute, criteria, seed, answer)
         if index < 0:
             return False
-        # The answer has the candidate now, within the limits; most are as exact as they can be.
-        position, rotation = errors_at(problem, pointer(target), pointer(answer))
-        exact = math.sqrt(position) + math.sqrt(rotation) <= ENOUGH
-        if exact and reached(criteria, position, rotation):
-            answer[K], answer[K + 1] = math.sqrt(position), math.sqrt(rotation)
-            return True
         candidate = candidates.q[index]
         if improve(chain, target, candidate, errors[index], work):
             position, rotation = errors[index, 0] ** 2, errors[index, 1] ** 2
@@ -189,10 +177,10 @@ def solve_one(
     """
     ending, problem = criteria_from(criteria), problem_of(P)
     asked = int(P[2]) != NUMERIC and ending.steps > 0.0 and first == 0
-    if asked and _closed(unpacked(P), problem, ending, target, seed, answer):
+    if asked and _closed(unpacked(P), ending, target, seed, answer):
         return 0, 0, CONVERGED, answer[problem.n], answer[problem.n + 1]
-    G, origin = pointer(target), pointer(seed)
-    best = past(pointer(answer), problem.n + 2)
+    G, origin = start_of(target), start_of(seed)
+    best = past(start_of(answer), problem.n + 2)
     last, steps, s, converged = last_start(P, ending, G), 0, first, False
     if first == 0:
         steps, converged = first_start(problem, ending, G, origin, best)
@@ -203,7 +191,7 @@ def solve_one(
         )
         steps += more
     code = CONVERGED if converged else GIVEN_UP if s >= last else OUT_OF_STEPS
-    more, code = conclude(P, problem, ending, G, origin, code, pointer(answer))
+    more, code = conclude(P, problem, ending, G, origin, code, start_of(answer))
     return steps + more, s, code, answer[problem.n], answer[problem.n + 1]
 
 
@@ -221,11 +209,11 @@ def solve_closed(
         answers: Filled as ``answer`` of :func:`solve_one`; shape (n, 2 K + 5).
         ends: Filled: steps, last start, code, which is ``PENDING`` of the others; shape (n, 3).
     """
-    constants, problem, ending = unpacked(P), problem_of(P), criteria_from(criteria)
+    constants, ending = unpacked(P), criteria_from(criteria)
     asked = constants.kind != NUMERIC and ending.steps > 0.0
     for i in range(len(targets)):
         ends[i, 0] = ends[i, 1] = 0
-        found = asked and _closed(constants, problem, ending, targets[i], seed, answers[i])
+        found = asked and _closed(constants, ending, targets[i], seed, answers[i])
         ends[i, 2] = CONVERGED if found else PENDING
 
 
@@ -244,15 +232,15 @@ def conclude_many(
         ends: Codes from ``FOUND`` on become codes of answers; shape (n, 3).
     """
     ending, problem, like = criteria_from(criteria), problem_of(P), eight_lanes()
-    n, origin, first = problem.n, pointer(seed), pointer(answers)
+    n, origin, first = problem.n, start_of(seed), start_of(answers)
     memory = lane_memory(rows_of_room(n, problem.K), LANES)
     memory[:] = 0.0
-    room = room_at(pointer(memory), n, problem.K, LANES)
+    room = room_at(start_of(memory), n, problem.K, LANES)
     waiting, count = np.zeros(LANES, np.int64), 0
     for i in range(len(targets)):
         if ends[i, 2] >= FOUND:
             code, ends[i, 2] = ends[i, 2] - FOUND, CONVERGED
-            G, answer = past(pointer(targets), 16 * i), past(first, i * (2 * n + 5))
+            G, answer = past(start_of(targets), 16 * i), past(first, i * (2 * n + 5))
             if code != CONVERGED:
                 more, code = conclude(P, problem, ending, G, origin, code, answer)
                 ends[i, 0] += more
@@ -274,7 +262,7 @@ def conclude_many(
             store(room.progress, 1, rotations)
             for lane in range(count):
                 position, rotation = room.progress[lane], room.progress[LANES + lane]
-                G = past(pointer(targets), 16 * waiting[lane])
+                G = past(start_of(targets), 16 * waiting[lane])
                 errors = past(first, waiting[lane] * (2 * n + 5) + n)
                 ends[waiting[lane], 2] = told(P, ending, G, CONVERGED, position, rotation, errors)
             count = 0

@@ -36,7 +36,7 @@ from kinematics.inverse.lanes.descent import (
 )
 from kinematics.inverse.lanes.problem import Problem
 from kinematics.kernels import Array
-from kinematics.lanes.memory import Pointer, past, pointer, store
+from kinematics.lanes.memory import Pointer, past, start_of, store
 from kinematics.lanes.vector import one_lane, splat
 
 
@@ -56,7 +56,7 @@ def settle(problem: Problem, criteria: Criteria, G: Pointer, best: Pointer) -> i
     """
     n, K, like = problem.n, problem.K, one_lane()
     memory = np.empty(rows_of_room(n, K))
-    room = room_at(pointer(memory), n, K, 1)
+    room = room_at(start_of(memory), n, K, 1)
     put_target(room, 0, 1, G, best, n)
     damping = DAMPING * best[n] + FLOOR
     iteration = 0
@@ -90,7 +90,7 @@ def errors_at(problem: Problem, G: Pointer, q: Pointer) -> tuple[float, float]:
     """Return the squares of position and rotation error at q, m² and rad²."""
     n, K = problem.n, problem.K
     memory = np.empty(rows_of_room(n, K))
-    room = room_at(pointer(memory), n, K, 1)
+    room = room_at(start_of(memory), n, K, 1)
     put_target(room, 0, 1, G, q, n)
     for k in range(n):
         room.q[k] = q[k]

@@ -11,9 +11,9 @@ from kinematics.lanes.memory import (
     gather,
     lane_memory,
     load,
-    pointer,
     scatter,
     scatter_four,
+    start_of,
     store,
 )
 from kinematics.lanes.vector import LANES, Vector, eight_lanes, splat
@@ -62,11 +62,11 @@ def forward_many(links: Array, places: Array, Q: Array, out: Array) -> None:
     """
     like, n, K = eight_lanes(), len(Q), len(places)
     memory, rows, poses = lane_memory(K + 1, LANES), _filled_up(Q), _filled_up(out)
-    q = pointer(memory)
+    q = start_of(memory)
     for i in range(0, len(rows) if n > 0 else 0, LANES):
         first = min(i, len(rows) - LANES)
         _values(rows, first, places, q, like)
-        _put_poses(walk(pointer(links), K, q, None, like), first, poses, like)
+        _put_poses(walk(start_of(links), K, q, None, like), first, poses, like)
     memory[0, 0] = 0.0  # the memory is in use until here
     if n < LANES:
         out[:] = poses[:n]
@@ -112,13 +112,13 @@ def jacobian_many(links: Array, places: Array, Q: Array, poses: Array, out: Arra
     like, n, K = eight_lanes(), len(Q), len(places)
     dof, rows = Q.shape[1], _filled_up(Q)
     memory = lane_memory(7 * K + 1, LANES)
-    q, axes = pointer(memory), pointer(memory[K:])
+    q, axes = start_of(memory), start_of(memory[K:])
     filled, J = _filled_up(poses), _filled_up(out)
     for i in range(0, len(rows) if n > 0 else 0, LANES):
         first = min(i, len(rows) - LANES)
         _values(rows, first, places, q, like)
-        pose = walk(pointer(links), K, q, axes, like)
-        columns(pointer(links), K, axes, pose, like)
+        pose = walk(start_of(links), K, q, axes, like)
+        columns(start_of(links), K, axes, pose, like)
         _put_poses(pose, first, filled, like)
         for row in range(6):
             _put_row(axes, row, places, first, row * dof, J, like)

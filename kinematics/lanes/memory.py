@@ -17,13 +17,13 @@ from kinematics.kernels import Array
 from kinematics.lanes.vector import DOUBLE, INT32, INT64, LANES, built, floats
 
 Pointer = Any
-"""The address of floats; see :func:`pointer`."""
+"""The address of floats; see :func:`start_of`."""
 POINTER = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
 
 
 @built
-def pointer(context: Any, array: Any) -> Any:
-    """Return the address of a C-contiguous array of floats; ``pointer[i]`` is its i-th number.
+def start_of(context: Any, array: Any) -> Any:
+    """Return the address of a C-contiguous array of floats, of which ``[i]`` is the i-th number.
 
     The array must be in use after the last use of its address.
     """

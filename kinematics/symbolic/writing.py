@@ -252,9 +252,9 @@ class Writing:
             found["det_jacobian"] = self.determinant.simplified
         if self.inverse is not None and self.inverse.written:
             found["inverse_jacobian"] = self.inverse.simplified
-        if self.model is not None:
-            found["inverse"] = True
-        found |= {q.value: False for q in self.left_out}
+        # An inverse model has one form only, or there is none for any time.
+        missing = [Quantity.INVERSE] if self.no_inverse is not None else []
+        found |= {q.value: False for q in self.left_out if q not in missing}
         if self.request.notation in CODE:
             found["code"] = self._shared
         return found

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from kinematics.compiled import inner
 from kinematics.inverse.solver_constants import layout_of
 from kinematics.kernels import Array
-from kinematics.lanes.memory import Pointer, past, pointer
+from kinematics.lanes.memory import Pointer, past, start_of
 
 
 class Problem(NamedTuple):
@@ -39,7 +39,7 @@ class Problem(NamedTuple):
 @inner
 def problem_of(P: Array) -> Problem:
     """Return the parts of packed constants; the array must be in use as long as they are."""
-    layout, start = layout_of(P), pointer(P)
+    layout, start = layout_of(P), start_of(P)
     return Problem(
         layout.n,
         layout.K,

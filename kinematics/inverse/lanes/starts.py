@@ -15,7 +15,7 @@ from kinematics.inverse.lanes.descent import (
     steps_of,
 )
 from kinematics.inverse.lanes.problem import Problem
-from kinematics.lanes.memory import Pointer, lane_memory, pointer
+from kinematics.lanes.memory import Pointer, lane_memory, start_of
 from kinematics.lanes.vector import LANES, eight_lanes, one_lane
 
 
@@ -37,7 +37,7 @@ def first_start(
     """
     n, K = problem.n, problem.K
     memory = np.empty(rows_of_room(n, K))
-    room = room_at(pointer(memory), n, K, 1)
+    room = room_at(start_of(memory), n, K, 1)
     put_target(room, 0, 1, G, seed, n)
     put_start(room, 0, 1, problem, 0, seed)
     converged = ended = 0
@@ -81,7 +81,7 @@ def later_starts(
     """
     n, K = problem.n, problem.K
     memory = lane_memory(rows_of_room(n, K), LANES)
-    room = room_at(pointer(memory), n, K, LANES)
+    room = room_at(start_of(memory), n, K, LANES)
     for lane in range(LANES):
         put_target(room, lane, LANES, G, seed, n)
         put_start(room, lane, LANES, problem, 0, seed)

@@ -21,7 +21,7 @@ from kinematics.inverse.lanes.descent import (
 )
 from kinematics.inverse.lanes.problem import problem_of
 from kinematics.kernels import Array
-from kinematics.lanes.memory import past, pointer
+from kinematics.lanes.memory import past, start_of
 from kinematics.lanes.vector import LANES, eight_lanes
 
 PENDING = -1
@@ -49,7 +49,7 @@ def _hand_in(
 ) -> None:
     """Write what a lane has found into the row of its target."""
     i = state[ROW, lane]
-    found = past(pointer(answers), i * (2 * n + 5) + n + 2)
+    found = past(start_of(answers), i * (2 * n + 5) + n + 2)
     for k in range(n + 3):
         found[k] = room.best[k * LANES + lane]
     ends[i, 0], ends[i, 1], ends[i, 2] = state[SPENT, lane], state[START, lane], FOUND + code
@@ -94,8 +94,8 @@ def advance(
         The next target to take.
     """
     problem, ending, like = problem_of(P), criteria_from(criteria), eight_lanes()
-    n, origin = problem.n, pointer(seed)
-    room = room_at(pointer(memory), n, problem.K, LANES)
+    n, origin = problem.n, start_of(seed)
+    room = room_at(start_of(memory), n, problem.K, LANES)
     row, end, is_last, stop = rows[0], rows[1], rows[2] != 0, rows[3] != 0
     if stop:
         for lane in range(LANES):
@@ -111,7 +111,7 @@ def advance(
                     row += 1
                 if row >= end:
                     break
-                G = past(pointer(targets), row * 16)
+                G = past(start_of(targets), row * 16)
                 put_target(room, lane, LANES, G, origin, n)
                 put_start(room, lane, LANES, problem, 0, origin)
                 state[ROW, lane], state[START, lane], state[SPENT, lane] = row, 0, 0

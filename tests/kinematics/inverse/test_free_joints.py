@@ -1,5 +1,7 @@
 """Singular targets that leave a joint free: the solution shown is within the limits if one is."""
 
+import json
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -33,7 +35,7 @@ def robot():
         )
     ]
     return robot_from_table(
-        read_json({"name": "elbow", "convention": "standard", "joints": joints})
+        read_json(json.dumps({"name": "elbow", "convention": "standard", "joints": joints}))
     )
 
 

@@ -12,9 +12,9 @@ from kinematics.lanes.memory import (
     lane_memory,
     load,
     past,
-    pointer,
     scatter,
     scatter_four,
+    start_of,
     store,
 )
 from kinematics.lanes.trigonometry import angle, angle_over_sine, sine_cosine
@@ -40,7 +40,7 @@ ROWS = 20
 
 @jit
 def every_operation(a, b, out, like):
-    A, B, O = pointer(a), pointer(b), pointer(out)
+    A, B, O = start_of(a), start_of(b), start_of(out)
     for row in range(a.shape[0]):
         x, y = load(A, row, like), load(B, row, like)
         base = past(O, ROWS * row * out.shape[1])
@@ -122,7 +122,7 @@ def on_eight(x, y, out):
 
 @jit
 def _trigonometry(x, quarters, out, like):
-    X, O = pointer(x), pointer(out)
+    X, O = start_of(x), start_of(out)
     for row in range(x.shape[0]):
         s, c = sine_cosine(load(X, row, like), quarters)
         base = past(O, 4 * row * out.shape[1])
@@ -190,8 +190,8 @@ def test_quarter_turns_are_exact(quarters):
 def across(A, out, room):
     like = eight_lanes()
     for k in range(4):
-        store(pointer(room), k, gather(A, 2, k, like))
-    M = pointer(room)
+        store(start_of(room), k, gather(A, 2, k, like))
+    M = start_of(room)
     x, y, z, w = load(M, 0, like), load(M, 1, like), load(M, 2, like), load(M, 3, like)
     scatter_four(out, 1, 2, x, y, z, w)
     scatter(out, 1, 0, y)

@@ -188,6 +188,7 @@ def test_matlab_of_known_arms(name, tmp_path):
 
 @pytest.mark.skipif(OCTAVE is None, reason="no GNU Octave")
 @pytest.mark.parametrize("name", CLASSES)
+@pytest.mark.slow
 def test_matlab_of_random_tables(name, tmp_path):
     table = random_table(name, seed=7)
     judge = Judge(robot_from_table(table))
