@@ -94,6 +94,11 @@ class Service:
         files = (str(path.relative_to(self.folder)) for path in self.folder.rglob("*"))
         return [robot["id"] for robot in listed["robots"]], sorted(files)
 
+    def clear(self) -> None:
+        """Deletes what a case has left, so that the next one is judged by itself."""
+        for robot_id in {*self.stored()[0]} - {*self.at_first[0]}:
+            self.client.send(Sent("DELETE", f"/v1/robots/{robot_id}", "overwrite=true"))
+
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
@@ -116,6 +121,14 @@ def test_there_are_as_many_as_are_promised():
     assert len({case.name for case in (*REFUSED, *ACCEPTED)}) == len(REFUSED) + len(ACCEPTED)
 
 
+@pytest.fixture
+def cleared(service: Service) -> Iterator[None]:
+    """Each case is judged by itself, whatever one before it has left."""
+    yield
+    service.clear()
+
+
+@pytest.mark.usefixtures("cleared")
 @pytest.mark.parametrize("case", REFUSED, ids=named)
 def test_it_is_refused_in_clear_words_and_nothing_is_left(service, case):
     with service.quickly():
@@ -125,6 +138,7 @@ def test_it_is_refused_in_clear_words_and_nothing_is_left(service, case):
         assert service.stored() == service.at_first
 
 
+@pytest.mark.usefixtures("cleared")
 @pytest.mark.parametrize("case", ACCEPTED, ids=named)
 def test_it_is_taken(service, case):
     with service.quickly():

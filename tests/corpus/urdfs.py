@@ -248,7 +248,7 @@ SLIPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "xacro left": (
         OUTSIDE,
         '<xacro:arm xmlns:xacro="http://www.ros.org/wiki/xacro"/></robot>',
-        ("expand the xacro",),
+        ("xacro is never evaluated",),
     ),
     "xacro undeclared": (OUTSIDE, "<xacro:arm/></robot>", ("xacro",)),
     "include": (OUTSIDE, '<include filename="b.urdf"/></robot>', ("<include>",)),
@@ -377,7 +377,7 @@ WHOLE: dict[str, tuple[bytes, tuple[str, ...]]] = {
     "instructions": (b"<?a?>" * 300_000, ("no element",)),
     "CDATA that is not closed": (b"<robot><![CDATA[" + b"]" * 500_000, ("CDATA",)),
     "one tag of a megabyte": (b"<" + b"r" * 1_000_000 + b"/>", ("name is too long",)),
-    "one attribute of a megabyte": (b"<robot name='" + b"r" * 1_000_000 + b"'/>", ("128",)),
+    "one attribute of a megabyte": (b"<robot name='" + b"r" * 1_000_000 + b"'/>", ("no <link>",)),
 }
 MESHES = (
     "/etc/passwd",
@@ -430,10 +430,10 @@ MESH_FILES = {
 ODD_BUT_RIGHT: dict[str, tuple[bytes, tuple[str, ...]]] = {
     "as it is": (ARM.encode(), ()),
     "mass missing": (ARM.replace('<mass value="2"/>', "").encode(), ("<inertial> is incomplete",)),
-    "inertia missing": (ARM.replace('ixx="0.1" ', "").encode(), ("<inertial> is incomplete",)),
+    "inertia missing": (ARM.replace('ixx="0.1" ', "").encode(), ("<inertial>", "ixx")),
     "cone": (
         ARM.replace('<cylinder radius="0.1" length="0.4"/>', "<cone/>").encode(),
-        ("<cone> in <geometry> is no shape",),
+        ("cone",),
     ),
     "mesh scale of one": (
         ARM.replace('upper.stl"', 'upper.stl" scale="1"').encode(),
@@ -595,16 +595,52 @@ ODD_BUT_RIGHT: dict[str, tuple[bytes, tuple[str, ...]]] = {
 }
 
 
+FORGIVEN = {
+    "two limits": ("shoulder", "2 equal <limit>"),
+    "planar": ("wrist", "planar"),
+    "links in a group": ("<group>",),
+    "text between tags": ("'oops'",),
+    "unknown kinds": ("<k0>",),
+    "mass nan": ("upper", "'nan'"),
+    "mass negative": ("upper", "mass", "negative"),
+    "mass 1e308": ("upper", "beyond"),
+    "mass empty": ("upper", "<mass>"),
+    "inertia nan": ("upper", "'nan'"),
+    "inertia negative": ("upper", "negative"),
+    "inertial twice": ("upper", "2 <inertial>"),
+    "radius nan": ("upper", "'nan'"),
+    "radius negative": ("upper", "radius", "negative"),
+    "length missing": ("upper", "length"),
+    "box of two": ("upper", "size of <box>"),
+    "no geometry": ("upper", "left out"),
+    "two geometries": ("upper", "2 <geometry>"),
+    "mesh without a name": ("upper", "filename"),
+    "mesh scale nan": ("upper", "'nan'"),
+    "colour of three": ("left out",),
+    "XML 1.1": (),
+    "late declaration": ("XML declaration",),
+    "declared twice": ("XML declaration",),
+    "declared twice, apart": ("XML declaration",),
+    "1,001 shapes": ("shapes beyond 1000",),
+}
+"""Slips of drawing and decoration, which are told in a warning."""
+
+
+def _documents() -> dict[str, tuple[bytes, tuple[str, ...]]]:
+    documents = {name: (changed(old, new), words) for name, (old, new, words) in SLIPS.items()}
+    return documents | WHOLE
+
+
 def refused() -> Iterator[Case]:
     """Every document through one of the doors, in turn."""
-    documents = {name: (changed(old, new), words) for name, (old, new, words) in SLIPS.items()}
-    documents |= WHOLE
+    documents = {name: one for name, one in _documents().items() if name not in FORGIVEN}
     documents |= {
         f"too large: {name}": (text.encode(), (words[-8:],))
         for name, (text, words) in too_large().items()
     }
     for k, (name, (document, words)) in enumerate(documents.items()):
-        yield _through(k, f"urdf: {name}", document, words)
+        # Of text in JSON the encoding does not matter.
+        yield _through(0 if "declared" in name else k, f"urdf: {name}", document, words)
     path = f"/v1/robots?name={MINE}"
     for name, (kind, content) in MESH_FILES.items():
         yield body(f"mesh file: {name}", path, content, 415, "send", kind=kind)
@@ -664,3 +700,7 @@ def accepted() -> Iterator[Case]:
     for name, (document, words) in ODD_BUT_RIGHT.items():
         path = f"/v1/robots?name={MINE}"
         yield body(f"urdf, right: {name}", path, document, 201, *words, kind=XML)
+    documents = _documents()
+    for name, words in FORGIVEN.items():
+        document = documents[name][0]
+        yield body(f"urdf, forgiven: {name}", path, document, 201, *words, kind=XML)
