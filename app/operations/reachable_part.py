@@ -6,7 +6,7 @@ from typing import Literal, NotRequired, TypedDict
 
 from app.http.units import Units
 from app.operations.joint_values import joint_values_view
-from app.operations.shapes import EachNumber, Vector
+from app.operations.shapes import Vector
 from kinematics.inverse.reachable import Reachable
 from robots.robot import Robot
 
@@ -19,7 +19,7 @@ class ReachableView(TypedDict):
     """
 
     q: Vector
-    joint_values: NotRequired[dict[str, EachNumber]]
+    joint_values: NotRequired[dict[str, float]]
     given_up: list[Literal["position", "direction_of_tool_axis", "rotation_about_tool_axis"]]
     position_error: float
     orientation_error: float

@@ -3612,63 +3612,13 @@ export interface components {
             position_error: number[];
             q: number[][];
             random_seed: number;
-            reachable?: components["schemas"]["ReachableViewBatch"][];
+            reachable?: components["schemas"]["ReachableView"][];
             restarts: number[];
             seed: number[];
             status: ("converged" | "not_converged" | "timeout" | "unreachable")[];
             task: string;
             time_budget_ms: number;
             tolerance: components["schemas"]["ToleranceView"];
-            /** @description Units of the answer: {"angle": …, "length": "m"}. */
-            units: {
-                [key: string]: string;
-            };
-            warnings: string[];
-        };
-        /**
-         * ReachableViewBatch
-         * @description A q within the limits that reaches a part of a target; errors in m and rad.
-         *
-         *         ``given_up``: what it does not reach. ``direction_error``: of the tool's axis z alone;
-         *         ``rotation_error``: about it, with its sign.
-         */
-        ReachableViewBatch: {
-            direction_error: number;
-            given_up: ("direction_of_tool_axis" | "position" | "rotation_about_tool_axis")[];
-            joint_values?: {
-                [key: string]: number[];
-            };
-            orientation_error: number;
-            position_error: number;
-            q: number[];
-            rotation_error?: number;
-        };
-        /**
-         * IKSolutionsAnswerBatch
-         * @description All solutions, the closest to the seed first, those within the limits before the others.
-         *
-         *         ``complete`` says that mathematics knows no others (but for whole turns). ``free`` names joints
-         *         that a singular branch leaves free; they have the seed's value. ``multiplicity``, where it is
-         *         above 1: how many solutions meet there, as two do where an arm is stretched. ``beyond_limits``,
-         *         where there are some, names the joints beyond their limits. ``explanation``, where no solution
-         *         is within the limits: why, as far as it is proved; ``forbidden``: the same for programs;
-         *         ``reachable``: what of the target is reached instead, the nearest orientation first.
-         *         ``self_motion``, of an arm with more joints than the task needs: the curves of solutions that
-         *         these are on.
-         */
-        IKSolutionsAnswerBatch: {
-            columns: string[];
-            complete: boolean;
-            description: string;
-            explanation?: string[];
-            forbidden?: components["schemas"]["ForbiddenView"];
-            frame: string;
-            method: string;
-            reachable?: components["schemas"]["ReachableViewBatch"][];
-            seed: number[];
-            self_motion?: components["schemas"]["SelfMotionView"];
-            solutions: components["schemas"]["IKSolutionView"][];
-            task: string;
             /** @description Units of the answer: {"angle": …, "length": "m"}. */
             units: {
                 [key: string]: string;
