@@ -24,7 +24,7 @@ SMALL = 1e-4
 
 BIG = 1e6
 """Numbers from here on are written with exponents, too."""
-BY_NAME = frozenset({"poses", "joint_values", "messages", "left_out", "definitions", "values"})
+BY_NAME = frozenset({"q", "poses", "joint_values", "messages", "left_out", "definitions", "values"})
 """Fields whose entries go by names of frames, joints or methods, which are said as they are."""
 NOISE = 1e-12
 """What is smaller is rounding, and is written as 0."""

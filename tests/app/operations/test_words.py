@@ -110,9 +110,13 @@ def test_an_orientation_that_a_scara_cannot_reach(client):
     body = {"target": {"position": [0.4, 0.2, 0.3], "rpy": [0, 0, 30]}}
     answer = post(client, "/v1/robots/scara/ik", body, angle="deg")
     assert answer["status"] == "unreachable"
-    tilted, alone = answer["explanation"]
+    tilted, alone, *more = answer["explanation"]
     assert "misses it by 180° at least" in tilted
     assert "the position alone is within reach" in alone
+    assert len(more) == 1, more
+    best = answer["reachable"][0]
+    assert best["position_error"] < 1e-6
+    assert best["orientation_error"] == pytest.approx(3.141592653589793)
     found = post(client, "/v1/robots/scara/ik/solutions", body, angle="deg")
     assert found["solutions"] == []
     assert found["explanation"] == answer["explanation"]

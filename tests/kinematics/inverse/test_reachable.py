@@ -149,8 +149,8 @@ def test_no_better_orientation_at_the_position(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
-def test_no_better_orientation_at_100_positions(name):
-    compare(name, 100, 12, 2)
+def test_no_better_orientation_at_20_positions(name):
+    compare(name, 20, 12, 2)
 
 
 @pytest.mark.parametrize("name", ARMS)
