@@ -185,7 +185,12 @@ def test_bad_urdfs(client, urdf, words):
         ("singularity", {"q": [0, 0], "task": [1, 1]}, "/task", ["six"]),
         ("ik", {}, "/target", ["target"]),
         ("ik", {"target": {}}, "/target/position", ["position"]),
-        ("ik", {"target": {"position": [0, 0, 0]}}, "/target", ["orientation", "task position"]),
+        (
+            "ik",
+            {"target": {"position": [0, 0, 0]}, "task": "pose"},
+            "/target",
+            ["orientation", "task position"],
+        ),
         ("ik", {"target": {"position": [0, 0, 0], "rpy": [0, 0]}}, "/target/rpy", ["give 3"]),
         ("ik", {"target": {"matrix": [[1]]}}, "/target/matrix", ["four rows"]),
         (
@@ -298,8 +303,8 @@ def test_curl_d_is_taught_to_be_curl_json(client):
     answer = client.post("/v1/robots", content=b"{}", headers=form)
     check(answer, 415, "", "--json")
     # Also beside parameters that only other types have.
-    html = {"Content-Type": "text/html"}
-    answer = client.post("/v1/dh-to-urdf?convention=dh", content=b"a", headers=html)
+    pdf = {"Content-Type": "application/pdf"}
+    answer = client.post("/v1/dh-to-urdf?convention=dh", content=b"a", headers=pdf)
     check(answer, 415, "", "text/plain")
 
 
