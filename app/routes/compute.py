@@ -52,6 +52,8 @@ PLAIN = Units()
 EMPTY: Mapping[str, str] = MappingProxyType({})
 INLINE_BYTES = 4_000
 """Bodies above this are read in a thread, so that they do not delay other requests."""
+TRIED = "denavit.tried"
+"""Entry of the scope of a request of which it is known that it takes longer than microseconds."""
 TARGET_BYTES = 1_000
 """Room for one of many targets."""
 
@@ -166,7 +168,10 @@ class Computation:
         )
         form = _form_of(request, asking.wanted)
         asked = self.form.resolved(decoded, asking.reading)
-        return self._short(asked, form, _context(request, asking, services))
+        response = self._short(asked, form, _context(request, asking, services))
+        if response is None:
+            request.scope[TRIED] = True
+        return response
 
     def _asking(
         self, request: Request, stored: StoredRobot, settings: Settings, by_query: bool
@@ -255,7 +260,7 @@ class Computation:
         if size > INLINE_BYTES:
             return await work.answered(read, size)
         asked = read()
-        if asking.wanted != NDJSON:
+        if asking.wanted != NDJSON and TRIED not in request.scope:
             response = self._short(asked, form, context)
             if response is not None:
                 return response

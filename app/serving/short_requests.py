@@ -21,6 +21,7 @@ from app.access.hosts import AllowedHosts, allowed_hosts
 from app.access.wiring import is_open
 from app.middleware.request_id import RequestIds
 from app.operations.operation import Runs
+from app.routes.compute import INLINE_BYTES, Computation
 from app.telemetry.lines import REQUEST_ID
 from app.telemetry.observed import Records
 from app.telemetry.tracing import asked_for
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from uvicorn._types import HTTPScope
 
     from app.dependencies import Services
-    from app.routes.compute import Computation
 
 PLAIN = frozenset(
     (
@@ -44,8 +44,6 @@ PLAIN = frozenset(
 """Headers that are known to be looked at by the pieces here, or by none."""
 ONCE = (b"accept", b"accept-language", b"content-length", b"content-type", b"host")
 """Of which two in one request would be looked at by the ordinary way."""
-MAX_BYTES = 4_000
-"""Of a body or query that is read at once."""
 OK = 200
 
 
@@ -127,7 +125,7 @@ class ShortRequests:
         if len(parts) != 5 or parts[2] != "robots" or parts[1] != "v1" or parts[0]:
             return None
         found = self._computations.get(parts[4])
-        if found is None or len(scope["query_string"]) > MAX_BYTES:
+        if found is None or len(scope["query_string"]) > INLINE_BYTES:
             return None
         method = scope["method"]
         headers: dict[bytes, bytes] = {}
@@ -141,7 +139,7 @@ class ShortRequests:
         if method == "POST":
             if kind != b"application/json" or length is None or not length.isdigit():
                 return None
-            if len(length) > 4 or int(length) > MAX_BYTES:
+            if len(length) > 4 or int(length) > INLINE_BYTES:
                 return None
         elif method != "GET" or length is not None or kind is not None:
             return None

@@ -10,7 +10,7 @@ import pytest
 from app.dependencies import Services
 from app.middleware.request_id import RequestIds
 from app.operations import OPERATIONS
-from app.routes.compute import Computation
+from app.routes.compute import TRIED, Computation
 from app.serving.short_requests import short_requests
 from app.settings import Settings
 from app.telemetry.observed import Records
@@ -122,6 +122,15 @@ def test_errors_and_robots_that_are_not_loaded_go_the_ordinary_way(short):
     assert short.answer(found, b'{"q": [0, 0]}') is None
     assert short.answer(found, b"{") is None
     assert short.answer(short.find(scope(path="/v1/robots/none/fk")), BODY) is None
+
+
+def test_what_takes_longer_is_tried_once(short):
+    """A target out of reach: the attempt on the event loop is not made again."""
+    short.services.store.get("puma560")
+    found = short.find(scope(path="/v1/robots/puma560/ik", content_length="40"))
+    body = b'{"target": {"matrix": [[1,0,0,9],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}}'
+    assert short.answer(found, body) is None
+    assert found.scope[TRIED]
 
 
 def both_ways(connection, sent):
