@@ -13,7 +13,7 @@ from numba.core.registry import cpu_target
 
 from kinematics import kernel_cache
 from kinematics.compiled import inner, jit
-from kinematics.inverse.damped_least_squares import descend
+from kinematics.inverse.damped_least_squares import settle
 from kinematics.kernel_cache import (
     SharedCache,
     choose_folder,
@@ -100,7 +100,7 @@ def test_what_one_process_compiled_the_next_one_loads(folder):
 
 def test_machine_code_is_found_by_the_package_and_its_sources():
     """Not by the path and the time of a file: a tree may be moved, copied or checked out anew."""
-    locator = SharedCache(descend.py_func)._impl.locator
+    locator = SharedCache(settle.py_func)._impl.locator
     assert Path(locator.get_cache_path()) == Path(numba.config.CACHE_DIR, "kinematics.inverse")
     assert locator.get_source_stamp() == kernel_cache.DIGEST
     own = SharedCache(double)._impl.locator
