@@ -55,8 +55,12 @@ def skeleton_of(robot: Robot, q: FloatArray) -> Skeleton:
     """
     q = configuration(robot, q)
     frames = fk(robot, q, robot.frames)
+    # A tool is on the frame that is computed for; the links end where they do without it.
+    bare = frames if robot.bare is robot else fk(robot.bare, q, robot.frames)
     table = robot.table
-    bones = _bones_of_table(table, frames) if table else _bones_of_links(robot, frames)
+    bones = _bones_of_table(table, bare) if table else _bones_of_links(robot.bare, bare)
+    if bare is not frames:
+        bones = (*bones, _straight(bare[robot.tip_frame], frames[robot.tip_frame]))
     origins, axes = _joints(robot, q)
     turns = np.array([joint.type.is_revolute for joint in robot.moving])
     return Skeleton(frames, bones, origins, axes, turns)

@@ -82,7 +82,7 @@ def build_tree(robot: Robot) -> Tree:
         joints.append(TreeJoint(column, parent - 1, placement, is_revolute))
         alignments.append(alignment)
     frames = {}
-    for name in robot.frames:
+    for name in dict.fromkeys((*robot.frames, robot.base_frame)):
         frame = model.frames[robot.frame_id(name)]
         joint_id = int(frame.parentJoint)
         frames[name] = (joint_id - 1, alignments[joint_id].T @ frame.placement.homogeneous)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from dh_to_urdf import DHError, table_to_urdf
 from dh_to_urdf.couplings import moving_joints, uncoupled
 from dh_to_urdf.extraction.axes import SerialChain
 from dh_to_urdf.extraction.dependences import depending
 from dh_to_urdf.extraction.urdf_chain import read_chain
+from dh_to_urdf.poses import Matrix
 from robots.errors import InvalidURDF, UnknownFrame
-from robots.robot import Robot
+from robots.robot import Mounting, Robot
 from robots.urdf import read_urdf
 
 
@@ -19,7 +21,7 @@ def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None
 
     Args:
         robot: The robot.
-        base: Frame to start from; default its base frame.
+        base: Frame to start from; default its base frame, of an installed robot the world.
         tip: Frame to end at; default its tip frame.
 
     Raises:
@@ -29,11 +31,14 @@ def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None
     for role, name in (("base", base), ("tip", tip)):
         if name is not None:
             robot.frame_id(name, role)
-    base, tip, table = base or robot.base_frame, tip or robot.tip_frame, robot.table
+    mounting = robot.mounting or Mounting(robot.base_frame)
+    stands = None if base else mounting.base
+    base, tip, table = base or mounting.base_frame, tip or robot.tip_frame, robot.table
     if table is None or not table.is_coupled:
-        return _chain(robot.urdf, base, tip)
+        return _mounted(_chain(robot.urdf, base, tip), stands, mounting.tool)
     chain = _chain(table_to_urdf(uncoupled(table)), base, tip)
-    return _read(lambda: depending(chain, moving_joints(table)[0]))
+    chain = _read(lambda: depending(chain, moving_joints(table)[0]))
+    return _mounted(chain, stands, mounting.tool)
 
 
 def chain_of_urdf(
@@ -56,6 +61,17 @@ def chain_of_urdf(
         if name is not None and name not in description.links:
             raise UnknownFrame(name, description.links, role)
     return _chain(description.canonical, base or description.root, tip or description.default_tip())
+
+
+def _mounted(chain: SerialChain, base: Matrix | None, tool: Matrix | None) -> SerialChain:
+    """Return a chain from the world to the tool."""
+    if base is not None:
+        first, *others = chain.joints
+        first = replace(first, placement=base @ first.placement)
+        chain = replace(chain, joints=(first, *others))
+    if tool is not None:
+        chain = replace(chain, tip_placement=chain.tip_placement @ tool)
+    return chain
 
 
 def _chain(text: str, base: str, tip: str) -> SerialChain:

@@ -112,6 +112,25 @@ class UnknownFrame(RobotError):
         )
 
 
+class WrongLimits(RobotError):
+    """Limits of an installation that do not fit the robot.
+
+    Attributes:
+        joint: The joint that they are given for.
+        bound: Which of them; empty for all.
+    """
+
+    def __init__(self, message: str, joint: str, bound: str = "") -> None:
+        self.joint = joint
+        self.bound = bound
+        super().__init__(message)
+
+    @property
+    def location(self) -> Location:
+        """Where they stand among the caller's arguments."""
+        return ("limits", self.joint, *((self.bound,) if self.bound else ()))
+
+
 class RobotNotFound(RobotError):
     """No robot has this id.
 

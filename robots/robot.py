@@ -30,6 +30,21 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
+class Mounting:
+    """Where an installed robot stands, and what it carries.
+
+    Attributes:
+        base_frame: The base frame of the robot itself.
+        base: Its pose in the world, 4x4, m; None: the world is that frame.
+        tool: Pose of the tool in each frame, 4x4, m; None: there is none.
+    """
+
+    base_frame: str
+    base: FloatArray | None = None
+    tool: FloatArray | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Robot:
     """A robot that can be computed on.
 
@@ -52,6 +67,8 @@ class Robot:
         doubts: Those of them about values that are probably meant in another unit, which every
             computation tells.
         coupled: The values of all joints that move; None where every one of them is an entry of q.
+        mounting: Of an installed robot, where it stands and what it carries.
+        without_tool: Of a robot with a tool on its frames, the same with bare frames.
     """
 
     name: str
@@ -67,8 +84,15 @@ class Robot:
     warnings: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
     coupled: CoupledJoints | None = None
+    mounting: Mounting | None = None
+    without_tool: Robot | None = None
     _frame_ids: Mapping[str, int] = field(default_factory=dict, repr=False)
     _local: threading.local = field(default_factory=threading.local, repr=False, compare=False)
+
+    @property
+    def bare(self) -> Robot:
+        """Return the robot whose frames carry no tool: itself, but for an installed one."""
+        return self.without_tool or self
 
     @property
     def dof(self) -> int:

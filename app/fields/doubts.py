@@ -57,6 +57,11 @@ class RequestDoubts:
         self._found: Doubts | None = None
         self._outside: list[str] = []
 
+    def about(self, robot: Robot) -> None:
+        """Go on with a robot as the request has it installed, and tell its own doubts too."""
+        self.told = (*self.told, *(one for one in robot.doubts if one not in self.robot.doubts))
+        self.robot = robot
+
     @property
     def warnings(self) -> list[str]:
         """Warnings for the answer, the gravest first."""

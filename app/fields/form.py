@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from typing import Annotated, Any, Generic, TypeVar, get_args, get_origin, get_type_hints
 
@@ -10,10 +11,12 @@ import msgspec
 from numpy.typing import NDArray
 
 from app.fields.field import KEY, Field, Parameter, Reading
+from app.fields.installation import InstallationFields
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import COMPUTED
 from app.http.strict_json import decode_json, validation_problem
 from dh_to_urdf.messages import say
+from robots.installation import Installation, installed
 
 R = TypeVar("R", bound=msgspec.Struct)
 PLAIN = Field()
@@ -38,6 +41,7 @@ class RequestForm(Generic[R]):
 
     Args:
         request: Its type, whose annotations declare the fields.
+        installed: Whether base, tool and limits of the robot may be given besides.
 
     Attributes:
         fields: The declaration of each field.
@@ -46,13 +50,20 @@ class RequestForm(Generic[R]):
         parameters: Parameters of the GET form by name, each with the field that it belongs to.
     """
 
-    def __init__(self, request: type[R]) -> None:
+    def __init__(self, request: type[R], *, installed: bool = False) -> None:
         self.request = request
         types = get_type_hints(request, include_extras=True)
-        self.fields = {name: declaration(types[name]) for name in request.__struct_fields__}
+        told = msgspec.structs.fields(request)
+        shared: tuple[str, ...] = ()
+        if installed:
+            shared = InstallationFields.__struct_fields__
+            types |= get_type_hints(InstallationFields, include_extras=True)
+            told += msgspec.structs.fields(InstallationFields)
+        self.fields = {info.name: declaration(types[info.name]) for info in told}
+        self._installation = tuple((name, self.fields[name], (name,)) for name in shared)
         self._wires: dict[str, Any] = {}
         defaults: dict[str, Any] = {}
-        for info in msgspec.structs.fields(request):
+        for info in told:
             field = self.fields[info.name]
             self._wires[info.name] = _wire_type(types[info.name], field)
             defaults[info.name] = _default_on_wire(info, field)
@@ -71,7 +82,8 @@ class RequestForm(Generic[R]):
             for parameter in field.parameters
         }
         # q before other long fields: what does not fit q does not fit the robot.
-        ordered = sorted(self.fields.items(), key=lambda item: (item[1].late, item[0] != "q"))
+        own = [(name, self.fields[name]) for name in request.__struct_fields__]
+        ordered = sorted(own, key=lambda item: (item[1].late, item[0] != "q"))
         self._in_order = tuple((name, field, (name,)) for name, field in ordered)
 
     def from_json(self, body: bytes) -> msgspec.Struct:
@@ -121,6 +133,23 @@ class RequestForm(Generic[R]):
             given[name] = field.resolve(getattr(decoded, name), location, reading)
         return self.request(**given)
 
+    def installed(self, decoded: msgspec.Struct, reading: Reading) -> Reading:
+        """Return what the other fields are read with: the robot as the request has it installed.
+
+        Raises:
+            RequestProblem: A placement cannot be read.
+            WrongLimits: Limits do not fit the robot.
+        """
+        if not any(getattr(decoded, name) for name, *_ in self._installation):
+            return reading
+        found = {
+            name: field.resolve(getattr(decoded, name), location, reading)
+            for name, field, location in self._installation
+        }
+        robot, doubts = installed(reading.robot, Installation(**found)), reading.doubts
+        doubts.about(robot)
+        return replace(reading, robot=robot)
+
     def _values(self, query: Mapping[str, str], reading: Reading) -> dict[str, Any]:
         read: dict[str, dict[str, Any]] = {}
         for key, text in query.items():
@@ -153,9 +182,14 @@ class RequestForm(Generic[R]):
 
 
 @cache
-def form_of(request: type[R]) -> RequestForm[R]:
-    """Return the form of a request type, the same for every computation that takes it."""
-    return RequestForm(request)
+def form_of(request: type[R], *, installed: bool = False) -> RequestForm[R]:
+    """Return the form of a request type, the same for every computation that takes it.
+
+    Args:
+        request: Its type.
+        installed: Whether base, tool and limits of the robot may be given besides.
+    """
+    return RequestForm(request, installed=installed)
 
 
 def declaration(annotation: Any) -> Field:

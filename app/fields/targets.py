@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Annotated, Any, TypeAlias
 
 import msgspec
@@ -20,15 +21,19 @@ from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.strict_json import validation_problem
 from app.http.units import Units
 from dh_to_urdf.errors import Location
-from dh_to_urdf.messages import say
+from dh_to_urdf.messages import chained, say
 from kinematics.chain import chain_of
+from kinematics.errors import InvalidTarget
 from kinematics.inverse.target import Targets, mended, target_poses
+from kinematics.orientation_formats import FORMATS
 from kinematics.task import POSE, TASKS, Task
 from robots.robot import FloatArray
 
 _ROW = {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4}
 _MATRIX = {"type": "array", "items": _ROW, "minItems": 4, "maxItems": 4}
-_FORMS = ("matrix", "position", "quaternion_xyzw", "rpy", "euler", "phi", "direction")
+_OWN = ("matrix", "position", "quaternion_xyzw", "rpy", "euler", "phi", "direction")
+_FORMS = (*_OWN, *FORMATS)
+_values_of = attrgetter(*_FORMS)
 FEW_JOINTS = 3
 """Joints of an arm up to which a position alone says that the position is the task."""
 _OF_FORMS = {
@@ -49,7 +54,30 @@ class EulerField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     angles: Annotated[list[float], coordinates(3)]
 
 
-class Target(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+class Orientations(msgspec.Struct, kw_only=True):
+    """A matrix, or one orientation in one of the ways that it is written."""
+
+    matrix: Annotated[
+        list[list[float]] | None,
+        msgspec.Meta(extra_json_schema={k: v for k, v in _MATRIX.items() if k != "type"}),
+    ] = None
+    quaternion_xyzw: Annotated[list[float] | None, coordinates(4)] = None
+    rpy: Annotated[list[float] | None, coordinates(3)] = None
+    euler: EulerField | None = None
+    rotation_vector: Annotated[list[float] | None, coordinates(3)] = None
+    quaternion_wxyz: Annotated[list[float] | None, coordinates(4)] = None
+    kuka_abc: Annotated[list[float] | None, coordinates(3)] = None
+    fanuc_wpr: Annotated[list[float] | None, coordinates(3)] = None
+    abb_quaternion: Annotated[list[float] | None, coordinates(4)] = None
+    ur_rotation_vector: Annotated[list[float] | None, coordinates(3)] = None
+    staubli_rxryrz: Annotated[list[float] | None, coordinates(3)] = None
+    yaskawa_rxryrz: Annotated[list[float] | None, coordinates(3)] = None
+    kawasaki_oat: Annotated[list[float] | None, coordinates(3)] = None
+    denso_rxryrz: Annotated[list[float] | None, coordinates(3)] = None
+    comau_euler: Annotated[list[float] | None, coordinates(3)] = None
+
+
+class Target(Orientations, forbid_unknown_fields=True, kw_only=True):
     """A pose: a matrix, or a position with one orientation; what the task ignores may be left out.
 
     For the task xy the position may be [x, y]. phi is an angle about z: a frame that follows a
@@ -57,14 +85,7 @@ class Target(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     that leave the turn about it open.
     """
 
-    matrix: Annotated[
-        list[list[float]] | None,
-        msgspec.Meta(extra_json_schema={k: v for k, v in _MATRIX.items() if k != "type"}),
-    ] = None
     position: Annotated[list[float] | None, coordinates(2, 3)] = None
-    quaternion_xyzw: Annotated[list[float] | None, coordinates(4)] = None
-    rpy: Annotated[list[float] | None, coordinates(3)] = None
-    euler: EulerField | None = None
     phi: Annotated[float | None, within(-1e6, 1e6)] = None
     direction: Annotated[list[float] | None, coordinates(3)] = None
 
@@ -88,6 +109,17 @@ class TargetBatch(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     euler: EulerBatch | None = None
     phi: list[float] | None = None
     direction: Annotated[list[list[float]] | None, batch_of(3)] = None
+    rotation_vector: Annotated[list[list[float]] | None, batch_of(3)] = None
+    quaternion_wxyz: Annotated[list[list[float]] | None, batch_of(4)] = None
+    kuka_abc: Annotated[list[list[float]] | None, batch_of(3)] = None
+    fanuc_wpr: Annotated[list[list[float]] | None, batch_of(3)] = None
+    abb_quaternion: Annotated[list[list[float]] | None, batch_of(4)] = None
+    ur_rotation_vector: Annotated[list[list[float]] | None, batch_of(3)] = None
+    staubli_rxryrz: Annotated[list[list[float]] | None, batch_of(3)] = None
+    yaskawa_rxryrz: Annotated[list[list[float]] | None, batch_of(3)] = None
+    kawasaki_oat: Annotated[list[list[float]] | None, batch_of(3)] = None
+    denso_rxryrz: Annotated[list[list[float]] | None, batch_of(3)] = None
+    comau_euler: Annotated[list[list[float]] | None, batch_of(3)] = None
 
 
 def target_pose(
@@ -129,7 +161,8 @@ def _task(reading: Reading, targets: Sequence[Target | TargetBatch]) -> Task:
 
 def _forms(target: Target | TargetBatch) -> tuple[tuple[str, ...], int]:
     """Return the forms that a target gives, and the number of coordinates of its position."""
-    given = tuple(name for name in _FORMS if getattr(target, name) is not None)
+    values = zip(_FORMS, _values_of(target), strict=True)
+    given = tuple(name for name, value in values if value is not None)
     rows = target.position if isinstance(target, TargetBatch) else [target.position]
     sizes = {len(row) for row in rows or () if row is not None}
     return given, sizes.pop() if len(sizes) == 1 else 0
@@ -142,13 +175,16 @@ def _named(location: Location) -> str:
 
 def _one(target: Target, doubts: RequestDoubts, location: Location) -> Targets:
     euler, units, name = target.euler, doubts.units, _named(location)
+    written = [(form, values) for form in FORMATS if (values := getattr(target, form)) is not None]
     for form, angles in (
         ("rpy", target.rpy),
         ("euler", None if euler is None else euler.angles),
         ("phi", None if target.phi is None else [target.phi]),
+        *(one for one in written if FORMATS[one[0]].is_angular),
     ):
         if angles is not None:
             doubts.angles(angles, say("{form} of {name}", form=form, name=name))
+    _refuse_two(written, location)
     return Targets(
         matrix=None if target.matrix is None else [target.matrix],
         position=None if target.position is None else [target.position],
@@ -157,8 +193,33 @@ def _one(target: Target, doubts: RequestDoubts, location: Location) -> Targets:
         euler=None if euler is None else (euler.sequence, [_in(euler.angles, units)]),
         phi=None if target.phi is None else _in([target.phi], units),
         direction=None if target.direction is None else [target.direction],
+        written=_written({form: [values] for form, values in written}, units),
         location=location,
     )
+
+
+def _refuse_two(written: Sequence[tuple[str, Any]], location: Location) -> None:
+    """Refuse two orientations of makers; others beside one are found with the rest.
+
+    Raises:
+        InvalidTarget: There are two.
+    """
+    if len(written) > 1:
+        name, given = _named(location), [form for form, _ in written]
+        message = say(
+            "{name} has {given}; give one orientation",
+            name=name,
+            given=chained(say(" and "), given),
+        )
+        raise InvalidTarget(message, argument=str(location[0]), index=location[1:])
+
+
+def _written(given: Mapping[str, Any], units: Units) -> tuple[str, Any] | None:
+    """Return an orientation as a maker writes it, rad, with a leading axis."""
+    for name, rows in given.items():
+        angular = FORMATS[name].is_angular
+        return name, [_in(row, units) for row in rows] if angular else rows
+    return None
 
 
 def _in(angles: Sequence[float], units: Units) -> list[float]:
@@ -274,7 +335,7 @@ def _listed(targets: Sequence[Target], location: Location, reading: Reading) -> 
     forms = {
         tuple(
             value.sequence if isinstance(value, EulerField) else value is not None
-            for value in (getattr(one, name) for name in _FORMS)
+            for value in _values_of(one)
         )
         for one in targets
     }
@@ -315,10 +376,13 @@ def _together(
     units = reading.units
     rpy, phi = columns.get("rpy"), columns.get("phi")
     euler: list[EulerField] | None = columns.get("euler")
+    written = {name: rows for name, rows in columns.items() if name in FORMATS}
+    _refuse_two(tuple(written.items()), location)
     for name, angles in (
         ("rpy", rpy),
         ("euler", None if euler is None else [one.angles for one in euler]),
         ("phi", phi),
+        *((name, rows) for name, rows in written.items() if FORMATS[name].is_angular),
     ):
         if angles is not None:
             looked_at = np.ravel(angles[:LOOKED_AT]).tolist()
@@ -335,6 +399,7 @@ def _together(
         else (euler[0].sequence, [_in(one.angles, units) for one in euler]),
         phi=None if phi is None else _in(phi, units),
         direction=columns.get("direction"),
+        written=_written(written, units),
         count=count,
         location=location,
         many=True,
@@ -364,6 +429,14 @@ _PARAMETERS = (
     Parameter(texts.angle, "Target angle about z.", "phi"),
     Parameter(texts.scalars, "Target direction of the frame's z axis, x,y,z.", "direction"),
     Parameter(texts.matrix, "Target matrix, 16 numbers row by row.", "matrix"),
+    *(
+        Parameter(
+            texts.angles if one.is_angular else texts.scalars,
+            f"Target orientation: {one.told}.",
+            one.name,
+        )
+        for one in FORMATS.values()
+    ),
 )
 RequiredTarget: TypeAlias = Annotated[FloatArray, declared(OneTarget(_PARAMETERS))]
 OptionalTarget: TypeAlias = Annotated[

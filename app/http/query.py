@@ -15,11 +15,15 @@ from app.http.units import Units
 from dh_to_urdf.cells.expressions import CellError, Quantity, parse_cell
 from dh_to_urdf.languages import ENGLISH, codes
 from dh_to_urdf.messages import say
+from kinematics.orientation_formats import FORMATS
 from robots.errors import hint
 
 COMMON = ("angle", "format", "lang")
-COMPUTED = (*COMMON, "digits", "decimal", "with")
+COMPUTED = (*COMMON, "digits", "decimal", "with", "orientation")
 """Parameters of computations that are no fields of a request."""
+SHOWN = ("rpy", "quaternion_xyzw")
+"""Ways to write an orientation that answers have anyhow."""
+ORIENTATIONS = (*SHOWN, *FORMATS)
 LANG_TEXT = f"Language of messages, {', '.join(codes())}; default by Accept-Language."
 DECIMAL_TEXT = "CSV: point (default) or comma; with comma, semicolons between the cells."
 MAX_DIGITS = 15
@@ -66,17 +70,28 @@ def _suggested(name: str, known: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def units_of(request: Request) -> Units:
-    """The units that ``?angle=`` asks for; default rad.
+    """The units that ``?angle=`` and ``?orientation=`` ask for; default rad.
 
     Raises:
-        RequestProblem: Neither rad nor deg.
+        RequestProblem: Neither rad nor deg, or no way to write an orientation.
     """
     angle = request.query_params.get("angle", "rad")
     if angle not in ("rad", "deg"):
         raise RequestProblem(
             INVALID_REQUEST, say("angle is {angle!r}; give rad or deg", angle=angle[:32]), "/angle"
         )
-    return Units(angle == "deg")
+    written = request.query_params.get("orientation", "")
+    if written and written not in ORIENTATIONS:
+        raise RequestProblem(
+            INVALID_REQUEST,
+            say(
+                "orientation is {written!r}; give {known}",
+                written=written[:32],
+                known=", ".join(ORIENTATIONS),
+            ),
+            "/orientation",
+        )
+    return Units(angle == "deg", "" if written in SHOWN else written)
 
 
 def flag_of(request: Request, name: str) -> bool:

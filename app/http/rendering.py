@@ -127,6 +127,9 @@ RENDERINGS: dict[type[Exception], Rendering] = {
     robots.UnknownFrame: Rendering(
         ProblemType("unknown-frame", 422, say("The robot has no such frame"))
     ),
+    robots.WrongLimits: Rendering(
+        ProblemType("invalid-limits", 422, say("The limits do not fit the robot"))
+    ),
     robots.RobotNotFound: Rendering(
         ProblemType("robot-not-found", 404, say("There is no such robot"))
     ),
@@ -231,7 +234,7 @@ def rendered(error: Exception) -> tuple[ProblemType, Sequence[ErrorEntry], dict[
 
 def _pointer(error: Exception) -> str:
     """Return where the value at fault stands: within the document, or within the argument."""
-    if isinstance(error, (robots.RobotTooLarge, kinematics.KinematicsError)):
+    if isinstance(error, (robots.RobotTooLarge, robots.WrongLimits, kinematics.KinematicsError)):
         return json_pointer(error.location)
     argument, index = getattr(error, "argument", ""), getattr(error, "index", ())
     return json_pointer((argument, *index) if argument else index)

@@ -17,9 +17,12 @@ class Units:
 
     Attributes:
         degrees: True for ``?angle=deg``.
+        orientation: A further way to write orientations of the answer, ``?orientation=kuka_abc``;
+            empty for none.
     """
 
     degrees: bool = False
+    orientation: str = ""
 
     @property
     def named(self) -> dict[str, str]:
@@ -33,6 +36,10 @@ class Units:
     def angles_out(self, angles: FloatArray) -> FloatArray:
         """Angles for the answer, from rad."""
         return np.asarray(np.rad2deg(angles)) if self.degrees else angles
+
+    def angle_in(self, angle: float) -> float:
+        """Return one angle of a request in rad."""
+        return math.radians(angle) if self.degrees else angle
 
     def angle_out(self, angle: float) -> float:
         """Return one angle for the answer, from rad."""

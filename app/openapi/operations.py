@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from app.http.negotiation import FORMATS, JSON, NPY, PNG
-from app.http.query import DECIMAL_TEXT, LANG_TEXT
+from app.http.query import DECIMAL_TEXT, LANG_TEXT, ORIENTATIONS
 from app.openapi.answers import REF, answer_schema
 from app.openapi.problems import PROBLEMS
 from app.operations.operation import Operation, Runs
@@ -89,6 +89,7 @@ def _choices(operation: Operation) -> list[dict[str, Any]]:
         "lang": (LANG_TEXT, list(codes())),
         "decimal": (DECIMAL_TEXT, ["point", "comma"]),
         "digits": ("Decimals of numbers in text, CSV and LaTeX, 0 to 15.", None),
+        "orientation": ("A further way to write orientations.", list(ORIENTATIONS)),
         "with": ("status: npy holds rows with the status of each.", ["status"]),
     }
     return [_parameter(name, *told[name]) for name in operation.parameters]

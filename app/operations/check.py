@@ -42,13 +42,14 @@ from kinematics.checking.check import LEAST_TOLERANCE, MOST_TOLERANCE, check_ans
 from kinematics.checking.jacobians import task_of
 from kinematics.checking.question import TOLERANCE, Quantity, Question
 from kinematics.checking.verdict import Verdict
+from kinematics.orientation_formats import FORMATS
 from kinematics.task import POSE, TASKS, Task
 from robots.robot import FloatArray, Robot
 
 MAX_INDEX = 300
 WORK_BYTES = 32_000_000
 """Memory of the slips that are tried at once, whose number is bounded."""
-_ORIENTATIONS = ("matrix", "quaternion_xyzw", "rpy", "euler")
+_ORIENTATIONS = ("matrix", "quaternion_xyzw", "rpy", "euler", *FORMATS)
 
 
 def _json_or_formula(name: str, value: str, reading: Reading) -> Any:

@@ -32,6 +32,7 @@ from app.sheets.headings import Heading
 from app.sheets.sheet import Column, Sheet
 from kinematics.forward import fk, peak_bytes, poses
 from kinematics.orientation import euler_angles, is_locked, quaternion_xyzw, rpy
+from kinematics.orientation_formats import FORMATS
 from robots.robot import FloatArray, Robot
 
 NUMBERS_A_POSE = 32
@@ -60,7 +61,9 @@ class PoseView(TypedDict):
     """One pose in every representation, in the axes of the robot's base frame.
 
     ``rpy_degenerate`` is there where it is true, of a batch for one pose at least: at a pitch of
-    ±90° only roll ± yaw is determined, and yaw is 0, as in the sequence xyz.
+    ±90° only roll ± yaw is determined, and yaw is 0, as in the sequence xyz. One of the ways that
+    makers write orientations is there where ``?orientation=`` names it;
+    ``orientation_degenerate`` where other values would mean the same.
     """
 
     matrix: EachPose
@@ -69,6 +72,18 @@ class PoseView(TypedDict):
     rpy: EachPosition
     rpy_degenerate: NotRequired[EachFlag]
     euler: NotRequired[EulerView]
+    rotation_vector: NotRequired[EachPosition]
+    quaternion_wxyz: NotRequired[EachQuaternion]
+    kuka_abc: NotRequired[EachPosition]
+    fanuc_wpr: NotRequired[EachPosition]
+    abb_quaternion: NotRequired[EachQuaternion]
+    ur_rotation_vector: NotRequired[EachPosition]
+    staubli_rxryrz: NotRequired[EachPosition]
+    yaskawa_rxryrz: NotRequired[EachPosition]
+    kawasaki_oat: NotRequired[EachPosition]
+    denso_rxryrz: NotRequired[EachPosition]
+    comau_euler: NotRequired[EachPosition]
+    orientation_degenerate: NotRequired[EachFlag]
 
 
 class FKAnswer(TypedDict):
@@ -99,6 +114,13 @@ def pose_view(T: FloatArray, units: Units, sequence: str | None) -> PoseView:
             "solutions": units.angles_out(angles.solutions),
             "degenerate": angles.degenerate.tolist(),
         }
+    if units.orientation:
+        written = FORMATS[units.orientation]
+        values = written.values(R)
+        view[written.name] = units.angles_out(values) if written.is_angular else values  # type: ignore[literal-required]
+        locked = written.is_degenerate(R)
+        if locked.any():
+            view["orientation_degenerate"] = locked.tolist()
     return view
 
 
@@ -133,7 +155,8 @@ def _memory(robot: Robot, request: FKRequest, context: Context) -> Need:
 def _run(robot: Robot, request: FKRequest, context: Context) -> Answer:
     q, frames, units = request.q, request.frames, context.units
     check_size(q, NUMBERS_A_POSE * len(frames))
-    if q.ndim == 1 and request.euler is None and context.form == JSON:
+    plain = request.euler is None and not units.orientation
+    if q.ndim == 1 and plain and context.form == JSON:
         return Answer(_answer(robot, q, _views_at(robot, q, frames, units), context))
     found = fk(robot, q, frames)
     views = {name: pose_view(T, units, request.euler) for name, T in found.items()}
@@ -162,6 +185,7 @@ def _sheet(
             Column(Heading.FRAME, names * len(q)),
             *columns.position(T[:, :3, 3]),
             *columns.orientation(R, units),
+            *columns.written(R, units),
             *(
                 ()
                 if request.euler is None
@@ -210,4 +234,5 @@ FK = Operation(
     forms=SHEET_FORMS,
     example_robot="pa10",
     npy_field="q",
+    orientations=True,
 )

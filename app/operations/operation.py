@@ -130,6 +130,8 @@ class Operation:
         stream: The answer in parts, each a list of rows, where it can be sent while it grows.
         needs: Name of an optional package that part of it needs.
         statuses: Whether rows of its npy can come with their statuses.
+        installed: Whether base, tool and limits of the robot may be given for one request.
+        orientations: Whether its answer has orientations, which may be written in further ways.
     """
 
     name: str
@@ -148,6 +150,8 @@ class Operation:
     stream: Callable[[Robot, Any, Context], Iterator[list[dict[str, Any]]]] | None = None
     needs: str | None = None
     statuses: bool = False
+    installed: bool = True
+    orientations: bool = False
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -159,13 +163,14 @@ class Operation:
             *(["digits"] if words else ()),
             *(["decimal"] if table else ()),
             *(["with"] if self.statuses else ()),
+            *(["orientation"] if self.orientations else ()),
         ]
         return (*COMMON, *more)
 
     @cached_property
     def form(self) -> RequestForm[Any]:
         """How its request is given and read."""
-        return form_of(self.request)
+        return form_of(self.request, installed=self.installed)
 
     def run_at_once(self, robot: Robot, request: Any, context: Context) -> Answer | None:
         """Return the answer if it takes so little time that a thread would only cost; else None."""

@@ -349,6 +349,7 @@ SYMBOLIC = Operation(
     " as text, LaTeX, or a function of Python, C or MATLAB. Worked out in a process of its own;"
     " what is not simplified in time is given as it is.",
     request=SymbolicRequest,
+    installed=False,
     answer=SymbolicAnswer,
     memory=_memory,
     run=_run,

@@ -167,8 +167,8 @@ class Computation:
             else self._json(body, services.settings)
         )
         form = _form_of(request, asking.wanted)
-        asked = self.form.resolved(decoded, asking.reading)
-        response = self._short(asked, form, _context(request, asking, services))
+        asked = self._asked(request, asking, services, decoded)
+        response = self._short(asked, form)
         if response is None:
             request.scope[TRIED] = True
         return response
@@ -186,11 +186,18 @@ class Computation:
         reading = _reading(stored.robot, units, settings, stored.robot.doubts)
         return _Asking(reading, wanted, query)
 
-    def _short(self, asked: msgspec.Struct, form: _Form, context: Context) -> Response | None:
+    def _asked(
+        self, request: Request, asking: _Asking, services: Services, decoded: msgspec.Struct
+    ) -> _Asked:
+        """Return what is asked, with every value in the units of ``kinematics``."""
+        reading = self.form.installed(decoded, asking.reading)
+        context = _context(request, asking.wanted, reading, services)
+        return _Asked(reading.robot, self.form.resolved(decoded, reading), context)
+
+    def _short(self, asked: _Asked, form: _Form) -> Response | None:
         """Return the answer of a request if it takes microseconds, else None."""
-        robot = context.doubts.robot
-        answer = self.operation.run_at_once(robot, asked, context)
-        return None if answer is None else _written(answer, form, context, short=True)
+        answer = self.operation.run_at_once(asked.robot, asked.request, asked.context)
+        return None if answer is None else _written(answer, form, asked.context, short=True)
 
     async def inline(self, request: Request) -> Response:
         """Compute on a robot in the body."""
@@ -250,18 +257,17 @@ class Computation:
     ) -> Response:
         """Run the computation where it belongs, and write its answer."""
         services = await services_of(request)
-        form, context = _form_of(request, asking.wanted), _context(request, asking, services)
+        form = _form_of(request, asking.wanted)
 
-        def read() -> msgspec.Struct:
-            asked: msgspec.Struct = self.form.resolved(decode(), asking.reading)
-            return asked
+        def read() -> _Asked:
+            return self._asked(request, asking, services, decode())
 
-        work = _Work(request, services, self.operation, asking.reading.robot, context, form)
+        work = _Work(request, services, self.operation, form)
         if size > INLINE_BYTES:
             return await work.answered(read, size)
         asked = read()
         if asking.wanted != NDJSON and TRIED not in request.scope:
-            response = self._short(asked, form, context)
+            response = self._short(asked, form)
             if response is not None:
                 return response
         return await work.answered(lambda: asked, 0)
@@ -272,13 +278,12 @@ def _reading(robot: Robot, units: Units, settings: Settings, told: tuple[str, ..
     return Reading(robot, units, settings, RequestDoubts(robot, units, told), {})
 
 
-def _context(request: Request, asking: _Asking, services: Services) -> Context:
-    reading = asking.reading
+def _context(request: Request, wanted: str, reading: Reading, services: Services) -> Context:
     return Context(
         reading.units,
         reading.settings,
         reading.doubts,
-        asking.wanted,
+        wanted,
         services.symbolic,
         services.programs,
         language_of(request),
@@ -315,6 +320,21 @@ class _Asking:
     reading: Reading
     wanted: str
     query: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What is computed.
+
+    Attributes:
+        robot: As the request has it installed.
+        request: In the units of ``kinematics``.
+        context: What the computation knows besides.
+    """
+
+    robot: Robot
+    request: Any
+    context: Context
 
 
 def _form_of(request: Request, wanted: str) -> _Form:
@@ -371,11 +391,9 @@ class _Work:
     request: Request
     services: Services
     operation: Operation
-    robot: Robot
-    context: Context
     form: _Form
 
-    async def answered(self, read: Callable[[], msgspec.Struct], size: int) -> Response:
+    async def answered(self, read: Callable[[], _Asked], size: int) -> Response:
         """Return the answer, once there is memory for it; a large one stays admitted until sent.
 
         Args:
@@ -394,7 +412,7 @@ class _Work:
                     asked = await admission.run(read)
                 else:
                     asked = read()
-                need = self.operation.memory(self.robot, asked, self.context)
+                need = self.operation.memory(asked.robot, asked.request, asked.context)
                 await reservation.grow(need)
                 if streamed:
                     return await self._streamed(asked, admission, reservation)
@@ -410,18 +428,18 @@ class _Work:
         admission.leave()
         return response
 
-    def _written(self, asked: msgspec.Struct) -> Response:
-        answer = self.operation.run(self.robot, asked, self.context)
-        return _written(answer, self.form, self.context)
+    def _written(self, asked: _Asked) -> Response:
+        answer = self.operation.run(asked.robot, asked.request, asked.context)
+        return _written(answer, self.form, asked.context)
 
     async def _streamed(
-        self, asked: msgspec.Struct, admission: Admission, reservation: Reservation
+        self, asked: _Asked, admission: Admission, reservation: Reservation
     ) -> Response:
         """Lines as they are computed; the work stops where the client goes away."""
         assert self.operation.stream is not None
         parts, spoken = (
-            self.operation.stream(self.robot, asked, self.context),
-            self.context.language,
+            self.operation.stream(asked.robot, asked.request, asked.context),
+            asked.context.language,
         )
 
         def following() -> bytes:
@@ -444,7 +462,7 @@ class _Work:
 
         # Its place and its memory are taken to the end. A reverse proxy that gathers answers must
         # not gather this one.
-        told = told_in_header(self.context.warnings, spoken)
+        told = told_in_header(asked.context.warnings, spoken)
         headers = language_headers(spoken, {"X-Accel-Buffering": "no", **told})
         lines = StreamingResponse(body(), media_type=NDJSON, headers=headers)
         return AdmittedResponse(lines, admission, reservation, reservation.size)

@@ -11,6 +11,7 @@ from app.sheets.headings import Heading, numbered
 from app.sheets.sheet import Column
 from kinematics.configuration import joint_names, joint_values_of
 from kinematics.orientation import EulerAngles, is_locked, quaternion_xyzw, rpy
+from kinematics.orientation_formats import FORMATS
 from robots.robot import FloatArray, Robot
 
 AXES = ("x", "y", "z")
@@ -90,6 +91,19 @@ def orientation(R: FloatArray, units: Units) -> list[Column]:
             for k, name in enumerate((Heading.ROLL, Heading.PITCH, Heading.YAW))
         ),
         Column(Heading.RPY_DEGENERATE, is_locked(R)),
+    ]
+
+
+def written(R: FloatArray, units: Units) -> list[Column]:
+    """Return rotations, shape (n, 3, 3), as ``?orientation=`` asks; none where it does not."""
+    if not units.orientation:
+        return []
+    found = FORMATS[units.orientation]
+    values = units.angles_out(found.values(R)) if found.is_angular else found.values(R)
+    unit = units.named["angle"] if found.is_angular else ""
+    return [
+        Column(numbered(Heading.ORIENTATION, found.name, k + 1), values[:, k], unit)
+        for k in range(found.size)
     ]
 
 

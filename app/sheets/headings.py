@@ -27,6 +27,7 @@ class Heading(StrEnum):
     PITCH = "pitch"
     YAW = "yaw"
     RPY_DEGENERATE = "rpy_degenerate"
+    ORIENTATION = "orientation"
     EULER = "euler"
     EULER_DEGENERATE = "euler_degenerate"
     POSITION_ERROR = "position_error"

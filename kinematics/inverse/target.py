@@ -18,6 +18,7 @@ from kinematics.orientation import (
     rotation_from_euler,
     rotation_from_quaternion,
 )
+from kinematics.orientation_formats import FORMATS, OrientationFormat
 from kinematics.task import Task
 from robots.robot import FloatArray
 
@@ -36,6 +37,7 @@ class Targets:
         euler: Sequence, and its angles, shape (n, 3).
         phi: Angles about z, alone: planar orientations, shape (n,).
         direction: Of the frame's z axis, of any length, shape (n, 3).
+        written: Name of one of ``FORMATS``, and its values, rad, shape (n, 3) or (n, 4).
         count: n.
         location: Where the targets stand among the caller's arguments, for errors.
         many: Whether the caller gives a list of them; else n is 1.
@@ -49,6 +51,7 @@ class Targets:
     euler: tuple[str, Rows] | None = None
     phi: Sequence[float] | FloatArray | None = None
     direction: Rows | None = None
+    written: tuple[str, Rows] | None = None
     count: int = 1
     location: Location = ("target",)
     many: bool = False
@@ -97,6 +100,8 @@ def target_poses(targets: Targets, task: Task) -> FloatArray:
         for name in ("quaternion_xyzw", "rpy", "euler", "phi", "direction")
         if getattr(targets, name) is not None
     ]
+    if targets.written is not None:
+        given.append(targets.written[0])
     if targets.matrix is not None:
         if given or targets.position is not None:
             message = say(
@@ -218,7 +223,11 @@ def _matrix(targets: Targets, k: int, given: Sequence[Sequence[float]] | FloatAr
     try:
         matrix = rigid_transform(given, printed=True)
     except ValueError as error:
-        raise targets.refusal(k, say("target.matrix {error}", error=error), "matrix") from None
+        # A placement that is no target is named as it is.
+        named = "target.matrix" if targets.many else targets.called(k, "matrix")
+        raise targets.refusal(
+            k, say("{named} {error}", named=named, error=error), "matrix"
+        ) from None
     _check_values(targets, k, "matrix", matrix[:3, 3])
     return matrix
 
@@ -258,6 +267,12 @@ def _rotations(targets: Targets) -> FloatArray | None:
         argument, *index = (*targets.location, *first, "euler", "sequence")
         parse_sequence(sequence, str(argument), tuple(index))
         return _each(targets, "euler", angles, 3, lambda _, row: rotation_from_euler(sequence, row))
+    if targets.written is not None:
+        name, values = targets.written
+        found = FORMATS[name]
+        return _each(
+            targets, name, values, found.size, lambda refusal, row: _written(found, refusal, row)
+        )
     if targets.direction is not None:
         return _each(targets, "direction", targets.direction, 3, _along)
     if targets.phi is not None:
@@ -312,6 +327,15 @@ def _check_values(targets: Targets, k: int, name: str, values: FloatArray) -> No
 def _of_quaternion(refusal: Callable[[str], InvalidTarget], row: FloatArray) -> FloatArray:
     try:
         return rotation_from_quaternion(row)
+    except ValueError as error:
+        raise refusal(str(error)) from None
+
+
+def _written(
+    found: OrientationFormat, refusal: Callable[[str], InvalidTarget], row: FloatArray
+) -> FloatArray:
+    try:
+        return found.rotation(row)
     except ValueError as error:
         raise refusal(str(error)) from None
 

@@ -108,6 +108,16 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
         names.append(say("link {link}", link=shape.link))
         segments.append(-1)
         parts.append(_part(arm, carrier, shape, capsule))
+    if arm.robot.bare is not arm.robot:
+        k, name = arm.chain.length - 1, say("the tool")
+        ends = [fk(one, start, [arm.frame])[arm.frame] for one in (arm.robot.bare, arm.robot)]
+        a, b = (inverse[k][:3, :3] @ T[:3, 3] + inverse[k][:3, 3] for T in ends)
+        radius = float(radii[arm.chain.leaders[k]])
+        rows.append(carried(k, a, b, radius))
+        names.append(name)
+        segments.append(-1)
+        length = float(np.linalg.norm(b - a))
+        parts.append(Part(name, arm.chain.names[k], "segment", radius, length, 0.0))
     meshes = {carriers[s.link] for s in shapes if s.kind == "mesh"}
     for k in range(arm.chain.length):
         if k in meshes or k not in known:
@@ -164,7 +174,7 @@ def _placements(
     robot, model = arm.robot, arm.robot.model
     base = robot.frame_id(robot.base_frame)
     links = list(dict.fromkeys(shape.link for shape in shapes))
-    poses = fk(robot, start, links)
+    poses = fk(robot.bare, start, links)
     ids = [int(model.getJointId(name)) for name in arm.chain.names]
     order = {joint: k for k, joint in enumerate(ids)}
     base_path = _ancestors(model, int(model.frames[base].parentJoint))

@@ -114,7 +114,8 @@ def _path(table: DHTable, frame: str) -> list[int]:
 
 
 def _of_table(arm: Arm, table: DHTable, rows: list[int]) -> list[Piece]:
-    frames = fk(arm.robot, np.zeros(arm.robot.dof), arm.robot.frames)
+    home, bare = np.zeros(arm.robot.dof), arm.robot.bare
+    frames = fk(bare, home, arm.robot.frames)
     standard = table.convention is Convention.STANDARD
     pieces: list[Piece] = []
     before = BASE
@@ -132,8 +133,9 @@ def _of_table(arm: Arm, table: DHTable, rows: list[int]) -> list[Piece]:
             pieces.append(Piece(link, pair, np.array([a, b])))
         before = after
     tip = f"frame_{rows[-1]}"
-    if arm.frame != tip:
-        ends = np.array([frames[tip][:3, 3], frames[arm.frame][:3, 3]])
+    if arm.frame != tip or bare is not arm.robot:
+        end = fk(arm.robot, home, [arm.frame])[arm.frame]
+        ends = np.array([frames[tip][:3, 3], end[:3, 3]])
         pieces.append(Piece(max(before, 0), (before, before), ends))
     return pieces
 
