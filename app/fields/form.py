@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from app.fields.field import KEY, Field, Parameter, Reading
 from app.fields.installation import InstallationFields
+from app.fields.lengths import in_metres, value_in_metres
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import COMPUTED
 from app.http.strict_json import decode_json, validation_problem
+from app.http.units import Units
 from dh_to_urdf.messages import say
 from robots.installation import Installation, installed
 
@@ -86,13 +88,14 @@ class RequestForm(Generic[R]):
         ordered = sorted(own, key=lambda item: (item[1].late, item[0] != "q"))
         self._in_order = tuple((name, field, (name,)) for name, field in ordered)
 
-    def from_json(self, body: bytes) -> msgspec.Struct:
-        """Decode a body.
+    def from_json(self, body: bytes, units: Units) -> msgspec.Struct:
+        """Decode a body; its lengths in m.
 
         Raises:
             RequestProblem: 400 for text that is no JSON, 422 with a pointer for a wrong type.
         """
-        decoded: msgspec.Struct = decode_json(body, self.wire)
+        scaled = in_metres(body, self.wire) if units.millimetres else body
+        decoded: msgspec.Struct = decode_json(scaled, self.wire)
         return decoded
 
     def from_query(self, query: Mapping[str, str], reading: Reading) -> msgspec.Struct:
@@ -156,10 +159,10 @@ class RequestForm(Generic[R]):
             if key not in COMPUTED:
                 name, parameter = self.parameters[key]
                 read.setdefault(name, {})[key] = parameter.read(key, text, reading)
-        return {
-            name: self._checked(name, self.fields[name].gathered(name, values))
-            for name, values in read.items()
-        }
+        found = {name: self.fields[name].gathered(name, values) for name, values in read.items()}
+        if reading.units.millimetres:
+            found = {name: value_in_metres(one, self.wire, name) for name, one in found.items()}
+        return {name: self._checked(name, value) for name, value in found.items()}
 
     def _checked(self, name: str, value: Any) -> Any:
         wire = self._wires[name]

@@ -11,6 +11,7 @@ import msgspec
 from app.fields import texts
 from app.fields.bounds import coordinates
 from app.fields.field import Field, Parameter, Reading, declared
+from app.fields.lengths import LENGTH, PLACED
 from app.fields.targets import Orientations, Target, target_pose
 from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
@@ -39,8 +40,8 @@ class Placement(Orientations, forbid_unknown_fields=True, kw_only=True):
     A position that is left out is 0, an orientation none.
     """
 
-    position: Annotated[list[float] | None, coordinates(3)] = None
-    xyz: Annotated[list[float] | None, coordinates(3)] = None
+    position: Annotated[list[float] | None, coordinates(3), LENGTH] = None
+    xyz: Annotated[list[float] | None, coordinates(3), LENGTH] = None
 
 
 _BOUND = {"type": ["number", "null"]}
@@ -66,7 +67,7 @@ class PlacementField(Field):
     @property
     def wire(self) -> Any:
         """An object, the four rows of a matrix, or nothing."""
-        return Placement | list[list[float]] | None
+        return Placement | Annotated[list[list[float]], PLACED] | None
 
     def gathered(self, name: str, values: Mapping[str, Any]) -> Any:
         """Return the placement of parameters such as ``tool_rpy``."""
@@ -137,11 +138,9 @@ class LimitsField(Field):
         for name, bounds in value.items():
             joint = moving_joint(reading.robot, name)
             _check_bounds(name, bounds, location)
-            turns = joint.type.is_revolute
-            found[name] = {
-                key: reading.units.angle_in(one) if turns and one is not None else one
-                for key, one in bounds.items()
-            }
+            units = reading.units
+            inward = units.angle_in if joint.type.is_revolute else units.length_in
+            found[name] = {key: None if one is None else inward(one) for key, one in bounds.items()}
         return found
 
 

@@ -15,6 +15,7 @@ from app.fields import texts
 from app.fields.bounds import batch_of, coordinates, within
 from app.fields.doubts import RequestDoubts
 from app.fields.field import Field, Parameter, Reading, declared
+from app.fields.lengths import LENGTH, PLACED
 from app.fields.names import SEQUENCE_SCHEMA
 from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
@@ -60,6 +61,7 @@ class Orientations(msgspec.Struct, kw_only=True):
     matrix: Annotated[
         list[list[float]] | None,
         msgspec.Meta(extra_json_schema={k: v for k, v in _MATRIX.items() if k != "type"}),
+        PLACED,
     ] = None
     quaternion_xyzw: Annotated[list[float] | None, coordinates(4)] = None
     rpy: Annotated[list[float] | None, coordinates(3)] = None
@@ -85,7 +87,7 @@ class Target(Orientations, forbid_unknown_fields=True, kw_only=True):
     that leave the turn about it open.
     """
 
-    position: Annotated[list[float] | None, coordinates(2, 3)] = None
+    position: Annotated[list[float] | None, coordinates(2, 3), LENGTH] = None
     phi: Annotated[float | None, within(-1e6, 1e6)] = None
     direction: Annotated[list[float] | None, coordinates(3)] = None
 
@@ -101,9 +103,9 @@ class TargetBatch(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Many targets: every field with a leading axis n."""
 
     matrix: Annotated[
-        list[list[list[float]]] | None, msgspec.Meta(extra_json_schema={"items": _MATRIX})
+        list[list[list[float]]] | None, msgspec.Meta(extra_json_schema={"items": _MATRIX}), PLACED
     ] = None
-    position: Annotated[list[list[float]] | None, batch_of(2, 3)] = None
+    position: Annotated[list[list[float]] | None, batch_of(2, 3), LENGTH] = None
     quaternion_xyzw: Annotated[list[list[float]] | None, batch_of(4)] = None
     rpy: Annotated[list[list[float]] | None, batch_of(3)] = None
     euler: EulerBatch | None = None
@@ -306,7 +308,7 @@ class ManyTargets(Field):
             return None
         if isinstance(value, np.ndarray):
             task = _task(reading, ())
-            array = value if value.ndim == 3 else value[None]
+            array = reading.units.poses_in(value if value.ndim == 3 else value[None])
             _check_count(len(array), location, reading)
             targets = Targets(matrix=array, location=location, many=True, by_field=True)
             poses = target_poses(targets, task)

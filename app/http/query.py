@@ -19,7 +19,7 @@ from kinematics.orientation_formats import FORMATS
 from robots.errors import hint
 
 COMMON = ("angle", "format", "lang")
-COMPUTED = (*COMMON, "digits", "decimal", "with", "orientation")
+COMPUTED = (*COMMON, "digits", "decimal", "with", "orientation", "length")
 """Parameters of computations that are no fields of a request."""
 SHOWN = ("rpy", "quaternion_xyzw")
 """Ways to write an orientation that answers have anyhow."""
@@ -69,11 +69,15 @@ def _suggested(name: str, known: tuple[str, ...]) -> tuple[str, ...]:
     return known if name.lower().startswith("la") else tuple(n for n in known if n != "lang")
 
 
-def units_of(request: Request) -> Units:
-    """The units that ``?angle=`` and ``?orientation=`` ask for; default rad.
+def units_of(request: Request, *, lengths: bool = False) -> Units:
+    """The units that ``?angle=``, ``?orientation=`` and ``?length=`` ask for; default rad and m.
+
+    Args:
+        request: The request.
+        lengths: Whether ``length`` is the unit of its values, not of a document that it holds.
 
     Raises:
-        RequestProblem: Neither rad nor deg, or no way to write an orientation.
+        RequestProblem: Neither rad nor deg, neither m nor mm, or no way to write an orientation.
     """
     angle = request.query_params.get("angle", "rad")
     if angle not in ("rad", "deg"):
@@ -91,7 +95,14 @@ def units_of(request: Request) -> Units:
             ),
             "/orientation",
         )
-    return Units(angle == "deg", "" if written in SHOWN else written)
+    length = request.query_params.get("length", "m") if lengths else "m"
+    if length not in ("m", "mm"):
+        raise RequestProblem(
+            INVALID_REQUEST,
+            say("length is {length!r}; give m or mm", length=length[:32]),
+            "/length",
+        )
+    return Units(angle == "deg", "" if written in SHOWN else written, length == "mm")
 
 
 def flag_of(request: Request, name: str) -> bool:
@@ -206,7 +217,8 @@ def _expression(name: str, text: str, units: Units, quantity: Quantity) -> float
             f"/{name}",
         )
     try:
-        cell = parse_cell(text, quantity, math.pi / 180 if degrees else 1.0)
+        unit = units.length_in(1.0) if quantity is Quantity.LENGTH else 1.0
+        cell = parse_cell(text, quantity, math.pi / 180 if degrees else unit)
     except CellError as error:
         plus = say("; in a URL write + as %2B") if " " in text.strip() else ""
         raise RequestProblem(
@@ -220,6 +232,8 @@ def _expression(name: str, text: str, units: Units, quantity: Quantity) -> float
             say("{name} holds {text!r}; give numbers", name=name, text=text[:32]),
             f"/{name}",
         )
+    if quantity is Quantity.LENGTH:
+        return units.length_out(cell.value)
     return math.degrees(cell.value) if degrees else cell.value
 
 

@@ -1,4 +1,4 @@
-"""The angle unit of a request: joint values of turning joints and Euler angles, both ways."""
+"""The units of a request: angles of joints and of orientations, and lengths, both ways."""
 
 from __future__ import annotations
 
@@ -10,24 +10,62 @@ from numpy.typing import NDArray
 
 from robots.robot import FloatArray, Robot
 
+PER_METRE = 1000.0
+"""Millimetres in a metre."""
+
+
+def _scaled(poses: FloatArray, factor: float) -> FloatArray:
+    scaled = np.array(poses, dtype=np.float64)
+    scaled[..., :3, 3] *= factor
+    return scaled
+
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """Units of one request and its answer; lengths are always metres.
+    """Units of one request and its answer.
+
+    Jacobians and what is made of them stay in rad and m.
 
     Attributes:
         degrees: True for ``?angle=deg``.
         orientation: A further way to write orientations of the answer, ``?orientation=kuka_abc``;
             empty for none.
+        millimetres: True for ``?length=mm``.
     """
 
     degrees: bool = False
     orientation: str = ""
+    millimetres: bool = False
 
     @property
     def named(self) -> dict[str, str]:
         """What the answer says."""
-        return {"angle": "deg" if self.degrees else "rad", "length": "m"}
+        return {"angle": "deg" if self.degrees else "rad", "length": self.length}
+
+    @property
+    def length(self) -> str:
+        """Return the unit of lengths."""
+        return "mm" if self.millimetres else "m"
+
+    def length_in(self, length: float) -> float:
+        """Return one length of a request in m."""
+        return length / PER_METRE if self.millimetres else length
+
+    def length_out(self, length: float) -> float:
+        """Return one length for the answer, from m."""
+        return length * PER_METRE if self.millimetres else length
+
+    def lengths_out(self, lengths: FloatArray) -> FloatArray:
+        """Return lengths for the answer, from m."""
+        return lengths * PER_METRE if self.millimetres else lengths
+
+    def poses_in(self, poses: FloatArray) -> FloatArray:
+        """Return poses of a request, shape (..., 4, 4), in m."""
+        return _scaled(poses, 1.0 / PER_METRE) if self.millimetres else poses
+
+    def poses_out(self, poses: FloatArray) -> FloatArray:
+        """Return poses for the answer, shape (..., 4, 4), from m."""
+        return _scaled(poses, PER_METRE) if self.millimetres else poses
 
     def angles_in(self, angles: FloatArray) -> FloatArray:
         """Angles of a request in rad."""
@@ -51,17 +89,30 @@ class Units:
         return {**self.named, "time": "s"}
 
     def rows_in(self, angular: NDArray[np.bool_], values: FloatArray) -> FloatArray:
-        """Values of a request, shape (..., m), with rad in the angular entries."""
-        return np.asarray(np.where(angular, np.deg2rad(values), values)) if self.degrees else values
+        """Values of a request, shape (..., m), with rad in the angular entries, m in the others."""
+        if self.degrees:
+            values = np.asarray(np.where(angular, np.deg2rad(values), values))
+        if self.millimetres:
+            values = np.asarray(np.where(angular, values, values / PER_METRE))
+        return values
 
     def rows_out(self, angular: NDArray[np.bool_], values: FloatArray) -> FloatArray:
-        """Values for the answer, from rad in the angular entries."""
-        return np.asarray(np.where(angular, np.rad2deg(values), values)) if self.degrees else values
+        """Values for the answer, from rad in the angular entries and m in the others."""
+        if self.degrees:
+            values = np.asarray(np.where(angular, np.rad2deg(values), values))
+        if self.millimetres:
+            values = np.asarray(np.where(angular, values, values * PER_METRE))
+        return values
+
+    @property
+    def are_si(self) -> bool:
+        """Return whether values of joints are as kinematics has them."""
+        return not self.degrees and not self.millimetres
 
     def directions_out(self, angular: NDArray[np.bool_], vectors: FloatArray) -> FloatArray:
         """Unit vectors for the answer, shape (k, m): unit ones in its units."""
         turned = self.rows_out(angular, vectors)
-        return turned / np.linalg.norm(turned, axis=-1, keepdims=True) if self.degrees else vectors
+        return vectors if self.are_si else turned / np.linalg.norm(turned, axis=-1, keepdims=True)
 
     def joints_in(self, robot: Robot, q: FloatArray) -> FloatArray:
         """Joint values of a request, shape (..., dof), in rad and m."""

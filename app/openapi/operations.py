@@ -89,6 +89,7 @@ def _choices(operation: Operation) -> list[dict[str, Any]]:
         "lang": (LANG_TEXT, list(codes())),
         "decimal": (DECIMAL_TEXT, ["point", "comma"]),
         "digits": ("Decimals of numbers in text, CSV and LaTeX, 0 to 15.", None),
+        "length": ("Unit of lengths, in and out.", ["m", "mm"]),
         "orientation": ("A further way to write orientations.", list(ORIENTATIONS)),
         "with": ("status: npy holds rows with the status of each.", ["status"]),
     }

@@ -363,6 +363,7 @@ CHECK = Operation(
     " formulas that are equal everywhere are right, in any equivalent form. What is right is not"
     " told, but for `reveal`.",
     request=CheckRequest,
+    lengths=False,
     answer=CheckAnswer,
     run=_run,
     memory=_memory,

@@ -11,9 +11,10 @@ import msgspec
 from app.admission.need import Need
 from app.fields import texts
 from app.fields.field import Field, Parameter, declared
+from app.fields.lengths import LENGTH
 from app.fields.names import one_of
 from app.operations.operation import PICTURES, TABLE_FORMS, Answer, Context, Operation, Runs
-from app.operations.path import PATH, joint_units
+from app.operations.path import PATH, figures_of
 from app.operations.path_fields import (
     GainsField,
     PathScenario,
@@ -31,10 +32,10 @@ from dh_to_urdf.messages import chained, say
 from kinematics.errors import InvalidOption, KinematicsError
 from kinematics.redundancy.compare import compared
 from kinematics.redundancy.follow import PathResult
-from kinematics.redundancy.judging.summary import summary
+from kinematics.redundancy.judging.summary import Summary
 from kinematics.redundancy.methods import METHODS, method_from
 from kinematics.redundancy.timing.result import Retimed, retimed
-from robots.robot import FloatArray, Robot
+from robots.robot import Robot
 
 MAX_METHODS = 16
 DEFAULT = ("pseudo_inverse", "damped", "null_space", "sqp", "qp")
@@ -49,9 +50,9 @@ class MethodChoice(msgspec.Struct, forbid_unknown_fields=True, kw_only=True, omi
     damping: float | None = None
     iterations: int | None = None
     gains: GainsField | None = None
-    influence: float | None = None
+    influence: Annotated[float | None, LENGTH] = None
     obstacle_weight: float | None = None
-    margin: float | None = None
+    margin: Annotated[float | None, LENGTH] = None
     perturb: float | None = None
 
 
@@ -166,12 +167,11 @@ def _run(robot: Robot, request: CompareRequest, context: Context) -> Answer:
     done, left_out = _done(labels, compared(problem, entries, seconds))
     labels, results = list(done), list(done.values())
     motions = [None if timing is None else retimed(result, timing) for result in results]
-    unit = joint_units(robot, context)
     rows = [
-        _row(label, result, motion, unit)
+        _row(label, result, motion, figures_of(robot, result, context))
         for label, result, motion in zip(labels, results, motions, strict=True)
     ]
-    links, warnings = links_view(problem)
+    links, warnings = links_view(problem, context.units)
     answer: CompareAnswer = {
         "units": context.units.named,
         "frame": problem.arm.frame,
@@ -228,8 +228,8 @@ def _done(
     return done, {label: str(error) for label, error in left_out.items()}
 
 
-def _row(label: str, result: PathResult, motion: Retimed | None, unit: FloatArray) -> CompareRow:
-    verdict, figures = result.verdict, summary(result, unit)
+def _row(label: str, result: PathResult, motion: Retimed | None, figures: Summary) -> CompareRow:
+    verdict = result.verdict
     return {
         "method": label,
         "success": verdict.success,

@@ -52,18 +52,18 @@ def _run(robot: Robot, request: DHMatricesRequest, context: Context) -> Answer:
             INVALID_REQUEST,
             say("this robot was made from a URDF and has no D-H table; use fk instead"),
         )
-    q = request.q
+    q, units = request.q, context.units
     check_size(q, 32 * len(robot.table.rows))
     matrices = dh_matrices(robot.table, q)
     answer: DHMatricesAnswer = {
         "units": context.units.named,
         "convention": robot.table.convention.value,
         "joints": [row.name for row in robot.table.rows],
-        "A": matrices.A,
-        "T0": matrices.T0,
-        "base": robot.table.base,
-        "tool": robot.table.tool,
-        "T": matrices.T,
+        "A": units.poses_out(matrices.A),
+        "T0": units.poses_out(matrices.T0),
+        "base": units.poses_out(robot.table.base),
+        "tool": units.poses_out(robot.table.tool),
+        "T": units.poses_out(matrices.T),
         "warnings": context.warnings,
     }
     return Answer(

@@ -99,8 +99,8 @@ def pose_view(T: FloatArray, units: Units, sequence: str | None) -> PoseView:
     """Return a pose, shape (..., 4, 4), in every representation."""
     R = T[..., :3, :3]
     view: PoseView = {
-        "matrix": T,
-        "position": T[..., :3, 3],
+        "matrix": units.poses_out(T),
+        "position": units.lengths_out(T[..., :3, 3]),
         "quaternion_xyzw": quaternion_xyzw(R),
         "rpy": units.angles_out(rpy(R)),
     }
@@ -155,7 +155,7 @@ def _memory(robot: Robot, request: FKRequest, context: Context) -> Need:
 def _run(robot: Robot, request: FKRequest, context: Context) -> Answer:
     q, frames, units = request.q, request.frames, context.units
     check_size(q, NUMBERS_A_POSE * len(frames))
-    plain = request.euler is None and not units.orientation
+    plain = request.euler is None and not units.orientation and not units.millimetres
     if q.ndim == 1 and plain and context.form == JSON:
         return Answer(_answer(robot, q, _views_at(robot, q, frames, units), context))
     found = fk(robot, q, frames)
@@ -163,9 +163,9 @@ def _run(robot: Robot, request: FKRequest, context: Context) -> Answer:
     array = next(iter(found.values())) if len(found) == 1 else np.stack(list(found.values()), -3)
     return Answer(
         _answer(robot, q, views, context),
-        array,
+        units.poses_out(array),
         sheet=lambda: _sheet(robot, request, found, units),
-        latex=lambda digits: _latex(found, digits),
+        latex=lambda digits: _latex(found, units, digits),
     )
 
 
@@ -183,7 +183,7 @@ def _sheet(
             *columns.joints(robot, repeated, units),
             *columns.joint_values(robot, repeated, units),
             Column(Heading.FRAME, names * len(q)),
-            *columns.position(T[:, :3, 3]),
+            *columns.position(T[:, :3, 3], units),
             *columns.orientation(R, units),
             *columns.written(R, units),
             *(
@@ -195,11 +195,11 @@ def _sheet(
     )
 
 
-def _latex(found: Mapping[str, FloatArray], digits: int | None) -> str:
+def _latex(found: Mapping[str, FloatArray], units: Units, digits: int | None) -> str:
     """Return the matrices of all frames, of each q."""
     labels, poses_ = [], []
     for name, T in found.items():
-        every = np.reshape(T, (-1, 4, 4))
+        every = np.reshape(units.poses_out(T), (-1, 4, 4))
         number = "" if T.ndim == 2 else "^{{({k})}}"
         labels += [
             f"T_{{\\text{{{latex.escaped(name)}}}}}{number.format(k=k)}"

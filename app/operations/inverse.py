@@ -17,6 +17,7 @@ from app.fields import texts
 from app.fields.bounds import within
 from app.fields.field import LEFT_OUT, Field, Parameter, declared
 from app.fields.joints import Seed
+from app.fields.lengths import LENGTH
 from app.fields.names import Frame, TargetTaskSpace, one_of
 from app.fields.numbers import within_query
 from app.fields.targets import OptionalTarget, TargetList
@@ -78,7 +79,7 @@ QUICK_SECONDS = 0.0005
 class ToleranceField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Largest accepted errors, m and rad."""
 
-    position: Annotated[float, within(1e-12, 1e3)] = 1e-6
+    position: Annotated[float, within(1e-12, 1e3), LENGTH] = 1e-6
     orientation: Annotated[float, within(1e-12, 4)] = 1e-6
 
 
@@ -361,7 +362,7 @@ def _many(
         "status": statuses,
         "q": q,
         **joint_values_view(robot, batch.q, context.units),
-        "position_error": batch.position_error,
+        "position_error": context.units.lengths_out(batch.position_error),
         "orientation_error": batch.orientation_error,
         "iterations": batch.iterations,
         "restarts": batch.restarts,
@@ -378,7 +379,9 @@ def _many(
         "x-not-converged": ",".join(listed),
     }
     errors = batch.position_error, batch.orientation_error
-    records = _records(q, statuses, *errors) if context.form == NPY else None
+    records = None
+    if context.form == NPY:
+        records = _records(q, statuses, context.units.lengths_out(errors[0]), errors[1])
     return Answer(
         answer,
         q,
@@ -415,7 +418,7 @@ def _sheet(
             Column(Heading.STATUS, statuses),
             *columns.joints(robot, q, context.units),
             *columns.joint_values(robot, q, context.units),
-            *columns.errors(position_error, orientation_error),
+            *columns.errors(position_error, orientation_error, context.units),
             Column(Heading.ITERATIONS, iterations),
             Column(Heading.RESTARTS, restarts),
             Column(Heading.ELAPSED, elapsed * 1e3, "ms"),
@@ -493,12 +496,13 @@ def _stream(robot: Robot, request: IKRequest, context: Context) -> Iterator[list
         part = poses[first : first + STREAMED] if left > 0 else poses[first:]
         batch = _solve_batch(robot, request, part, options, context, left)
         q = context.units.joints_out(robot, batch.q)
+        position_error = context.units.lengths_out(batch.position_error)
         yield [
             {
                 "index": first + k,
                 "status": status.value,
                 "q": q[k],
-                "position_error": batch.position_error[k],
+                "position_error": position_error[k],
                 "orientation_error": batch.orientation_error[k],
                 "iterations": batch.iterations[k],
                 "restarts": batch.restarts[k],
@@ -606,7 +610,7 @@ def _single(
         "status": result.status.value,
         "q": q,
         **joint_values_view(robot, result.q, context.units),
-        "position_error": result.position_error,
+        "position_error": context.units.length_out(result.position_error),
         "orientation_error": result.orientation_error,
         "iterations": result.iterations,
         "restarts": result.restarts,
@@ -623,7 +627,8 @@ def _single(
             ]
     records = None
     if context.form == NPY:
-        errors = np.array([result.position_error]), np.array([result.orientation_error])
+        miss = context.units.length_out(result.position_error)
+        errors = np.array([miss]), np.array([result.orientation_error])
         records = _records(q[None], [result.status.value], *errors)
     return Answer(
         answer,
@@ -665,7 +670,10 @@ def _echo(robot: Robot, request: IKRequest, context: Context, seed: FloatArray) 
         "frame": request.frame,
         "task": request.task.name,
         "seed": context.units.joints_out(robot, seed),
-        "tolerance": {"position": tolerance.position, "orientation": tolerance.orientation},
+        "tolerance": {
+            "position": context.units.length_out(tolerance.position),
+            "orientation": tolerance.orientation,
+        },
         "max_restarts": request.max_restarts,
         "max_iterations": request.max_iterations,
         "random_seed": request.random_seed,

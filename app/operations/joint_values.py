@@ -36,6 +36,6 @@ def joint_values_view(robot: Robot, q: FloatArray, units: Units) -> JointValues:
         "joint_values": {
             name: one.item() if one.ndim == 0 else one
             for name, value in found.items()
-            for one in (units.angles_out(value) if turns[name] else value,)
+            for one in (units.angles_out(value) if turns[name] else units.lengths_out(value),)
         }
     }

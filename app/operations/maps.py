@@ -131,19 +131,20 @@ def _map_memory(_: Robot, request: MapRequest, context: Context) -> Need:
 
 def _workspace(robot: Robot, request: WorkspaceRequest, context: Context) -> Answer:
     cloud = workspace(robot, request.samples, request.frame, request.random_seed)
-    frame = request.frame
+    frame, units = request.frame, context.units
     answer: WorkspaceAnswer = {
         "units": context.units.named,
         "frame": frame,
         "samples": request.samples,
         "random_seed": request.random_seed,
-        "low": cloud.low,
-        "high": cloud.high,
-        "points": cloud.points,
+        "low": units.lengths_out(cloud.low),
+        "high": units.lengths_out(cloud.high),
+        "points": units.lengths_out(cloud.points),
         "warnings": [*context.warnings, *cloud.assumed],
     }
     title = say("{robot}: where {frame} gets", robot=robot.name[:48], frame=frame[:40])
-    return Answer(answer, cloud.points, picture=lambda: workspace_figure(cloud.points, title))
+    points = units.lengths_out(cloud.points)
+    return Answer(answer, points, picture=lambda: workspace_figure(cloud.points, title))
 
 
 def _map(robot: Robot, request: MapRequest, context: Context) -> Answer:
@@ -160,7 +161,7 @@ def _map(robot: Robot, request: MapRequest, context: Context) -> Answer:
     is_revolute = {joint.name: joint.type.is_revolute for joint in robot.joints}
     units = context.units
     x, y = (
-        units.angles_out(values) if is_revolute[name] else values
+        units.angles_out(values) if is_revolute[name] else units.lengths_out(values)
         for name, values in zip(found.joints, (found.x, found.y), strict=True)
     )
     frame = request.frame
@@ -176,7 +177,7 @@ def _map(robot: Robot, request: MapRequest, context: Context) -> Answer:
         "warnings": [*context.warnings, *found.assumed],
     }
     names = [
-        f"{name[:40]} [{units.named['angle'] if is_revolute[name] else 'm'}]"
+        f"{name[:40]} [{units.named['angle'] if is_revolute[name] else units.length}]"
         for name in found.joints
     ]
     title = say("{robot}: manipulability, {task}", robot=robot.name[:40], task=task.name)

@@ -103,8 +103,8 @@ def _run(robot: Robot, request: NearestSingularityRequest, context: Context) -> 
 
 
 def _view(robot: Robot, one: SingularAlongJoint, context: Context) -> SingularAlongJointView:
-    degrees = context.units.degrees and robot.is_revolute[one.column]
-    scale = 180.0 / np.pi if degrees else 1.0
+    units, turns = context.units, robot.is_revolute[one.column]
+    scale = units.angle_out(1.0) if turns else units.length_out(1.0)
     return {
         "joint": robot.joints[one.column].name,
         "value": None if one.value is None else one.value * scale,

@@ -131,6 +131,7 @@ class Operation:
         needs: Name of an optional package that part of it needs.
         statuses: Whether rows of its npy can come with their statuses.
         installed: Whether base, tool and limits of the robot may be given for one request.
+        lengths: Whether lengths of request and answer may be in mm.
         orientations: Whether its answer has orientations, which may be written in further ways.
     """
 
@@ -152,6 +153,7 @@ class Operation:
     statuses: bool = False
     installed: bool = True
     orientations: bool = False
+    lengths: bool = True
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -164,6 +166,7 @@ class Operation:
             *(["decimal"] if table else ()),
             *(["with"] if self.statuses else ()),
             *(["orientation"] if self.orientations else ()),
+            *(["length"] if self.lengths else ()),
         ]
         return (*COMMON, *more)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, replace
 from typing import Annotated, Any, NotRequired, TypedDict
 
@@ -29,7 +29,7 @@ from app.operations.sizes import FLOAT, JSON_NUMBER, fixed_bytes
 from app.pictures.path_figure import path_figure
 from kinematics.configuration import joint_names
 from kinematics.redundancy.follow import PathResult, follow, followed
-from kinematics.redundancy.judging.summary import summary
+from kinematics.redundancy.judging.summary import Summary, summary
 from kinematics.redundancy.measure import clearances_at, errors_at
 from kinematics.redundancy.methods import METHODS, method_from
 from kinematics.redundancy.timing.result import retimed
@@ -118,8 +118,8 @@ def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
     result = followed(problem, method, options)
     motion = None if timing is None else retimed(result, timing)
     q = context.units.joints_out(robot, result.q)
-    measures, done = result.measures, len(q)
-    links, warnings = links_view(problem)
+    measures, done, lengths = result.measures, len(q), context.units.lengths_out
+    links, warnings = links_view(problem, context.units)
     answer: PathAnswer = {
         "units": {**context.units.named, "time": "s"},
         **judged(robot, result, context),
@@ -134,10 +134,10 @@ def _run(robot: Robot, request: PathRequest, context: Context) -> Answer:
         **joint_values_view(robot, result.q, context.units),
         "velocity": context.units.joints_out(robot, result.velocity),
         "acceleration": context.units.joints_out(robot, result.acceleration),
-        "position_error": measures.position_error,
+        "position_error": lengths(measures.position_error),
         "orientation_error": measures.orientation_error,
-        "clearance": measures.clearance if request.obstacles else None,
-        "clearance_swept": measures.swept if request.obstacles else None,
+        "clearance": lengths(measures.clearance) if request.obstacles else None,
+        "clearance_swept": lengths(measures.swept) if request.obstacles else None,
         **links,
         "warnings": [*context.warnings, *warnings],
         "retimed": None
@@ -170,11 +170,28 @@ def judged(robot: Robot, result: PathResult, context: Context) -> JudgedView:
         "first_lost": verdict.first_lost,
         "samples": result.problem.path.samples,
         "samples_done": len(result.q),
-        "summary": asdict(summary(result, joint_units(robot, context))),
+        "summary": asdict(figures_of(robot, result, context)),
         "velocity_limits_respected": "velocity" not in verdict.violations,
         "closed": result.problem.path.closed,
         "drift": None if drift is None else context.units.joints_out(robot, drift),
     }
+
+
+def figures_of(robot: Robot, result: PathResult, context: Context) -> Summary:
+    """Return the figures of a result, in the units of the answer."""
+    found, out = summary(result, joint_units(robot, context)), context.units.length_out
+    return replace(
+        found,
+        max_position_error=out(found.max_position_error),
+        end_position_error=out(found.end_position_error),
+        min_clearance=optional(found.min_clearance, out),
+        min_clearance_swept=optional(found.min_clearance_swept, out),
+    )
+
+
+def optional(value: float | None, out: Callable[[float], float]) -> float | None:
+    """Return a value in the units of the answer, None where there is none."""
+    return None if value is None else out(value)
 
 
 def joint_units(robot: Robot, context: Context) -> FloatArray:
@@ -200,6 +217,7 @@ def _stream(robot: Robot, request: PathRequest, context: Context) -> Iterator[li
         q = context.units.joints_out(robot, problem.arm.expanded(Q, problem.start))
         position, orientation = errors_at(problem, Q, part.first)
         clearance, _ = clearances_at(problem, Q)
+        position, clearance = map(context.units.lengths_out, (position, clearance))
         yield [
             {
                 "sample": part.first + k,
@@ -211,7 +229,7 @@ def _stream(robot: Robot, request: PathRequest, context: Context) -> Iterator[li
             }
             for k in range(len(Q))
         ]
-    links, warnings = links_view(problem)
+    links, warnings = links_view(problem, context.units)
     told: dict[str, Any] = {
         **judged(robot, result, context),
         **links,

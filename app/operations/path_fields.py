@@ -15,6 +15,7 @@ from app.fields.bounds import coordinates, items, within
 from app.fields.doubts import FAR_THING
 from app.fields.field import LEFT_OUT, Field, Parameter, declared
 from app.fields.joints import SingleConfiguration, optional_configuration
+from app.fields.lengths import LENGTH
 from app.fields.names import TASK_META, Frame, TaskSpace, one_of
 from app.fields.numbers import within_query
 from app.fields.per_joint import PerJoint
@@ -59,7 +60,7 @@ class CircleField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     right-handed about the axis, negative the other way round.
     """
 
-    center: Annotated[list[float], coordinates(2, 3)]
+    center: Annotated[list[float], coordinates(2, 3), LENGTH]
     normal: Annotated[list[float] | None, coordinates(3)] = None
     plane: Annotated[
         str | None, msgspec.Meta(extra_json_schema=one_of(tuple(PLANES), null=True))
@@ -70,37 +71,37 @@ class CircleField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
 class SphereField(msgspec.Struct, tag="sphere", forbid_unknown_fields=True, kw_only=True):
     """A ball, m."""
 
-    center: list[float]
-    radius: Annotated[float, within(0, 1e6)]
+    center: Annotated[list[float], LENGTH]
+    radius: Annotated[float, within(0, 1e6), LENGTH]
 
 
 class CircleObstacleField(msgspec.Struct, tag="circle", forbid_unknown_fields=True, kw_only=True):
     """A disc in the plane xy, at every height, m."""
 
-    center: list[float]
-    radius: Annotated[float, within(0, 1e6)]
+    center: Annotated[list[float], LENGTH]
+    radius: Annotated[float, within(0, 1e6), LENGTH]
 
 
 class CapsuleField(msgspec.Struct, tag="capsule", forbid_unknown_fields=True, kw_only=True):
     """All that is within radius of a segment, m."""
 
-    start: list[float]
-    end: list[float]
-    radius: Annotated[float, within(0, 1e6)]
+    start: Annotated[list[float], LENGTH]
+    end: Annotated[list[float], LENGTH]
+    radius: Annotated[float, within(0, 1e6), LENGTH]
 
 
 class HalfSpaceField(msgspec.Struct, tag="half_space", forbid_unknown_fields=True, kw_only=True):
     """All behind a plane: normal · p < offset, m along the unit normal. A floor: [0, 0, 1], 0."""
 
     normal: list[float]
-    offset: float = 0.0
+    offset: Annotated[float, LENGTH] = 0.0
 
 
 class BoxField(msgspec.Struct, tag="box", forbid_unknown_fields=True, kw_only=True):
     """A box with edges of a size, m, turned by one orientation."""
 
-    center: list[float]
-    size: list[float]
+    center: Annotated[list[float], LENGTH]
+    size: Annotated[list[float], LENGTH]
     rpy: list[float] | None = None
     quaternion_xyzw: list[float] | None = None
     euler: EulerField | None = None
@@ -114,7 +115,7 @@ ObstacleField: TypeAlias = (
 class PathToleranceField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     """Largest errors at a sample that count as on the path, m and rad."""
 
-    position: Annotated[float, within(1e-9, 1e3)] = 1e-4
+    position: Annotated[float, within(1e-9, 1e3), LENGTH] = 1e-4
     orientation: Annotated[float, within(1e-9, 1e3)] = 1e-4
 
 
@@ -172,6 +173,7 @@ class MethodOptions(msgspec.Struct, kw_only=True):
             " tenth of the arm."
         ),
         within(1e-9, 1e6),
+        LENGTH,
     ] = None
     obstacle_weight: Annotated[
         float,
@@ -185,6 +187,7 @@ class MethodOptions(msgspec.Struct, kw_only=True):
             " it, m."
         ),
         within(0, 1e3),
+        LENGTH,
     ] = 1e-3
     secondary: Annotated[
         list[SecondaryField],
@@ -244,6 +247,7 @@ class PathScenario(MethodOptions, kw_only=True):
             " object {joint name: radius}.",
             examples=[0.05],
         ),
+        LENGTH,
     ] = 0.0
     link_geometry: Annotated[
         str,
@@ -255,9 +259,9 @@ class PathScenario(MethodOptions, kw_only=True):
         ),
         msgspec.Meta(extra_json_schema=one_of(GEOMETRIES)),
     ] = "skeleton"
-    d_safe: Annotated[float, msgspec.Meta(description="Clearance to keep, m."), within(0, 1e6)] = (
-        0.0
-    )
+    d_safe: Annotated[
+        float, msgspec.Meta(description="Clearance to keep, m."), within(0, 1e6), LENGTH
+    ] = 0.0
     retime: Annotated[
         RetimeField | None,
         msgspec.Meta(

@@ -7,6 +7,7 @@ from typing import TypedDict
 import numpy as np
 
 from app.fields.per_joint import PerJoint, read_per_joint
+from app.http.units import Units
 from dh_to_urdf.errors import quoted
 from dh_to_urdf.messages import chained, say
 from kinematics.errors import InvalidOption
@@ -23,7 +24,7 @@ class LinkPart(TypedDict):
     """A capsule that is kept clear of obstacles: a shape of a link, or what bounds it.
 
     ``joint`` is the last joint that moves it; ``excess`` how far the capsule sticks out of the
-    shape at most, 0 where it is the shape. Lengths in m.
+    shape at most, 0 where it is the shape.
     """
 
     link: str
@@ -70,7 +71,7 @@ class LinksView(TypedDict):
     links: list[LinkPart] | None
 
 
-def links_view(problem: PathProblem) -> tuple[LinksView, list[str]]:
+def links_view(problem: PathProblem, units: Units) -> tuple[LinksView, list[str]]:
     """Return the capsules for the answer, and warnings."""
     shaped = problem.shaped
     if shaped is None:
@@ -81,9 +82,9 @@ def links_view(problem: PathProblem) -> tuple[LinksView, list[str]]:
             "link": part.link,
             "joint": part.joint,
             "shape": part.shape,
-            "radius": part.radius,
-            "length": part.length,
-            "excess": part.excess,
+            "radius": units.length_out(part.radius),
+            "length": None if part.length is None else units.length_out(part.length),
+            "excess": units.length_out(part.excess),
         }
         for part in shaped.parts
     ]

@@ -37,13 +37,14 @@ def path_sheet(robot: Robot, result: PathResult, units: Units) -> Sheet:
         *columns.joint_values(robot, q, units),
         *columns.joints(robot, result.velocity, units, Heading.VELOCITY, "/s"),
         *columns.joints(robot, result.acceleration, units, Heading.ACCELERATION, "/s^2"),
-        *columns.position(tip),
-        *columns.errors(measures.position_error, measures.orientation_error),
+        *columns.position(tip, units),
+        *columns.errors(measures.position_error, measures.orientation_error, units),
     ]
     if len(problem.obstacles):
+        swept = np.append(measures.swept, np.nan)[:count]
         found += [
-            Column(Heading.CLEARANCE, measures.clearance, "m"),
-            Column(Heading.CLEARANCE_SWEPT, np.append(measures.swept, np.nan)[:count], "m"),
+            Column(Heading.CLEARANCE, units.lengths_out(measures.clearance), units.length),
+            Column(Heading.CLEARANCE_SWEPT, units.lengths_out(swept), units.length),
         ]
     found.append(Column(Heading.MANIPULABILITY, manipulability_at(problem, result.q)))
     return Sheet(tuple(found))

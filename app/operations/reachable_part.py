@@ -33,7 +33,7 @@ def reachable_view(robot: Robot, part: Reachable, units: Units) -> ReachableView
         "q": units.joints_out(robot, part.q),
         **joint_values_view(robot, part.q, units),  # type: ignore[typeddict-item]
         "given_up": [one.value for one in part.given_up],
-        "position_error": part.position_error,
+        "position_error": units.length_out(part.position_error),
         "orientation_error": part.orientation_error,
         "direction_error": part.direction_error,
     }

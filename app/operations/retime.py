@@ -147,9 +147,9 @@ def timing_view(robot: Robot, motion: Retimed, arm: Arm, context: Context) -> Ti
         "velocity_ratio": finite(motion.velocity_ratio),
         "acceleration_ratio": finite(motion.acceleration_ratio),
         "slowed": motion.slowed,
-        "max_position_deviation": finite(motion.position_deviation),
+        "max_position_deviation": finite(context.units.length_out(motion.position_deviation)),
         "max_orientation_deviation": finite(motion.orientation_deviation),
-        "min_clearance": finite(motion.clearance),
+        "min_clearance": finite(context.units.length_out(motion.clearance)),
         "limit_margin": finite(float((motion.limit_margin * unit[arm.chain.columns]).min())),
     }
 

@@ -67,7 +67,7 @@ def self_motion_view(robot: Robot, found: SelfMotion, units: Units) -> SelfMotio
 
 
 def _curve(robot: Robot, one: SelfMotionCurve, units: Units, angular: bool) -> SelfMotionCurveView:
-    values = units.angles_out(one.parameter) if angular else one.parameter
+    values = units.angles_out(one.parameter) if angular else units.lengths_out(one.parameter)
     view: SelfMotionCurveView = {
         "topology": "closed" if one.closed else "arc",
         "posture": list(one.posture),

@@ -171,7 +171,7 @@ def _sheet(robot: Robot, solutions: Sequence[IKSolution], q: FloatArray, context
             columns.words(Heading.BEYOND_LIMITS, beyond),
             columns.words(Heading.FREE, [one.free for one in solutions]),
             Column(Heading.SWIVEL, units.angles_out(swivels), units.named["angle"]),
-            *columns.errors(position, orientation),
+            *columns.errors(position, orientation, units),
         )
     )
 
@@ -182,7 +182,7 @@ def _view(robot: Robot, solution: IKSolution, context: Context) -> IKSolutionVie
         "q": context.units.joints_out(robot, solution.q),
         "posture": list(solution.posture),
         "within_limits": solution.within_limits,
-        "position_error": solution.position_error,
+        "position_error": context.units.length_out(solution.position_error),
         "orientation_error": solution.orientation_error,
         "free": list(solution.free),
         "swivel": None if swivel is None else float(context.units.angles_out(np.array(swivel))),

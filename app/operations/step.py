@@ -159,9 +159,7 @@ def _motion(values: list[float], task: Task, context: Context) -> FloatArray:
     """delta_x in m and rad."""
     dx = np.array(values, dtype=np.float64)
     angular = np.array([row >= 3 for row in task.rows])
-    if len(dx) != len(angular):
-        return dx
-    return np.where(angular, context.units.angles_in(dx), dx)
+    return dx if len(dx) != len(angular) else context.units.rows_in(angular, dx)
 
 
 STEP = Operation(

@@ -350,6 +350,7 @@ SYMBOLIC = Operation(
     " what is not simplified in time is given as it is.",
     request=SymbolicRequest,
     installed=False,
+    lengths=False,
     answer=SymbolicAnswer,
     memory=_memory,
     run=_run,

@@ -30,10 +30,10 @@ class BranchBeyondView(TypedDict):
 class ForbiddenView(TypedDict):
     """What forbids a target: its position, its orientation, or the limits, and by how much.
 
-    ``position_miss``, m, and ``orientation_miss``, rad: with ``by`` position or orientation, what
-    is missed; proved to be missed at the least where ``proven`` and alone, else the smallest that a
-    search found while the other is reached. ``branches``, where limits forbid it: the solution of
-    each that is least beyond them.
+    ``position_miss``, in the unit of the answer, and ``orientation_miss``, rad: with ``by``
+    position or orientation, what is missed; proved to be missed at the least where ``proven`` and
+    alone, else the smallest that a search found while the other is reached. ``branches``, where
+    limits forbid it: the solution of each that is least beyond them.
     """
 
     by: Literal["position", "orientation", "limits", "unknown"]
@@ -47,7 +47,7 @@ def forbidden_view(robot: Robot, found: Forbidden, units: Units) -> ForbiddenVie
     """Return what forbids a target, in the units of the answer."""
     view: ForbiddenView = {"by": found.by.value, "proven": found.proven}
     if found.position_miss is not None:
-        view["position_miss"] = found.position_miss
+        view["position_miss"] = units.length_out(found.position_miss)
     if found.orientation_miss is not None:
         view["orientation_miss"] = found.orientation_miss
     if found.branches:
@@ -64,7 +64,7 @@ def forbidden_view(robot: Robot, found: Forbidden, units: Units) -> ForbiddenVie
 
 def _joint(one: JointBeyond, units: Units) -> JointBeyondView:
     def out(value: float) -> float:
-        return units.angle_out(value) if one.is_revolute else value
+        return units.angle_out(value) if one.is_revolute else units.length_out(value)
 
     return {
         "joint": one.joint,

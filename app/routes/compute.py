@@ -19,6 +19,7 @@ from app.admission.thread_pool import Admission, while_connected
 from app.dependencies import Services, services_of
 from app.fields.doubts import RequestDoubts
 from app.fields.field import Reading
+from app.fields.lengths import in_metres
 from app.http.bodies import read_body
 from app.http.csv_table import CsvForm
 from app.http.handlers import domain_problem
@@ -131,7 +132,10 @@ class Computation:
                 request, asking, len(body), lambda: self._npy(body, asking.query, asking.reading)
             )
         return await self._answer(
-            request, asking, len(body), lambda: self._json(body, services.settings)
+            request,
+            asking,
+            len(body),
+            lambda: self._json(body, services.settings, asking.reading.units),
         )
 
     async def get(self, request: Request) -> Response:
@@ -164,7 +168,7 @@ class Computation:
         decoded = (
             self.form.from_query(asking.query, asking.reading)
             if body is None
-            else self._json(body, services.settings)
+            else self._json(body, services.settings, asking.reading.units)
         )
         form = _form_of(request, asking.wanted)
         asked = self._asked(request, asking, services, decoded)
@@ -181,7 +185,7 @@ class Computation:
         if by_query or request.scope["query_string"]:
             more = self.form.parameters if by_query else ()
             check_query(request, *more, common=self.operation.parameters)
-            units, query = units_of(request), request.query_params
+            units, query = units_of(request, lengths=True), request.query_params
         wanted = wanted_type(request, *self.operation.forms)
         reading = _reading(stored.robot, units, settings, stored.robot.doubts)
         return _Asking(reading, wanted, query)
@@ -204,28 +208,28 @@ class Computation:
         services = await services_of(request)
         require_type(request, JSON)
         check_query(request, common=self.operation.parameters)
-        units, wanted = units_of(request), wanted_type(request, *self.operation.forms)
+        units, wanted = units_of(request, lengths=True), wanted_type(request, *self.operation.forms)
         body = await read_body(request, self.max_body)
         if len(body) > INLINE_BYTES:
             reservation = services.memory.reservation(len(body))
             try:
                 await reservation.grow(body_need(len(body)))
                 decoded = await services.computed(
-                    lambda: self._with_robot(body, services.settings), request
+                    lambda: self._with_robot(body, services.settings, units), request
                 )
             finally:
                 reservation.end()
         else:
-            decoded = self._with_robot(body, services.settings)
+            decoded = self._with_robot(body, services.settings, units)
         robot, told = await services.inline_robot(decoded.robot, request)
         reading = _reading(robot, units, services.settings, told)
         asking = _Asking(reading, wanted, request.query_params)
         return await self._answer(request, asking, len(body), lambda: decoded)
 
-    def _json(self, body: bytes, settings: Settings) -> msgspec.Struct:
+    def _json(self, body: bytes, settings: Settings, units: Units) -> msgspec.Struct:
         if len(body) > MAX_FIELD:
             check_fields(body, self._most_bytes(settings))
-        decoded = self.form.from_json(body)
+        decoded = self.form.from_json(body, units)
         refuse_doubled_keys(body)
         return decoded
 
@@ -234,10 +238,11 @@ class Computation:
         array = decode_npy(body)
         return self.form.from_npy(self.operation.npy_field, array, query, reading)
 
-    def _with_robot(self, body: bytes, settings: Settings) -> Any:
+    def _with_robot(self, body: bytes, settings: Settings, units: Units) -> Any:
         if len(body) > MAX_FIELD:
             check_fields(body, self._most_bytes(settings) | {"robot": settings.max_document_bytes})
-        decoded: Any = decode_json(body, self.form.inline)
+        scaled = in_metres(body, self.form.inline) if units.millimetres else body
+        decoded: Any = decode_json(scaled, self.form.inline)
         robot = bytes(decoded.robot)
         # A robot is looked at by itself, once for many requests.
         refuse_doubled_keys(body.replace(robot, b"0", 1) if robot[:1] == b"{" else body)

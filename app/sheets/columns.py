@@ -49,7 +49,7 @@ def joints(
 def joint_units(robot: Robot, units: Units) -> list[str]:
     """Return the unit of each entry of q."""
     angle = units.named["angle"]
-    return [angle if turns else "m" for turns in robot.is_revolute.tolist()]
+    return [angle if turns else units.length for turns in robot.is_revolute.tolist()]
 
 
 def joint_values(robot: Robot, q: FloatArray, units: Units) -> list[Column]:
@@ -60,16 +60,17 @@ def joint_values(robot: Robot, q: FloatArray, units: Units) -> list[Column]:
     columns = []
     for joint in robot.moving:
         values, turns = np.atleast_1d(found[joint.name]), joint.type.is_revolute
-        shown = units.angles_out(values) if turns else values
-        unit = units.named["angle"] if turns else "m"
+        shown = units.angles_out(values) if turns else units.lengths_out(values)
+        unit = units.named["angle"] if turns else units.length
         columns.append(Column(numbered(Heading.JOINT_VALUE, joint.name), shown, unit))
     return columns
 
 
-def position(p: FloatArray) -> list[Column]:
+def position(p: FloatArray, units: Units) -> list[Column]:
     """Return x, y and z of points, shape (n, 3), m."""
+    shown = units.lengths_out(p)
     names = (Heading.X, Heading.Y, Heading.Z)
-    return [Column(name, p[:, k], "m") for k, name in enumerate(names)]
+    return [Column(name, shown[:, k], units.length) for k, name in enumerate(names)]
 
 
 def orientation(R: FloatArray, units: Units) -> list[Column]:
@@ -124,10 +125,10 @@ def euler(angles: EulerAngles, sequence: str, units: Units) -> list[Column]:
     ]
 
 
-def errors(position_error: FloatArray, orientation_error: FloatArray) -> list[Column]:
+def errors(position_error: FloatArray, orientation_error: FloatArray, units: Units) -> list[Column]:
     """Return errors of position, m, and of orientation, rad, shape (n,)."""
     return [
-        Column(Heading.POSITION_ERROR, position_error, "m"),
+        Column(Heading.POSITION_ERROR, units.lengths_out(position_error), units.length),
         Column(Heading.ORIENTATION_ERROR, orientation_error, "rad"),
     ]
 
