@@ -48,15 +48,15 @@ class OrientationFormat:
 
     Attributes:
         name: Its name in requests and answers.
-        told: Its values and what they mean, for documents.
         kind: Euler angles, a rotation vector, or a quaternion with its real part first.
         sequence: Order of the axes of Euler angles, see :mod:`kinematics.orientation`.
+        description: Its values and what they mean, for documents.
     """
 
     name: str
     kind: Literal["euler", "vector", "quaternion_wxyz"]
-    told: str
     sequence: str = ""
+    description: str = ""
 
     @property
     def size(self) -> int:
@@ -122,19 +122,40 @@ def _vector_of_quaternion(quaternions: FloatArray) -> FloatArray:
 FORMATS = {
     one.name: one
     for one in (
-        OrientationFormat("rotation_vector", "vector", "axis times angle"),
-        OrientationFormat("quaternion_wxyz", "quaternion_wxyz", "quaternion w,x,y,z"),
-        OrientationFormat("kuka_abc", "euler", "KUKA A,B,C = Rz(A) Ry(B) Rx(C)", "ZYX"),
-        OrientationFormat("fanuc_wpr", "euler", "Fanuc W,P,R = Rz(R) Ry(P) Rx(W)", "xyz"),
-        OrientationFormat("abb_quaternion", "quaternion_wxyz", "ABB q1,q2,q3,q4 with q1 real"),
+        OrientationFormat("rotation_vector", "vector", description="axis times angle"),
+        OrientationFormat("quaternion_wxyz", "quaternion_wxyz", description="quaternion w,x,y,z"),
         OrientationFormat(
-            "ur_rotation_vector", "vector", "Universal Robots rx,ry,rz = axis times angle"
+            "kuka_abc", "euler", sequence="ZYX", description="KUKA A,B,C = Rz(A) Ry(B) Rx(C)"
         ),
-        OrientationFormat("staubli_rxryrz", "euler", "Stäubli rx,ry,rz = Rx Ry Rz", "XYZ"),
-        OrientationFormat("yaskawa_rxryrz", "euler", "Yaskawa Rx,Ry,Rz = Rz Ry Rx", "xyz"),
-        OrientationFormat("kawasaki_oat", "euler", "Kawasaki O,A,T = Rz(O) Ry(A) Rz(T)", "ZYZ"),
-        OrientationFormat("denso_rxryrz", "euler", "Denso RX,RY,RZ = Rz Ry Rx", "xyz"),
-        OrientationFormat("comau_euler", "euler", "Comau E1,E2,E3 = Rz Ry Rz", "ZYZ"),
+        OrientationFormat(
+            "fanuc_wpr", "euler", sequence="xyz", description="Fanuc W,P,R = Rz(R) Ry(P) Rx(W)"
+        ),
+        OrientationFormat(
+            "abb_quaternion", "quaternion_wxyz", description="ABB q1,q2,q3,q4 with q1 real"
+        ),
+        OrientationFormat(
+            "ur_rotation_vector",
+            "vector",
+            description="Universal Robots rx,ry,rz = axis times angle",
+        ),
+        OrientationFormat(
+            "staubli_rxryrz", "euler", sequence="XYZ", description="Stäubli rx,ry,rz = Rx Ry Rz"
+        ),
+        OrientationFormat(
+            "yaskawa_rxryrz", "euler", sequence="xyz", description="Yaskawa Rx,Ry,Rz = Rz Ry Rx"
+        ),
+        OrientationFormat(
+            "kawasaki_oat",
+            "euler",
+            sequence="ZYZ",
+            description="Kawasaki O,A,T = Rz(O) Ry(A) Rz(T)",
+        ),
+        OrientationFormat(
+            "denso_rxryrz", "euler", sequence="xyz", description="Denso RX,RY,RZ = Rz Ry Rx"
+        ),
+        OrientationFormat(
+            "comau_euler", "euler", sequence="ZYZ", description="Comau E1,E2,E3 = Rz Ry Rz"
+        ),
     )
 }
 """Besides quaternion_xyzw, rpy and euler."""

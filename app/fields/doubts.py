@@ -24,7 +24,7 @@ from robots.robot import FloatArray, Robot
 IN_REQUEST = Remedies(
     say("then angle=deg"),
     say("then leave angle=deg out"),
-    say("then divide by 1000, as lengths are in m"),
+    say("then length=mm"),
     say("lengths are in m"),
 )
 TOUCH = 1e-9

@@ -434,7 +434,7 @@ _PARAMETERS = (
     *(
         Parameter(
             texts.angles if one.is_angular else texts.scalars,
-            f"Target orientation: {one.told}.",
+            f"Target orientation: {one.description}.",
             one.name,
         )
         for one in FORMATS.values()

@@ -191,7 +191,7 @@ def test_a_joint_without_limits_may_turn_often(client):
 
 def test_a_slide_in_millimetres_is_told(client):
     (warning,) = told(client, "/v1/robots/scara/fk", {"q": [0.1, 0.2, 100, 0]})
-    assert warning.startswith("q of joint j3 is 100 m; millimetres? then divide by 1000")
+    assert warning.startswith("q of joint j3 is 100 m; millimetres? then length=mm")
 
 
 def test_other_forms_tell_it_too(client):

@@ -496,6 +496,21 @@ export interface components {
              * @default false
              */
             reveal?: boolean;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * Target
@@ -509,13 +524,35 @@ export interface components {
             /** @default null */
             matrix?: number[][] | null;
             /** @default null */
-            position?: number[] | null;
-            /** @default null */
             quaternion_xyzw?: number[] | null;
             /** @default null */
             rpy?: number[] | null;
             /** @default null */
             euler?: components["schemas"]["EulerField"] | null;
+            /** @default null */
+            rotation_vector?: number[] | null;
+            /** @default null */
+            quaternion_wxyz?: number[] | null;
+            /** @default null */
+            kuka_abc?: number[] | null;
+            /** @default null */
+            fanuc_wpr?: number[] | null;
+            /** @default null */
+            abb_quaternion?: number[] | null;
+            /** @default null */
+            ur_rotation_vector?: number[] | null;
+            /** @default null */
+            staubli_rxryrz?: number[] | null;
+            /** @default null */
+            yaskawa_rxryrz?: number[] | null;
+            /** @default null */
+            kawasaki_oat?: number[] | null;
+            /** @default null */
+            denso_rxryrz?: number[] | null;
+            /** @default null */
+            comau_euler?: number[] | null;
+            /** @default null */
+            position?: number[] | null;
             /** @default null */
             phi?: number | null;
             /** @default null */
@@ -528,6 +565,48 @@ export interface components {
         EulerField: {
             sequence: string;
             angles: number[];
+        };
+        /**
+         * Placement
+         * @description A placement: a matrix, or a position (also called xyz) with one orientation.
+         *
+         *         A position that is left out is 0, an orientation none.
+         */
+        Placement: {
+            /** @default null */
+            matrix?: number[][] | null;
+            /** @default null */
+            quaternion_xyzw?: number[] | null;
+            /** @default null */
+            rpy?: number[] | null;
+            /** @default null */
+            euler?: components["schemas"]["EulerField"] | null;
+            /** @default null */
+            rotation_vector?: number[] | null;
+            /** @default null */
+            quaternion_wxyz?: number[] | null;
+            /** @default null */
+            kuka_abc?: number[] | null;
+            /** @default null */
+            fanuc_wpr?: number[] | null;
+            /** @default null */
+            abb_quaternion?: number[] | null;
+            /** @default null */
+            ur_rotation_vector?: number[] | null;
+            /** @default null */
+            staubli_rxryrz?: number[] | null;
+            /** @default null */
+            yaskawa_rxryrz?: number[] | null;
+            /** @default null */
+            kawasaki_oat?: number[] | null;
+            /** @default null */
+            denso_rxryrz?: number[] | null;
+            /** @default null */
+            comau_euler?: number[] | null;
+            /** @default null */
+            position?: number[] | null;
+            /** @default null */
+            xyz?: number[] | null;
         };
         /**
          * InlineCheckRequest
@@ -619,6 +698,21 @@ export interface components {
              * @default false
              */
             reveal?: boolean;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -631,6 +725,21 @@ export interface components {
             q: number[] | number[][] | {
                 [key: string]: number;
             };
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineDHMatricesRequest
@@ -641,6 +750,21 @@ export interface components {
             q: number[] | number[][] | {
                 [key: string]: number;
             };
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -663,6 +787,21 @@ export interface components {
              * @default null
              */
             euler?: string | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineFKRequest
@@ -683,6 +822,21 @@ export interface components {
              * @default null
              */
             euler?: string | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -706,6 +860,21 @@ export interface components {
              * @enum {unknown}
              */
             reference_frame?: "local_world_aligned" | "world" | "local" | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineHessianRequest
@@ -727,6 +896,21 @@ export interface components {
              * @enum {unknown}
              */
             reference_frame?: "local_world_aligned" | "world" | "local" | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -782,6 +966,21 @@ export interface components {
              * @default 1000
              */
             time_budget_ms?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * TargetBatch
@@ -802,6 +1001,28 @@ export interface components {
             phi?: number[] | null;
             /** @default null */
             direction?: number[][] | null;
+            /** @default null */
+            rotation_vector?: number[][] | null;
+            /** @default null */
+            quaternion_wxyz?: number[][] | null;
+            /** @default null */
+            kuka_abc?: number[][] | null;
+            /** @default null */
+            fanuc_wpr?: number[][] | null;
+            /** @default null */
+            abb_quaternion?: number[][] | null;
+            /** @default null */
+            ur_rotation_vector?: number[][] | null;
+            /** @default null */
+            staubli_rxryrz?: number[][] | null;
+            /** @default null */
+            yaskawa_rxryrz?: number[][] | null;
+            /** @default null */
+            kawasaki_oat?: number[][] | null;
+            /** @default null */
+            denso_rxryrz?: number[][] | null;
+            /** @default null */
+            comau_euler?: number[][] | null;
         };
         /**
          * EulerBatch
@@ -873,6 +1094,21 @@ export interface components {
              * @default 1000
              */
             time_budget_ms?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -913,6 +1149,21 @@ export interface components {
              * @enum {string}
              */
             windings?: "nearest" | "all";
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineIKSolutionsRequest
@@ -951,6 +1202,21 @@ export interface components {
              * @enum {string}
              */
             windings?: "nearest" | "all";
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -984,6 +1250,21 @@ export interface components {
              * @default null
              */
             euler?: string | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineJacobianRequest
@@ -1015,6 +1296,21 @@ export interface components {
              * @default null
              */
             euler?: string | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -1042,6 +1338,21 @@ export interface components {
              * @enum {unknown}
              */
             reference_frame?: "local_world_aligned" | "world" | "local" | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineJacobianDerivativeRequest
@@ -1067,6 +1378,21 @@ export interface components {
              * @enum {unknown}
              */
             reference_frame?: "local_world_aligned" | "world" | "local" | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -1092,6 +1418,21 @@ export interface components {
              * @enum {unknown}
              */
             reference_frame?: "local_world_aligned" | "world" | "local" | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineJointTorquesRequest
@@ -1115,6 +1456,21 @@ export interface components {
              * @enum {unknown}
              */
             reference_frame?: "local_world_aligned" | "world" | "local" | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -1155,6 +1511,21 @@ export interface components {
              * @default 1e-10
              */
             tolerance?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineJointVelocitiesRequest
@@ -1193,6 +1564,21 @@ export interface components {
              * @default 1e-10
              */
             tolerance?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -1220,6 +1606,21 @@ export interface components {
              * @default 1e-10
              */
             tolerance?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineManipulabilityGradientRequest
@@ -1245,6 +1646,21 @@ export interface components {
              * @default 1e-10
              */
             tolerance?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -1274,6 +1690,21 @@ export interface components {
              * @default null
              */
             frame?: string | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineMapRequest
@@ -1301,6 +1732,21 @@ export interface components {
              * @default null
              */
             frame?: string | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -1439,6 +1885,21 @@ export interface components {
              * @enum {string}
              */
             method?: "pseudo_inverse" | "damped" | "null_space" | "task_priority" | "sqp" | "qp" | "whole_path";
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * GainsField
@@ -1718,6 +2179,21 @@ export interface components {
              * @enum {string}
              */
             method?: "pseudo_inverse" | "damped" | "null_space" | "task_priority" | "sqp" | "qp" | "whole_path";
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -1852,6 +2328,21 @@ export interface components {
             tolerance?: components["schemas"]["PathToleranceField"];
             /** @description Names, or objects {method, label, and options of its own}: pseudo_inverse, damped, null_space, task_priority, sqp, qp, whole_path */
             methods?: (string | components["schemas"]["MethodChoice"])[];
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * MethodChoice
@@ -2010,6 +2501,21 @@ export interface components {
             tolerance?: components["schemas"]["PathToleranceField"];
             /** @description Names, or objects {method, label, and options of its own}: pseudo_inverse, damped, null_space, task_priority, sqp, qp, whole_path */
             methods?: (string | components["schemas"]["MethodChoice"])[];
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -2048,6 +2554,21 @@ export interface components {
              * @default 480
              */
             height?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlinePictureRequest
@@ -2084,6 +2605,21 @@ export interface components {
              * @default 480
              */
             height?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -2116,6 +2652,21 @@ export interface components {
              * @default null
              */
             characteristic_length?: number | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineSingularityRequest
@@ -2146,6 +2697,21 @@ export interface components {
              * @default null
              */
             characteristic_length?: number | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -2173,6 +2739,21 @@ export interface components {
              * @default 1e-10
              */
             tolerance?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineNearestSingularityRequest
@@ -2198,6 +2779,21 @@ export interface components {
              * @default 1e-10
              */
             tolerance?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -2239,6 +2835,21 @@ export interface components {
              * @default []
              */
             secondary?: components["schemas"]["SecondaryStep"][];
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * SecondaryStep
@@ -2292,6 +2903,21 @@ export interface components {
              * @default []
              */
             secondary?: components["schemas"]["SecondaryStep"][];
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -2425,6 +3051,21 @@ export interface components {
              * @enum {unknown}
              */
             reference_frame?: "local_world_aligned" | "world" | "local" | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineTwistRequest
@@ -2450,6 +3091,21 @@ export interface components {
              * @enum {unknown}
              */
             reference_frame?: "local_world_aligned" | "world" | "local" | null;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -2473,6 +3129,21 @@ export interface components {
              * @default 0
              */
             random_seed?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineWorkspaceRequest
@@ -2494,6 +3165,21 @@ export interface components {
              * @default 0
              */
             random_seed?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -2531,6 +3217,21 @@ export interface components {
              * @default 1e-10
              */
             tolerance?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
         };
         /**
          * InlineWrenchRequest
@@ -2566,6 +3267,21 @@ export interface components {
              * @default 1e-10
              */
             tolerance?: number;
+            /**
+             * @description Pose of the robot's base frame in the world; poses of request and answer are in the axes of the world then. For this request only.
+             * @default null
+             */
+            base?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Pose of a tool in the frame that is computed for, which the answer is about then. For this request only.
+             * @default null
+             */
+            tool?: number[][] | components["schemas"]["Placement"] | null;
+            /**
+             * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
+             * @default {}
+             */
+            limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
             robot: string | components["schemas"]["DHTable"] | components["schemas"]["InlineURDF"];
         };
@@ -2631,15 +3347,29 @@ export interface components {
          * @description One pose in every representation, in the axes of the robot's base frame.
          *
          *         ``rpy_degenerate`` is there where it is true, of a batch for one pose at least: at a pitch of
-         *         ±90° only roll ± yaw is determined, and yaw is 0, as in the sequence xyz.
+         *         ±90° only roll ± yaw is determined, and yaw is 0, as in the sequence xyz. One of the ways that
+         *         makers write orientations is there where ``?orientation=`` names it;
+         *         ``orientation_degenerate`` where other values would mean the same.
          */
         PoseView: {
+            abb_quaternion?: number[];
+            comau_euler?: number[];
+            denso_rxryrz?: number[];
             euler?: components["schemas"]["EulerView"];
+            fanuc_wpr?: number[];
+            kawasaki_oat?: number[];
+            kuka_abc?: number[];
             matrix: number[][];
+            orientation_degenerate?: boolean;
             position: number[];
+            quaternion_wxyz?: number[];
             quaternion_xyzw: number[];
+            rotation_vector?: number[];
             rpy: number[];
             rpy_degenerate?: boolean;
+            staubli_rxryrz?: number[];
+            ur_rotation_vector?: number[];
+            yaskawa_rxryrz?: number[];
         };
         /**
          * EulerView
@@ -2730,10 +3460,10 @@ export interface components {
          * ForbiddenView
          * @description What forbids a target: its position, its orientation, or the limits, and by how much.
          *
-         *         ``position_miss``, m, and ``orientation_miss``, rad: with ``by`` position or orientation, what
-         *         is missed; proved to be missed at the least where ``proven`` and alone, else the smallest that a
-         *         search found while the other is reached. ``branches``, where limits forbid it: the solution of
-         *         each that is least beyond them.
+         *         ``position_miss``, in the unit of the answer, and ``orientation_miss``, rad: with ``by``
+         *         position or orientation, what is missed; proved to be missed at the least where ``proven`` and
+         *         alone, else the smallest that a search found while the other is reached. ``branches``, where
+         *         limits forbid it: the solution of each that is least beyond them.
          */
         ForbiddenView: {
             branches?: components["schemas"]["BranchBeyondView"][];
@@ -3069,7 +3799,7 @@ export interface components {
          * @description A capsule that is kept clear of obstacles: a shape of a link, or what bounds it.
          *
          *         ``joint`` is the last joint that moves it; ``excess`` how far the capsule sticks out of the
-         *         shape at most, 0 where it is the shape. Lengths in m.
+         *         shape at most, 0 where it is the shape.
          */
         LinkPart: {
             excess: number;
@@ -3549,15 +4279,29 @@ export interface components {
          * @description One pose in every representation, in the axes of the robot's base frame.
          *
          *         ``rpy_degenerate`` is there where it is true, of a batch for one pose at least: at a pitch of
-         *         ±90° only roll ± yaw is determined, and yaw is 0, as in the sequence xyz.
+         *         ±90° only roll ± yaw is determined, and yaw is 0, as in the sequence xyz. One of the ways that
+         *         makers write orientations is there where ``?orientation=`` names it;
+         *         ``orientation_degenerate`` where other values would mean the same.
          */
         PoseViewBatch: {
+            abb_quaternion?: number[][];
+            comau_euler?: number[][];
+            denso_rxryrz?: number[][];
             euler?: components["schemas"]["EulerViewBatch"];
+            fanuc_wpr?: number[][];
+            kawasaki_oat?: number[][];
+            kuka_abc?: number[][];
             matrix: number[][][];
+            orientation_degenerate?: boolean[];
             position: number[][];
+            quaternion_wxyz?: number[][];
             quaternion_xyzw: number[][];
+            rotation_vector?: number[][];
             rpy: number[][];
             rpy_degenerate?: boolean[];
+            staubli_rxryrz?: number[][];
+            ur_rotation_vector?: number[][];
+            yaskawa_rxryrz?: number[][];
         };
         /**
          * EulerViewBatch
