@@ -142,13 +142,19 @@ def test_unknown_parameters_of_a_query_are_refused_with_the_known_ones(client):
     assert "did you mean factor" in answer.json()["detail"]
 
 
+PLACED = ("xyz", "rpy", "quaternion_xyzw", "matrix")
+"""How a placement is given in a query."""
+
+
 def test_it_is_documented_with_its_example(client):
     document = client.get("/openapi.json").json()
     stored = document["paths"]["/v1/robots/{robot_id}/reach"]
     assert "/v1/reach" in document["paths"]
     names = [one["name"] for one in stored["get"]["parameters"]]
-    assert names[:6] == ["robot_id", "q", "frame", "task", "factor", "angle"]
-    assert names[6:] == ["format", "lang", "digits"]
+    assert names[:5] == ["robot_id", "q", "frame", "task", "factor"]
+    of_the_robot = [f"{one}_{form}" for one in ("base", "tool") for form in PLACED]
+    assert names[5:-5] == [*of_the_robot, "limits"]
+    assert names[-5:] == ["angle", "format", "lang", "digits", "length"]
     schemas = {"components": document["components"]}
     content = stored["post"]["requestBody"]["content"]["application/json"]
     jsonschema.validate(content["example"], {**content["schema"], **schemas})
