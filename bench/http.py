@@ -30,7 +30,7 @@ from app.access.keys import Scope, new_key
 from app.main import create_app
 from app.operations import Answer
 from app.operations.forward import FK
-from app.routes.compute import ByEnding, _Handlers
+from app.routes.compute import ByEnding, Computation
 from app.settings import Settings
 from bench.pairs import Row, paired, seconds
 from kinematics.forward import fk
@@ -85,7 +85,7 @@ def application() -> FastAPI:
     others, as the computations are.
     """
     app, settings = create_app(), Settings()
-    idle = _Handlers(
+    idle = Computation(
         replace(FK, name="idle", run=lambda *_: Answer({})), settings.max_compute_bytes
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 from fastapi import FastAPI, Request, Response
@@ -36,7 +36,7 @@ from app.http.negotiation import (
 )
 from app.http.npy import decode_npy
 from app.http.query import check_query, csv_form_of, digits_of, units_of, with_status
-from app.http.responses import json_lines, respond, told_in_header
+from app.http.responses import json_head, json_lines, json_of, respond, told_in_header
 from app.http.strict_json import MAX_FIELD, check_fields, decode_json, refuse_doubled_keys
 from app.http.text import render_text
 from app.http.units import Units
@@ -44,6 +44,7 @@ from app.operations.operation import PICTURES, Answer, Context, Operation, Runs
 from app.pictures.png import png_of
 from app.settings import Settings
 from app.sheets.latex import tabular
+from dh_to_urdf.languages import Language
 from kinematics.errors import OutOfTime
 from robots.robot import Robot
 from robots.stored_robot import StoredRobot
@@ -124,32 +125,58 @@ class Computation:
         services = await services_of(request)
         stored = await services.robot(request.path_params["robot_id"], request)
         kind = require_type(request, *self.bodies)
-        asking = self._asking(request, stored, services.settings, kind == NPY)
+        terms = self.terms(request, by_query=kind == NPY)
+        reading = _reading(stored, terms, services.settings)
         body = await read_body(request, self.max_body)
         if kind == NPY:
             return await self._answer(
-                request, asking, len(body), lambda: self._npy(body, asking.query, asking.reading)
+                request, terms, reading, len(body), lambda: self._npy(body, terms.query, reading)
             )
         return await self._answer(
-            request, asking, len(body), lambda: self._json(body, services.settings)
+            request, terms, reading, len(body), lambda: self._json(body, services.settings)
         )
 
     async def get(self, request: Request) -> Response:
         """Compute on a stored robot, from a query."""
         services = await services_of(request)
         stored = await services.robot(request.path_params["robot_id"], request)
-        asking = self._asking(request, stored, services.settings, True)
-        decoded = self.form.from_query(asking.query, asking.reading)
+        terms = self.terms(request, by_query=True)
+        reading = _reading(stored, terms, services.settings)
+        decoded = self.form.from_query(terms.query, reading)
         size = len(request.scope["query_string"])
-        return await self._answer(request, asking, size, lambda: decoded)
+        return await self._answer(request, terms, reading, size, lambda: decoded)
 
-    def at_once(
-        self, request: Request, stored: StoredRobot, services: Services, body: bytes | None
-    ) -> Response | None:
-        """Return the answer of :meth:`post` or :meth:`get` if it takes microseconds, else None.
+    def terms(self, request: Request, *, by_query: bool) -> Terms:
+        """Return what the head of a request asks for, whatever its robot and its body.
 
         Args:
             request: The request, of which only the head is read.
+            by_query: Whether fields of the request are in the query.
+
+        Raises:
+            RequestProblem: A parameter is unknown, stands twice, or cannot be read.
+        """
+        units, query = PLAIN, EMPTY
+        if by_query or request.scope["query_string"]:
+            more = self.form.parameters if by_query else ()
+            check_query(request, *more, common=self.operation.parameters)
+            units, query = units_of(request), request.query_params
+        wanted = wanted_type(request, *self.operation.forms)
+        return Terms(units, query, wanted, language_of(request))
+
+    def at_once(
+        self,
+        terms: Terms,
+        form: Form,
+        stored: StoredRobot,
+        services: Services,
+        body: bytes | None,
+    ) -> Written | None:
+        """Return the answer of :meth:`post` or :meth:`get` if it takes microseconds, else None.
+
+        Args:
+            terms: What its head asks for.
+            form: That of its answer.
             stored: The robot.
             services: Those of the application.
             body: A JSON body; None: a query.
@@ -158,35 +185,27 @@ class Computation:
             RequestProblem: What is asked cannot be read.
             KinematicsError: It does not fit.
         """
-        asking = self._asking(request, stored, services.settings, body is None)
-        if asking.wanted == NDJSON:
+        reading = _reading(stored, terms, services.settings)
+        asked = None
+        if body is None:
+            asked = self.form.resolved(self.form.from_query(terms.query, reading), reading)
+        else:
+            asked = self.form.from_one_q(body, reading)
+            if asked is None:
+                asked = self.form.resolved(self._json(body, services.settings), reading)
+        context = _context(terms, reading, services)
+        answer = self.operation.run_at_once(stored.robot, asked, context)
+        if answer is None:
             return None
-        decoded = (
-            self.form.from_query(asking.query, asking.reading)
-            if body is None
-            else self._json(body, services.settings)
-        )
-        form = _form_of(request, asking.wanted)
-        asked = self.form.resolved(decoded, asking.reading)
-        response = self._short(asked, form, _context(request, asking, services))
-        if response is None:
-            request.scope[TRIED] = True
-        return response
+        if form.type == JSON and answer.headers is None:
+            return Written(json_head(terms.language), json_of(answer.payload, terms.language))
+        response = _written(answer, form, context, short=True)
+        if type(response) is not Response:
+            return None
+        head = tuple(one for one in response.raw_headers if one[0] != b"content-length")
+        return Written(head, bytes(response.body))
 
-    def _asking(
-        self, request: Request, stored: StoredRobot, settings: Settings, by_query: bool
-    ) -> _Asking:
-        """Return what the head says; ``by_query``: fields of the request are in the query."""
-        units, query = PLAIN, EMPTY
-        if by_query or request.scope["query_string"]:
-            more = self.form.parameters if by_query else ()
-            check_query(request, *more, common=self.operation.parameters)
-            units, query = units_of(request), request.query_params
-        wanted = wanted_type(request, *self.operation.forms)
-        reading = _reading(stored.robot, units, settings, stored.robot.doubts)
-        return _Asking(reading, wanted, query)
-
-    def _short(self, asked: msgspec.Struct, form: _Form, context: Context) -> Response | None:
+    def _short(self, asked: msgspec.Struct, form: Form, context: Context) -> Response | None:
         """Return the answer of a request if it takes microseconds, else None."""
         robot = context.doubts.robot
         answer = self.operation.run_at_once(robot, asked, context)
@@ -211,9 +230,9 @@ class Computation:
         else:
             decoded = self._with_robot(body, services.settings)
         robot, told = await services.inline_robot(decoded.robot, request)
-        reading = _reading(robot, units, services.settings, told)
-        asking = _Asking(reading, wanted, request.query_params)
-        return await self._answer(request, asking, len(body), lambda: decoded)
+        reading = Reading(robot, units, services.settings, RequestDoubts(robot, units, told), {})
+        terms = Terms(units, request.query_params, wanted, language_of(request))
+        return await self._answer(request, terms, reading, len(body), lambda: decoded)
 
     def _json(self, body: bytes, settings: Settings) -> msgspec.Struct:
         if len(body) > MAX_FIELD:
@@ -244,49 +263,49 @@ class Computation:
     async def _answer(
         self,
         request: Request,
-        asking: _Asking,
+        terms: Terms,
+        reading: Reading,
         size: int,
         decode: Callable[[], msgspec.Struct],
     ) -> Response:
         """Run the computation where it belongs, and write its answer."""
         services = await services_of(request)
-        form, context = _form_of(request, asking.wanted), _context(request, asking, services)
+        form, context = form_of(request, terms.wanted), _context(terms, reading, services)
 
         def read() -> msgspec.Struct:
-            asked: msgspec.Struct = self.form.resolved(decode(), asking.reading)
+            asked: msgspec.Struct = self.form.resolved(decode(), reading)
             return asked
 
-        work = _Work(request, services, self.operation, asking.reading.robot, context, form)
+        work = _Work(request, services, self.operation, reading.robot, context, form)
         if size > INLINE_BYTES:
             return await work.answered(read, size)
         asked = read()
-        if asking.wanted != NDJSON and TRIED not in request.scope:
+        if terms.wanted != NDJSON and TRIED not in request.scope:
             response = self._short(asked, form, context)
             if response is not None:
                 return response
         return await work.answered(lambda: asked, 0)
 
 
-def _reading(robot: Robot, units: Units, settings: Settings, told: tuple[str, ...]) -> Reading:
-    """Return what a request is read with; ``told`` is what its answer says of the robot."""
-    return Reading(robot, units, settings, RequestDoubts(robot, units, told), {})
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """What the head of a request asks for.
 
+    Attributes:
+        units: Of the request and its answer.
+        query: Its query, whose names have been checked.
+        wanted: Media type of the answer.
+        language: What the answer is written in.
+    """
 
-def _context(request: Request, asking: _Asking, services: Services) -> Context:
-    reading = asking.reading
-    return Context(
-        reading.units,
-        reading.settings,
-        reading.doubts,
-        asking.wanted,
-        services.symbolic,
-        services.programs,
-        language_of(request),
-    )
+    units: Units
+    query: Mapping[str, str]
+    wanted: str
+    language: Language
 
 
 @dataclass(frozen=True, slots=True)
-class _Form:
+class Form:
     """The form of an answer.
 
     Attributes:
@@ -302,30 +321,50 @@ class _Form:
     statuses: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class _Asking:
-    """What the head of a request says.
+class Written(NamedTuple):
+    """An answer with status 200, as it is sent.
 
     Attributes:
-        reading: With what its fields are read.
-        wanted: Media type of the answer.
-        query: Its query, whose names have been checked.
+        head: Its headers but for its length.
+        body: Its body.
     """
 
-    reading: Reading
-    wanted: str
-    query: Mapping[str, str]
+    head: tuple[tuple[bytes, bytes], ...]
+    body: bytes
 
 
-def _form_of(request: Request, wanted: str) -> _Form:
+def form_of(request: Request, wanted: str) -> Form:
+    """Return the form of an answer of the wanted type.
+
+    Raises:
+        RequestProblem: A parameter of the form cannot be read, or does not fit the type.
+    """
     if not request.scope["query_string"]:
-        return _Form(wanted)
+        return Form(wanted)
     digits = digits_of(request, wanted)
     table = csv_form_of(request, wanted, digits)
-    return _Form(wanted, digits, table, with_status(request, wanted))
+    return Form(wanted, digits, table, with_status(request, wanted))
 
 
-def _written(answer: Answer, form: _Form, context: Context, *, short: bool = False) -> Response:
+def _reading(stored: StoredRobot, terms: Terms, settings: Settings) -> Reading:
+    """Return what a request about a stored robot is read with."""
+    robot, units = stored.robot, terms.units
+    return Reading(robot, units, settings, RequestDoubts(robot, units, robot.doubts), {})
+
+
+def _context(terms: Terms, reading: Reading, services: Services) -> Context:
+    return Context(
+        reading.units,
+        reading.settings,
+        reading.doubts,
+        terms.wanted,
+        services.symbolic,
+        services.programs,
+        terms.language,
+    )
+
+
+def _written(answer: Answer, form: Form, context: Context, *, short: bool = False) -> Response:
     """Return an answer in the wanted form."""
     wanted, spoken = form.type, context.language
     if wanted in PICTURES and answer.picture is not None:
@@ -356,7 +395,7 @@ def _written(answer: Answer, form: _Form, context: Context, *, short: bool = Fal
     )
 
 
-def _latex(answer: Answer, form: _Form) -> str:
+def _latex(answer: Answer, form: Form) -> str:
     """What LaTeX holds: matrices, or the table."""
     if answer.latex is not None:
         return answer.latex(form.digits)
@@ -373,7 +412,7 @@ class _Work:
     operation: Operation
     robot: Robot
     context: Context
-    form: _Form
+    form: Form
 
     async def answered(self, read: Callable[[], msgspec.Struct], size: int) -> Response:
         """Return the answer, once there is memory for it; a large one stays admitted until sent.

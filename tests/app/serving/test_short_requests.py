@@ -10,8 +10,8 @@ import pytest
 from app.dependencies import Services
 from app.middleware.request_id import RequestIds
 from app.operations import OPERATIONS
-from app.routes.compute import TRIED, Computation
-from app.serving.short_requests import short_requests
+from app.routes.compute import Computation
+from app.serving.short_requests import Declined, ShortAnswer, short_requests
 from app.settings import Settings
 from app.telemetry.observed import Records
 from tests.conftest import PATIENCE, running_server
@@ -116,12 +116,12 @@ def test_where_traces_are_kept_all_go_the_ordinary_way(tmp_path, monkeypatch):
 
 def test_errors_and_robots_that_are_not_loaded_go_the_ordinary_way(short):
     found = short.find(scope())
-    assert short.answer(found, BODY) is None
+    assert short.answer(found, BODY) is Declined.ERROR
     short.services.store.get("puma560")
-    assert short.answer(found, BODY) is not None
-    assert short.answer(found, b'{"q": [0, 0]}') is None
-    assert short.answer(found, b"{") is None
-    assert short.answer(short.find(scope(path="/v1/robots/none/fk")), BODY) is None
+    assert isinstance(short.answer(found, BODY), ShortAnswer)
+    assert short.answer(found, b'{"q": [0, 0]}') is Declined.ERROR
+    assert short.answer(found, b"{") is Declined.ERROR
+    assert short.answer(short.find(scope(path="/v1/robots/none/fk")), BODY) is Declined.ERROR
 
 
 def test_what_takes_longer_is_tried_once(short):
@@ -129,8 +129,7 @@ def test_what_takes_longer_is_tried_once(short):
     short.services.store.get("puma560")
     found = short.find(scope(path="/v1/robots/puma560/ik", content_length="40"))
     body = b'{"target": {"matrix": [[1,0,0,9],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}}'
-    assert short.answer(found, body) is None
-    assert found.scope[TRIED]
+    assert short.answer(found, body) is Declined.LONGER
 
 
 def both_ways(connection, sent):
