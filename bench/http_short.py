@@ -37,7 +37,7 @@ TICKS = os.sysconf("SC_CLK_TCK")
 Q = [0.1, 0.2, 0.3, -1.0, 0.5, 1.2, 0.7]
 PANDA = {"target": {"position": [0.4, 0.1, 0.5], "rpy": [3.14, 0, 0]}}
 SEEDED = PANDA | {"seed": [0, 0, 0, -1.5, 0, 1.5, 0]}
-PUMA = {"target": {"position": [0.4, 0.2, 0.5], "rpy": [0.1, 0.2, 0.3]}}
+PUMA = {"target": {"position": [0.4972, -0.1009, 0.884], "rpy": [-0.1164, -0.3036, 1.0983]}}
 REQUESTS: dict[str, tuple[str, Mapping[str, Any]]] = {
     "fk": ("panda/fk", {"q": Q}),
     "jacobian": ("panda/jacobian", {"q": Q}),

@@ -44,7 +44,9 @@ MAX_OVERHEAD = 65_536
 """Bytes of chunk sizes, extensions and trailers, beside sixteen for each byte of a body."""
 MAX_PIPELINED = 64
 AT_ONCE = 24
-"""Requests begun in one turn of the event loop: milliseconds, so that health is seldom late."""
+TURN_SECONDS = 0.002
+"""Requests begun in one turn of the event loop, and the time after which no other is: milliseconds,
+so that health is seldom late."""
 SPARE_FILES = 100
 """File descriptors that are left for robots and worker processes."""
 TICK = 0.01
@@ -110,6 +112,7 @@ class ConnectionGuard:
         self.open: dict[GuardedProtocol, None] = {}
         self._queue: deque[Callable[[], None]] = deque()
         self._begun = 0
+        self._turned = 0.0
         self._turning = False
         self._sweeping = False
 
@@ -142,16 +145,25 @@ class ConnectionGuard:
         """Counts a request that begins now; returns False where it has to wait for its turn."""
         if not self._turning:
             self._turning = True
-            self._begun = 0
+            self._new_turn()
             loop.call_soon(self._turn, loop)
-        if self._begun >= AT_ONCE or self._queue:
+        if self._queue or not self._has_room():
             return False
         self._begun += 1
         return True
 
+    def _new_turn(self) -> None:
+        self._begun, self._turned = 0, monotonic()
+
+    def _has_room(self) -> bool:
+        """Whether one more request begins in this turn; the first always does."""
+        if self._begun == 0:
+            return True
+        return self._begun < AT_ONCE and monotonic() - self._turned < TURN_SECONDS
+
     def _turn(self, loop: asyncio.AbstractEventLoop) -> None:
-        self._begun = 0
-        while self._queue and self._begun < AT_ONCE:
+        self._new_turn()
+        while self._queue and self._has_room():
             self._begun += 1
             self._queue.popleft()()
         if self._begun:
@@ -221,6 +233,7 @@ class GuardedProtocol(HttpToolsProtocol):
         self._head_end = b""
         self._running: RequestResponseCycle | None = None
         self._held: _Held | None = None
+        self._counted = False  # whether what is held counts as in progress
         self._between = True  # the parser has no part of a request
         self._whole = b""
         self._declined: Declined | None = None
@@ -234,6 +247,7 @@ class GuardedProtocol(HttpToolsProtocol):
     def connection_lost(self, exc: Exception | None) -> None:
         """The connection is gone."""
         self.guard.leave(self)
+        self._release()
         if self._running is not None and not self._running.response_complete:
             # Of several requests, uvicorn tells the newest only.
             self._running.disconnected = True
@@ -254,6 +268,9 @@ class GuardedProtocol(HttpToolsProtocol):
             data = self._without_upgrade(data)
         self._raw += len(data)
         super().data_received(data)
+        if self._held is not None and not self._counted and self.guard.short is not None:
+            self._counted = True
+            self.guard.short.await_body(1)
         if self.phase is Phase.HEAD and self._raw > MAX_HEAD_BYTES:
             self._refuse_head()
         elif self.phase is Phase.BODY and self._raw > 16 * self._payload + MAX_OVERHEAD:
@@ -319,7 +336,7 @@ class GuardedProtocol(HttpToolsProtocol):
         held = self._held
         if held is None or held.cycle is not self.cycle:
             return
-        self._held = None
+        self._release()
         short, cycle = self.guard.short, held.cycle
         if short is not None and whole and cycle.keep_alive and self.limit_concurrency is None:
             short.remember(whole, held.found, bytes(cycle.body))
@@ -486,6 +503,13 @@ class GuardedProtocol(HttpToolsProtocol):
                 super(GuardedProtocol, self)._start_asgi_task(cycle, app)
 
         self.guard.begin(start, self.loop)
+
+    def _release(self) -> None:
+        """The body of what is held has come, or never will."""
+        self._held = None
+        if self._counted and self.guard.short is not None:
+            self._counted = False
+            self.guard.short.await_body(-1)
 
     def _answered(self, held: _Held) -> bool:
         """Answer a short request here, if it is one; return whether it was."""

@@ -233,6 +233,11 @@ class ShortRequests:
         )
         return ShortAnswer(head, written.body, request_id)
 
+    def await_body(self, change: int) -> None:
+        """Count a request as in progress whose body is awaited, 1, or not any more, -1."""
+        if self._records.metrics is not None:
+            self._records.metrics.in_progress.inc(change)
+
     def keep(
         self, asked: ShortRequest, answer: ShortAnswer, begun: float, client: Client | None
     ) -> None:
