@@ -80,6 +80,8 @@ def create_app(
             short = short_requests(app.state.services, computations, records, ids)
             yield {STATE: ConnectionGuard(_limits(chosen), short)}
             app.state.readiness.stop()
+        if counted is not None:
+            counted.write_pending()
         app.state.services.close()
 
     app = FastAPI(

@@ -6,7 +6,7 @@
 import argparse
 from pathlib import Path
 
-from bench import before, compute, http, redundancy
+from bench import before, compute, http, http_short, redundancy
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
@@ -19,6 +19,7 @@ if __name__ == "__main__":
         ("In process", compute.run()),
         ("Redundancy", redundancy.run()),
         ("Over HTTP", http.run()),
+        ("Short computations over HTTP, beside a server that does nothing", http_short.run()),
     )
     for title, rows in reports:
         print(f"\n{title}")

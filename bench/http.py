@@ -30,7 +30,7 @@ from app.access.keys import Scope, new_key
 from app.main import create_app
 from app.operations import Answer
 from app.operations.forward import FK
-from app.routes.compute import ByEnding, _Handlers
+from app.routes.compute import Computation
 from app.settings import Settings
 from bench.pairs import Row, paired, seconds
 from kinematics.forward import fk
@@ -85,7 +85,7 @@ def application() -> FastAPI:
     others, as the computations are.
     """
     app, settings = create_app(), Settings()
-    idle = _Handlers(
+    idle = Computation(
         replace(FK, name="idle", run=lambda *_: Answer({})), settings.max_compute_bytes
     )
 
@@ -99,9 +99,7 @@ def application() -> FastAPI:
 
     path = "/v1/robots/{robot_id}/"
     app.router.routes.insert(0, Route(f"{path}bare", bare, methods=["POST"]))
-    paths = [getattr(one, "path", None) for one in app.routes]
-    beside = paths.index(f"{path}fk")
-    app.router.routes.insert(beside, ByEnding(f"{path}idle", idle.post, methods=["POST"]))
+    app.router.routes.insert(1, Route(f"{path}idle", idle.post, methods=["POST"]))
     return app
 
 

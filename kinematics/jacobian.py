@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -134,23 +135,25 @@ def _one(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFram
     model, data = robot.model, robot.data()
     pin.computeJointJacobians(model, data, robot.configuration(q))
     pin.updateFramePlacements(model, data)
-    columns = robot.velocity_columns
-    tip_id, base_id = robot.frame_id(frame), robot.frame_id(robot.base_frame)
-    aligned = pin.LOCAL_WORLD_ALIGNED
-    J = pin.getFrameJacobian(model, data, tip_id, aligned).reshape(6, -1)[:, columns]
-    base, tip = data.oMf[base_id], data.oMf[tip_id]
-    if robot.coupled is not None:
-        J = J @ robot.coupled.matrix
-    if not base.isIdentity(0.0):
-        J_base = pin.getFrameJacobian(model, data, base_id, aligned).reshape(6, -1)[:, columns]
-        if robot.coupled is not None:
-            J_base = J_base @ robot.coupled.matrix
-        arm = tip.translation - base.translation
+    tip_id = robot.frame_id(frame)
+    J, tip = _by_column(robot, data, tip_id), data.oMf[tip_id]
+    if not robot.base_is_fixed:
+        base_id = robot.frame_id(robot.base_frame)
+        base, J_base = data.oMf[base_id], _by_column(robot, data, base_id)
         J = J - J_base
-        J[:3] -= np.cross(J_base[3:], arm, axis=0)
+        J[:3] -= np.cross(J_base[3:], tip.translation - base.translation, axis=0)
         J = np.concatenate((base.rotation.T @ J[:3], base.rotation.T @ J[3:]))
         tip = base.actInv(tip)
+    if reference_frame is ReferenceFrame.LOCAL_WORLD_ALIGNED:
+        return J
     return np.asarray(_expressed(J[None], tip.homogeneous[None], reference_frame)[0])
+
+
+def _by_column(robot: Robot, data: Any, frame_id: int) -> FloatArray:
+    """Return the Jacobian of a frame in the axes of the root by the entries of q, (6, dof)."""
+    J = pin.getFrameJacobian(robot.model, data, frame_id, pin.LOCAL_WORLD_ALIGNED)
+    J = J.reshape(6, -1)[:, robot.velocity_columns]
+    return np.asarray(J if robot.coupled is None else J @ robot.coupled.matrix)
 
 
 def _many(robot: Robot, q: FloatArray, frame: str, reference_frame: ReferenceFrame) -> FloatArray:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from typing import Annotated, Any, Generic, TypeVar, get_args, get_origin, get_type_hints
+from weakref import WeakKeyDictionary
 
 import msgspec
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from app.http.strict_json import decode_json, validation_problem
 from app.http.units import Units
 from dh_to_urdf.messages import say
 from robots.installation import Installation, installed
+from robots.robot import Robot
 
 R = TypeVar("R", bound=msgspec.Struct)
 PLAIN = Field()
@@ -36,6 +38,15 @@ _ROBOT = Annotated[
         },
     ),
 ]
+
+
+class _OneQ(msgspec.Struct, forbid_unknown_fields=True):
+    """A body that gives one q and nothing else."""
+
+    q: list[float]
+
+
+_ONE_Q = msgspec.json.Decoder(_OneQ)
 
 
 class RequestForm(Generic[R]):
@@ -83,6 +94,7 @@ class RequestForm(Generic[R]):
             for name, field in self.fields.items()
             for parameter in field.parameters
         }
+        self._others: WeakKeyDictionary[Robot, dict[str, Any]] = WeakKeyDictionary()
         # q before other long fields: what does not fit q does not fit the robot.
         own = [(name, self.fields[name]) for name in request.__struct_fields__]
         ordered = sorted(own, key=lambda item: (item[1].late, item[0] != "q"))
@@ -97,6 +109,35 @@ class RequestForm(Generic[R]):
         scaled = in_metres(body, self.wire) if units.millimetres else body
         decoded: msgspec.Struct = decode_json(scaled, self.wire)
         return decoded
+
+    def from_one_q(self, body: bytes, reading: Reading) -> R | None:
+        """Return the request of a body that gives a list of numbers q and nothing else.
+
+        What :meth:`from_json` and :meth:`resolved` make of it, in a third of the time; None for any
+        other body, also of a request that has to give more.
+
+        Raises:
+            RequestProblem: q cannot be read.
+            KinematicsError: It does not fit.
+        """
+        # Two quotes are those of the one key, so that none is doubled and no value is a text.
+        if self.required != ("q",) or body.count(b'"') != 2 or not reading.units.are_si:
+            return None
+        try:
+            values = _ONE_Q.decode(body).q
+        except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+            return None
+        others = self._others.get(reading.robot)
+        if others is None:
+            defaults = self.wire(q=values)
+            others = {
+                name: field.resolve(getattr(defaults, name), location, reading)
+                for name, field, location in self._in_order
+                if name != "q"
+            }
+            self._others[reading.robot] = others
+        q = self.fields["q"].resolve(values, ("q",), reading)
+        return self.request(q=q, **others)
 
     def from_query(self, query: Mapping[str, str], reading: Reading) -> msgspec.Struct:
         """Read the parameters of a GET form, whose names have been checked.

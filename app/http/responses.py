@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -128,6 +129,18 @@ def _plain(value: object) -> object:
     raise TypeError(f"cannot write a {type(value).__name__}")
 
 
+def json_of(payload: Mapping[str, Any], language: Language) -> bytes:
+    """JSON of a payload that is known to hold a few numbers only."""
+    return _dumps(language.told(payload))
+
+
+@lru_cache(maxsize=16)
+def json_head(language: Language) -> tuple[tuple[bytes, bytes], ...]:
+    """The headers of a JSON answer with status 200, but for its length."""
+    response = Response(b"", headers=language_headers(language), media_type=JSON)
+    return tuple(one for one in response.raw_headers if one[0] != b"content-length")
+
+
 def json_lines(rows: Iterable[Mapping[str, Any]], language: Language) -> bytes:
     """One JSON object a line."""
     return b"".join(_dumps(language.told(row)) + b"\n" for row in rows)
@@ -168,6 +181,10 @@ def respond(
         digits: Decimals of numbers in text; None: its own choice.
         table: How CSV is written; None: in English, with decimal points.
     """
+    if short and wanted == JSON:
+        return Response(
+            json_of(payload, language), status, language_headers(language, headers), JSON
+        )
     payload = language.told(payload)
     if wanted == NPY:
         if array is None:
@@ -179,8 +196,6 @@ def respond(
             NPY,
         )
     headers = language_headers(language, headers)
-    if short and wanted == JSON:
-        return Response(_dumps(payload), status, headers, JSON)
     if wanted == TEXT:
         content = render_text(payload, digits, language).encode()
         return Response(content, status, headers, "text/plain; charset=utf-8")

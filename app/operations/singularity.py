@@ -13,7 +13,14 @@ from app.fields.field import LEFT_OUT
 from app.fields.joints import Configuration
 from app.fields.names import Frame, TaskSpace
 from app.fields.numbers import RankTolerance, within_query
-from app.operations.operation import SHEET_FORMS, Answer, Context, Operation, Runs, check_size
+from app.operations.operation import (
+    SHEET_FORMS,
+    Answer,
+    Context,
+    Operation,
+    check_size,
+    is_light,
+)
 from app.operations.shapes import (
     FLAG,
     NUMBER,
@@ -42,7 +49,7 @@ from kinematics.ellipsoids import Ellipsoid, ellipsoids
 from kinematics.explanation import lost_direction_in_words, null_motion_in_words
 from kinematics.jacobian import jacobian, task_jacobian
 from kinematics.jacobian import peak_bytes as jacobian_bytes
-from kinematics.named_singularities import Factorization, factorization
+from kinematics.named_singularities import Factorization, factorization, is_prepared
 from kinematics.singularity import RANK_TOLERANCE, SingularityReport, report_on
 from kinematics.singularity import peak_bytes as report_bytes
 from kinematics.task import POSE, Task
@@ -160,6 +167,8 @@ class SingularityAnswer(_Report):
 
 
 _MAX_WORDS = 8
+QUICK_DOF = 8
+"""Joints up to which one q takes well below a millisecond; of more, others would wait too long."""
 
 
 def _memory(robot: Robot, request: SingularityRequest, context: Context) -> Need:
@@ -175,7 +184,7 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
     q = request.q
     check_size(q, 6 * robot.dof + robot.dof**2)
     full = jacobian(robot, q, frame)
-    J = task_jacobian(robot, q, task, frame)
+    J = full if task is POSE else task_jacobian(robot, q, task, frame)
     every = J if q.ndim == 2 else [J]
     batch = [report_on(one, robot, task, request.tolerance) for one in checked(every)]
     first = batch[0]
@@ -210,6 +219,15 @@ def _run(robot: Robot, request: SingularityRequest, context: Context) -> Answer:
         values if q.ndim == 2 else values[0],
         sheet=lambda: _sheet(robot, np.atleast_2d(q), batch, named, answer, context),
     )
+
+
+def _attempt(robot: Robot, request: SingularityRequest, context: Context) -> Answer | None:
+    """Return the answer for one q of an arm of known structure: some tenths of a millisecond."""
+    if not is_light(robot, request) or robot.dof > QUICK_DOF:
+        return None
+    if not is_prepared(robot, request.task, request.frame):
+        return None
+    return _run(robot, request, context)
 
 
 def _sheet(
@@ -360,8 +378,7 @@ SINGULARITY = Operation(
     run=_run,
     example={"q": [0.5236, 0.0], "task": "xy"},
     example_robot="planar_2r",
-    # Milliseconds: in a thread as many a second, and others wait a tenth as long meanwhile.
-    runs=Runs.THREAD,
     forms=SHEET_FORMS,
     npy_field="q",
+    attempt=_attempt,
 )

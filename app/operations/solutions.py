@@ -15,7 +15,7 @@ from app.fields.names import Frame, TargetTaskSpace
 from app.fields.redundancy import SwivelAngle, Windings, WindingsChoice
 from app.fields.targets import RequiredTarget
 from app.operations.inverse import IKTolerance, RandomSeed, ToleranceField
-from app.operations.operation import SHEET_FORMS, Answer, Context, Operation, Runs
+from app.operations.operation import LIGHT_DOF, SHEET_FORMS, Answer, Context, Operation
 from app.operations.reachable_part import ReachableView, reachable_view
 from app.operations.self_motion import SelfMotionView, self_motion_view
 from app.operations.shapes import AnswerUnits, Vector
@@ -26,9 +26,9 @@ from app.sheets.headings import Heading
 from app.sheets.sheet import Column, Sheet
 from kinematics.chain import chain_of
 from kinematics.inverse import IKOptions, Tolerance
-from kinematics.inverse.all_solutions import all_solutions
+from kinematics.inverse.all_solutions import all_solutions, solutions_at_once
 from kinematics.inverse.equivalents import with_equivalents
-from kinematics.inverse.solutions import IKSolution
+from kinematics.inverse.solutions import IKSolution, IKSolutions
 from kinematics.inverse.unreached import beyond_limits, why_unreached
 from robots.robot import FloatArray, Robot
 
@@ -96,20 +96,46 @@ def _memory(robot: Robot, _: IKSolutionsRequest, context: Context) -> Need:
     return Need(0.0, fixed=fixed_bytes(context.form) + MOST_ROWS * LISTED * robot.dof)
 
 
-def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
-    task = request.task
-    frame = request.frame
+def _options(request: IKSolutionsRequest) -> IKOptions:
     tolerance = Tolerance(request.tolerance.position, request.tolerance.orientation)
-    options = IKOptions(tolerance=tolerance, random_seed=request.random_seed)
+    return IKOptions(tolerance=tolerance, random_seed=request.random_seed)
+
+
+def _run(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer:
     found = all_solutions(
         robot,
         request.target,
-        frame=frame,
-        task=task,
+        frame=request.frame,
+        task=request.task,
         seed=request.seed,
-        options=options,
+        options=_options(request),
         swivel=request.swivel,
     )
+    return _told(robot, request, context, found)
+
+
+def _attempt(robot: Robot, request: IKSolutionsRequest, context: Context) -> Answer | None:
+    """Return the answer of a closed form that reaches the target within the limits."""
+    if request.swivel is not None or request.windings is not Windings.NEAREST:
+        return None
+    if robot.dof > LIGHT_DOF:
+        return None
+    found = solutions_at_once(
+        robot,
+        request.target,
+        frame=request.frame,
+        task=request.task,
+        seed=request.seed,
+        tolerance=Tolerance(request.tolerance.position, request.tolerance.orientation),
+    )
+    return None if found is None else _told(robot, request, context, found)
+
+
+def _told(
+    robot: Robot, request: IKSolutionsRequest, context: Context, found: IKSolutions
+) -> Answer:
+    """Return the answer that tells solutions, and if none is within the limits, why."""
+    task, frame, options = request.task, request.frame, _options(request)
     if request.windings is Windings.ALL:
         found = with_equivalents(robot, chain_of(robot, frame), found)
     answer: IKSolutionsAnswer = {
@@ -210,6 +236,6 @@ SOLUTIONS = Operation(
     run=_run,
     example={"target": {"position": [0.4, 0.2, 0.5], "rpy": [0.1, 0.2, 0.3]}},
     example_robot="puma560",
-    runs=Runs.THREAD,
     forms=SHEET_FORMS,
+    attempt=_attempt,
 )

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 from fastapi import FastAPI, Request, Response
 from fastapi.responses import StreamingResponse
-from starlette.routing import Match, Route
-from starlette.types import Scope
+from starlette._utils import get_route_path
+from starlette.routing import BaseRoute, Match, Route
+from starlette.types import Receive, Scope, Send
 
 from app.admission.memory import SMALL_BODY, AdmittedResponse, Reservation
 from app.admission.need import body_need
@@ -37,7 +38,7 @@ from app.http.negotiation import (
 )
 from app.http.npy import decode_npy
 from app.http.query import check_query, csv_form_of, digits_of, units_of, with_status
-from app.http.responses import json_lines, respond, told_in_header
+from app.http.responses import json_head, json_lines, json_of, respond, told_in_header
 from app.http.strict_json import MAX_FIELD, check_fields, decode_json, refuse_doubled_keys
 from app.http.text import render_text
 from app.http.units import Units
@@ -45,6 +46,7 @@ from app.operations.operation import PICTURES, Answer, Context, Operation, Runs
 from app.pictures.png import png_of
 from app.settings import Settings
 from app.sheets.latex import tabular
+from dh_to_urdf.languages import Language
 from kinematics.errors import OutOfTime
 from robots.robot import Robot
 from robots.stored_robot import StoredRobot
@@ -53,6 +55,8 @@ PLAIN = Units()
 EMPTY: Mapping[str, str] = MappingProxyType({})
 INLINE_BYTES = 4_000
 """Bodies above this are read in a thread, so that they do not delay other requests."""
+ON_ROBOT = "/v1/robots/{robot_id}/"
+"""Beginning of the paths of computations on stored robots."""
 TRIED = "denavit.tried"
 """Entry of the scope of a request of which it is known that it takes longer than microseconds."""
 TARGET_BYTES = 1_000
@@ -76,33 +80,52 @@ def add_routes(
         What answers each computation, by its name.
     """
     found = {operation.name: Computation(operation, max_body) for operation in operations}
-    for operation in operations:
-        handlers = found[operation.name]
-        path = f"/v1/robots/{{robot_id}}/{operation.name}"
-        app.router.routes += [
-            ByEnding(path, handlers.post, methods=["POST"]),
-            ByEnding(path, handlers.get, methods=["GET"]),
-            ByEnding(f"/v1/{operation.name}", handlers.inline, methods=["POST"]),
+    routes: list[Route] = []
+    for name, handlers in found.items():
+        routes += [
+            Route(f"{ON_ROBOT}{name}", handlers.post, methods=["POST"]),
+            Route(f"{ON_ROBOT}{name}", handlers.get, methods=["GET"]),
+            Route(f"/v1/{name}", handlers.inline, methods=["POST"]),
         ]
+    app.router.routes += [ByName(routes), *routes]
     return found
 
 
-class ByEnding(Route):
-    """A route that looks at the end of a path first.
+class ByName(BaseRoute):
+    """Finds the route of a computation by the end of its path, however many there are.
 
-    There are some eighty, and each request asks one after the other: this takes a quarter of the
-    time of a regular expression.
+    There are some eighty, and Starlette asks one after the other. A path or a method that is not
+    found here is looked for among all routes, which say what is wrong with it.
+
+    Args:
+        routes: Those of the computations.
     """
 
-    def __init__(self, path: str, endpoint: Callable[..., Any], *, methods: list[str]) -> None:
-        super().__init__(path, endpoint, methods=methods)
-        self.ending = path[path.rindex("/") :]
+    def __init__(self, routes: Iterable[Route]) -> None:
+        self._routes = {
+            (method, route.path.removeprefix(ON_ROBOT), route.path.startswith(ON_ROBOT)): route
+            for route in routes
+            for method in route.methods or ()
+        }
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
-        """What Starlette's route says, where the ending fits."""
-        if not scope["path"].endswith(self.ending):
+        """The route of a computation, its endpoint and the robot, where the path is that of one."""
+        if scope["type"] != "http":
             return Match.NONE, {}
-        return super().matches(scope)
+        path = get_route_path(scope)
+        # /v1/robots/{id}/{name}; names of some computations have a slash of their own.
+        parts = path.split("/", 4)
+        stored = len(parts) == 5 and parts[2] == "robots" and parts[1] == "v1" and not parts[0]
+        name, params = (parts[4], {"robot_id": parts[3]}) if stored else (path, {})
+        route = self._routes.get((scope["method"], name, stored))
+        if route is None or (stored and not parts[3]):
+            return Match.NONE, {}
+        given = {**scope.get("path_params", {}), **params}
+        return Match.FULL, {"route": route, "endpoint": route.endpoint, "path_params": given}
+
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Passes the request on to the route that was found."""
+        await scope["route"].handle(scope, receive, send)
 
 
 class Computation:
@@ -125,35 +148,62 @@ class Computation:
         services = await services_of(request)
         stored = await services.robot(request.path_params["robot_id"], request)
         kind = require_type(request, *self.bodies)
-        asking = self._asking(request, stored, services.settings, kind == NPY)
+        terms = self.terms(request, by_query=kind == NPY)
+        reading = _reading(stored, terms, services.settings)
         body = await read_body(request, self.max_body)
         if kind == NPY:
             return await self._answer(
-                request, asking, len(body), lambda: self._npy(body, asking.query, asking.reading)
+                request, terms, reading, len(body), lambda: self._npy(body, terms.query, reading)
             )
         return await self._answer(
             request,
-            asking,
+            terms,
+            reading,
             len(body),
-            lambda: self._json(body, services.settings, asking.reading.units),
+            lambda: self._json(body, services.settings, terms.units),
         )
 
     async def get(self, request: Request) -> Response:
         """Compute on a stored robot, from a query."""
         services = await services_of(request)
         stored = await services.robot(request.path_params["robot_id"], request)
-        asking = self._asking(request, stored, services.settings, True)
-        decoded = self.form.from_query(asking.query, asking.reading)
+        terms = self.terms(request, by_query=True)
+        reading = _reading(stored, terms, services.settings)
+        decoded = self.form.from_query(terms.query, reading)
         size = len(request.scope["query_string"])
-        return await self._answer(request, asking, size, lambda: decoded)
+        return await self._answer(request, terms, reading, size, lambda: decoded)
 
-    def at_once(
-        self, request: Request, stored: StoredRobot, services: Services, body: bytes | None
-    ) -> Response | None:
-        """Return the answer of :meth:`post` or :meth:`get` if it takes microseconds, else None.
+    def terms(self, request: Request, *, by_query: bool) -> Terms:
+        """Return what the head of a request asks for, whatever its robot and its body.
 
         Args:
             request: The request, of which only the head is read.
+            by_query: Whether fields of the request are in the query.
+
+        Raises:
+            RequestProblem: A parameter is unknown, stands twice, or cannot be read.
+        """
+        units, query = PLAIN, EMPTY
+        if by_query or request.scope["query_string"]:
+            more = self.form.parameters if by_query else ()
+            check_query(request, *more, common=self.operation.parameters)
+            units, query = units_of(request, lengths=True), request.query_params
+        wanted = wanted_type(request, *self.operation.forms)
+        return Terms(units, query, wanted, language_of(request))
+
+    def at_once(
+        self,
+        terms: Terms,
+        form: Form,
+        stored: StoredRobot,
+        services: Services,
+        body: bytes | None,
+    ) -> Written | None:
+        """Return the answer of :meth:`post` or :meth:`get` if it takes microseconds, else None.
+
+        Args:
+            terms: What its head asks for.
+            form: That of its answer.
             stored: The robot.
             services: Those of the application.
             body: A JSON body; None: a query.
@@ -162,43 +212,36 @@ class Computation:
             RequestProblem: What is asked cannot be read.
             KinematicsError: It does not fit.
         """
-        asking = self._asking(request, stored, services.settings, body is None)
-        if asking.wanted == NDJSON:
+        reading = _reading(stored, terms, services.settings)
+        of_one_q = None if body is None else self.form.from_one_q(body, reading)
+        if of_one_q is not None:
+            asked = _Asked(stored.robot, of_one_q, _context(terms, reading, services))
+        elif body is None:
+            decoded = self.form.from_query(terms.query, reading)
+            asked = self._asked(terms, reading, services, decoded)
+        else:
+            decoded = self._json(body, services.settings, terms.units)
+            asked = self._asked(terms, reading, services, decoded)
+        answer = self.operation.run_at_once(asked.robot, asked.request, asked.context)
+        if answer is None:
             return None
-        decoded = (
-            self.form.from_query(asking.query, asking.reading)
-            if body is None
-            else self._json(body, services.settings, asking.reading.units)
-        )
-        form = _form_of(request, asking.wanted)
-        asked = self._asked(request, asking, services, decoded)
-        response = self._short(asked, form)
-        if response is None:
-            request.scope[TRIED] = True
-        return response
-
-    def _asking(
-        self, request: Request, stored: StoredRobot, settings: Settings, by_query: bool
-    ) -> _Asking:
-        """Return what the head says; ``by_query``: fields of the request are in the query."""
-        units, query = PLAIN, EMPTY
-        if by_query or request.scope["query_string"]:
-            more = self.form.parameters if by_query else ()
-            check_query(request, *more, common=self.operation.parameters)
-            units, query = units_of(request, lengths=True), request.query_params
-        wanted = wanted_type(request, *self.operation.forms)
-        reading = _reading(stored.robot, units, settings, stored.robot.doubts)
-        return _Asking(reading, wanted, query)
+        if form.type == JSON and answer.headers is None:
+            return Written(json_head(terms.language), json_of(answer.payload, terms.language))
+        response = _written(answer, form, asked.context, short=True)
+        if type(response) is not Response:
+            return None
+        head = tuple(one for one in response.raw_headers if one[0] != b"content-length")
+        return Written(head, bytes(response.body))
 
     def _asked(
-        self, request: Request, asking: _Asking, services: Services, decoded: msgspec.Struct
+        self, terms: Terms, reading: Reading, services: Services, decoded: msgspec.Struct
     ) -> _Asked:
         """Return what is asked, with every value in the units of ``kinematics``."""
-        reading = self.form.installed(decoded, asking.reading)
-        context = _context(request, asking.wanted, reading, services)
-        return _Asked(reading.robot, self.form.resolved(decoded, reading), context)
+        reading = self.form.installed(decoded, reading)
+        request = self.form.resolved(decoded, reading)
+        return _Asked(reading.robot, request, _context(terms, reading, services))
 
-    def _short(self, asked: _Asked, form: _Form) -> Response | None:
+    def _short(self, asked: _Asked, form: Form) -> Response | None:
         """Return the answer of a request if it takes microseconds, else None."""
         answer = self.operation.run_at_once(asked.robot, asked.request, asked.context)
         return None if answer is None else _written(answer, form, asked.context, short=True)
@@ -222,9 +265,9 @@ class Computation:
         else:
             decoded = self._with_robot(body, services.settings, units)
         robot, told = await services.inline_robot(decoded.robot, request)
-        reading = _reading(robot, units, services.settings, told)
-        asking = _Asking(reading, wanted, request.query_params)
-        return await self._answer(request, asking, len(body), lambda: decoded)
+        reading = Reading(robot, units, services.settings, RequestDoubts(robot, units, told), {})
+        terms = Terms(units, request.query_params, wanted, language_of(request))
+        return await self._answer(request, terms, reading, len(body), lambda: decoded)
 
     def _json(self, body: bytes, settings: Settings, units: Units) -> msgspec.Struct:
         if len(body) > MAX_FIELD:
@@ -256,75 +299,44 @@ class Computation:
     async def _answer(
         self,
         request: Request,
-        asking: _Asking,
+        terms: Terms,
+        reading: Reading,
         size: int,
         decode: Callable[[], msgspec.Struct],
     ) -> Response:
         """Run the computation where it belongs, and write its answer."""
         services = await services_of(request)
-        form = _form_of(request, asking.wanted)
+        form = form_of(request, terms.wanted)
 
         def read() -> _Asked:
-            return self._asked(request, asking, services, decode())
+            return self._asked(terms, reading, services, decode())
 
         work = _Work(request, services, self.operation, form)
         if size > INLINE_BYTES:
             return await work.answered(read, size)
         asked = read()
-        if asking.wanted != NDJSON and TRIED not in request.scope:
+        if terms.wanted != NDJSON and TRIED not in request.scope:
             response = self._short(asked, form)
             if response is not None:
                 return response
         return await work.answered(lambda: asked, 0)
 
 
-def _reading(robot: Robot, units: Units, settings: Settings, told: tuple[str, ...]) -> Reading:
-    """Return what a request is read with; ``told`` is what its answer says of the robot."""
-    return Reading(robot, units, settings, RequestDoubts(robot, units, told), {})
-
-
-def _context(request: Request, wanted: str, reading: Reading, services: Services) -> Context:
-    return Context(
-        reading.units,
-        reading.settings,
-        reading.doubts,
-        wanted,
-        services.symbolic,
-        services.programs,
-        language_of(request),
-    )
-
-
 @dataclass(frozen=True, slots=True)
-class _Form:
-    """The form of an answer.
+class Terms:
+    """What the head of a request asks for.
 
     Attributes:
-        type: Its media type.
-        digits: Decimals of numbers in text and LaTeX; None: their own choice.
-        table: How CSV is written; None for other forms.
-        statuses: Whether npy comes with the status of each row.
-    """
-
-    type: str
-    digits: int | None = None
-    table: CsvForm | None = None
-    statuses: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class _Asking:
-    """What the head of a request says.
-
-    Attributes:
-        reading: With what its fields are read.
-        wanted: Media type of the answer.
+        units: Of the request and its answer.
         query: Its query, whose names have been checked.
+        wanted: Media type of the answer.
+        language: What the answer is written in.
     """
 
-    reading: Reading
-    wanted: str
+    units: Units
     query: Mapping[str, str]
+    wanted: str
+    language: Language
 
 
 @dataclass(frozen=True, slots=True)
@@ -342,15 +354,67 @@ class _Asked:
     context: Context
 
 
-def _form_of(request: Request, wanted: str) -> _Form:
+@dataclass(frozen=True, slots=True)
+class Form:
+    """The form of an answer.
+
+    Attributes:
+        type: Its media type.
+        digits: Decimals of numbers in text and LaTeX; None: their own choice.
+        table: How CSV is written; None for other forms.
+        statuses: Whether npy comes with the status of each row.
+    """
+
+    type: str
+    digits: int | None = None
+    table: CsvForm | None = None
+    statuses: bool = False
+
+
+class Written(NamedTuple):
+    """An answer with status 200, as it is sent.
+
+    Attributes:
+        head: Its headers but for its length.
+        body: Its body.
+    """
+
+    head: tuple[tuple[bytes, bytes], ...]
+    body: bytes
+
+
+def form_of(request: Request, wanted: str) -> Form:
+    """Return the form of an answer of the wanted type.
+
+    Raises:
+        RequestProblem: A parameter of the form cannot be read, or does not fit the type.
+    """
     if not request.scope["query_string"]:
-        return _Form(wanted)
+        return Form(wanted)
     digits = digits_of(request, wanted)
     table = csv_form_of(request, wanted, digits)
-    return _Form(wanted, digits, table, with_status(request, wanted))
+    return Form(wanted, digits, table, with_status(request, wanted))
 
 
-def _written(answer: Answer, form: _Form, context: Context, *, short: bool = False) -> Response:
+def _reading(stored: StoredRobot, terms: Terms, settings: Settings) -> Reading:
+    """Return what a request about a stored robot is read with."""
+    robot, units = stored.robot, terms.units
+    return Reading(robot, units, settings, RequestDoubts(robot, units, robot.doubts), {})
+
+
+def _context(terms: Terms, reading: Reading, services: Services) -> Context:
+    return Context(
+        reading.units,
+        reading.settings,
+        reading.doubts,
+        terms.wanted,
+        services.symbolic,
+        services.programs,
+        terms.language,
+    )
+
+
+def _written(answer: Answer, form: Form, context: Context, *, short: bool = False) -> Response:
     """Return an answer in the wanted form."""
     wanted, spoken = form.type, context.language
     if wanted in PICTURES and answer.picture is not None:
@@ -381,7 +445,7 @@ def _written(answer: Answer, form: _Form, context: Context, *, short: bool = Fal
     )
 
 
-def _latex(answer: Answer, form: _Form) -> str:
+def _latex(answer: Answer, form: Form) -> str:
     """What LaTeX holds: matrices, or the table."""
     if answer.latex is not None:
         return answer.latex(form.digits)
@@ -396,7 +460,7 @@ class _Work:
     request: Request
     services: Services
     operation: Operation
-    form: _Form
+    form: Form
 
     async def answered(self, read: Callable[[], _Asked], size: int) -> Response:
         """Return the answer, once there is memory for it; a large one stays admitted until sent.

@@ -27,6 +27,7 @@ def add_route(app: FastAPI, metrics: Metrics) -> None:
                 return int(services.namespaces.usage().robots)
             return len(services.store.ids()) - len(shipped_ids())
 
+        metrics.write_pending()
         body = await run_sync(metrics.exposition, robots, limiter=limiter)
         return Response(body, media_type=CONTENT_TYPE_PLAIN_0_0_4)
 

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from enum import Enum
 from fcntl import ioctl
 from termios import TIOCOUTQ
-from time import monotonic
-from typing import Any
+from time import monotonic, perf_counter
+from typing import Any, NamedTuple
 
 import orjson
 from uvicorn._types import ASGI3Application
@@ -30,7 +30,8 @@ from uvicorn.protocols.http.httptools_impl import (
     RequestResponseCycle,
 )
 
-from app.serving.short_requests import ShortRequest, ShortRequests
+from app.routes.compute import TRIED
+from app.serving.short_requests import Declined, ShortAnswer, ShortRequest, ShortRequests
 
 LOG = logging.getLogger("denavit")
 STATE = "connections"
@@ -43,9 +44,13 @@ MAX_OVERHEAD = 65_536
 """Bytes of chunk sizes, extensions and trailers, beside sixteen for each byte of a body."""
 MAX_PIPELINED = 64
 AT_ONCE = 24
-"""Requests begun in one turn of the event loop: milliseconds, so that health is seldom late."""
+TURN_SECONDS = 0.002
+"""Requests begun in one turn of the event loop, and the time after which no other is: milliseconds,
+so that health is seldom late."""
 SPARE_FILES = 100
 """File descriptors that are left for robots and worker processes."""
+TICK = 0.01
+"""Seconds that do not matter to a connection that idles."""
 LINGER = 2.0
 """Seconds in which a client may read why it was refused."""
 UNREAD = (
@@ -107,6 +112,7 @@ class ConnectionGuard:
         self.open: dict[GuardedProtocol, None] = {}
         self._queue: deque[Callable[[], None]] = deque()
         self._begun = 0
+        self._turned = 0.0
         self._turning = False
         self._sweeping = False
 
@@ -130,19 +136,34 @@ class ConnectionGuard:
 
     def begin(self, start: Callable[[], None], loop: asyncio.AbstractEventLoop) -> None:
         """Starts a request in its turn: so many in each turn of the event loop."""
-        if not self._turning:
-            self._turning = True
-            self._begun = 0
-            loop.call_soon(self._turn, loop)
-        if self._begun < AT_ONCE and not self._queue:
-            self._begun += 1
+        if self.admits(loop):
             start()
         else:
             self._queue.append(start)
 
+    def admits(self, loop: asyncio.AbstractEventLoop) -> bool:
+        """Counts a request that begins now; returns False where it has to wait for its turn."""
+        if not self._turning:
+            self._turning = True
+            self._new_turn()
+            loop.call_soon(self._turn, loop)
+        if self._queue or not self._has_room():
+            return False
+        self._begun += 1
+        return True
+
+    def _new_turn(self) -> None:
+        self._begun, self._turned = 0, monotonic()
+
+    def _has_room(self) -> bool:
+        """Whether one more request begins in this turn; the first always does."""
+        if self._begun == 0:
+            return True
+        return self._begun < AT_ONCE and monotonic() - self._turned < TURN_SECONDS
+
     def _turn(self, loop: asyncio.AbstractEventLoop) -> None:
-        self._begun = 0
-        while self._queue and self._begun < AT_ONCE:
+        self._new_turn()
+        while self._queue and self._has_room():
             self._begun += 1
             self._queue.popleft()()
         if self._begun:
@@ -175,6 +196,22 @@ class ConnectionGuard:
         newest.cut_off()
 
 
+class _Held(NamedTuple):
+    """A request that may be answered at once, whose body is awaited.
+
+    Attributes:
+        cycle: Its cycle.
+        app: What answers it else.
+        found: What its head says.
+        begun: When its head had been read, as ``perf_counter`` tells.
+    """
+
+    cycle: RequestResponseCycle
+    app: ASGI3Application
+    found: ShortRequest
+    begun: float
+
+
 class GuardedProtocol(HttpToolsProtocol):
     """One connection: uvicorn's own protocol, with an eye on the clock and on sizes."""
 
@@ -195,7 +232,11 @@ class GuardedProtocol(HttpToolsProtocol):
         self._refusal = (400, "malformed-request", UNREAD)
         self._head_end = b""
         self._running: RequestResponseCycle | None = None
-        self._held: tuple[RequestResponseCycle, ASGI3Application, ShortRequest] | None = None
+        self._held: _Held | None = None
+        self._counted = False  # whether what is held counts as in progress
+        self._between = True  # the parser has no part of a request
+        self._whole = b""
+        self._declined: Declined | None = None
         self._parting = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
@@ -206,6 +247,7 @@ class GuardedProtocol(HttpToolsProtocol):
     def connection_lost(self, exc: Exception | None) -> None:
         """The connection is gone."""
         self.guard.leave(self)
+        self._release()
         if self._running is not None and not self._running.response_complete:
             # Of several requests, uvicorn tells the newest only.
             self._running.disconnected = True
@@ -216,6 +258,9 @@ class GuardedProtocol(HttpToolsProtocol):
         """Reads on, as far as sizes allow."""
         if self.phase is Phase.LINGER or self._parting or self.parser is None:
             return
+        if self._between and self._answered_again(data):
+            return
+        self._whole = data if self._between else b""
         if self.phase is Phase.IDLE:
             self._enter(Phase.HEAD, self.guard.limits.head_seconds)
             self._raw = 0
@@ -223,6 +268,9 @@ class GuardedProtocol(HttpToolsProtocol):
             data = self._without_upgrade(data)
         self._raw += len(data)
         super().data_received(data)
+        if self._held is not None and not self._counted and self.guard.short is not None:
+            self._counted = True
+            self.guard.short.await_body(1)
         if self.phase is Phase.HEAD and self._raw > MAX_HEAD_BYTES:
             self._refuse_head()
         elif self.phase is Phase.BODY and self._raw > 16 * self._payload + MAX_OVERHEAD:
@@ -249,6 +297,7 @@ class GuardedProtocol(HttpToolsProtocol):
     def on_message_begin(self) -> None:
         """A request begins."""
         super().on_message_begin()
+        self._between = False
         self._head = self._count = 0
 
     def on_url(self, url: bytes) -> None:
@@ -282,9 +331,16 @@ class GuardedProtocol(HttpToolsProtocol):
             self._enter(Phase.IDLE if done else Phase.ANSWER, 0.0)
         self._raw = 0
         super().on_message_complete()
-        if self._held is not None and self._held[0] is self.cycle:
-            self._begin(*self._held)
-            self._held = None
+        self._between = True
+        whole, self._whole = self._whole, b""
+        held = self._held
+        if held is None or held.cycle is not self.cycle:
+            return
+        self._release()
+        short, cycle = self.guard.short, held.cycle
+        if short is not None and whole and cycle.keep_alive and self.limit_concurrency is None:
+            short.remember(whole, held.found, bytes(cycle.body))
+        self._begin(held.cycle, held.app, held)
 
     def on_response_complete(self) -> None:
         """The answer is written."""
@@ -294,6 +350,17 @@ class GuardedProtocol(HttpToolsProtocol):
             self._part()
         elif last and self.phase is Phase.ANSWER:
             self._enter(Phase.IDLE, 0.0)
+
+    def timeout_keep_alive_handler(self) -> None:
+        """Closes the connection where it has idled for the whole time.
+
+        Its timer is not set anew for requests that are answered where their bytes arrive.
+        """
+        left = self.timeout_keep_alive - (monotonic() - self.since)
+        if self.phase is Phase.IDLE and left > TICK:
+            self._wait_for_more(left)
+        else:
+            super().timeout_keep_alive_handler()
 
     def pause_writing(self) -> None:
         """More is written than the client reads."""
@@ -415,45 +482,92 @@ class GuardedProtocol(HttpToolsProtocol):
             super()._start_asgi_task(cycle, app)
             return
 
-        short = self.guard.short
-        found = None if short is None else short.find(cycle.scope)
-        if found is not None and cycle.more_body:
-            self._held = cycle, app, found
+        short, declined = self.guard.short, self._declined
+        self._declined = None
+        if declined is not None:
+            _tell(cycle, declined)
+        found = None if short is None or declined is not None else short.find(cycle.scope)
+        held = None if found is None else _Held(cycle, app, found, perf_counter())
+        if held is not None and cycle.more_body:
+            self._held = held
         else:
-            self._begin(cycle, app, found)
+            self._begin(cycle, app, held)
 
     def _begin(
-        self, cycle: RequestResponseCycle, app: ASGI3Application, found: ShortRequest | None
+        self, cycle: RequestResponseCycle, app: ASGI3Application, held: _Held | None
     ) -> None:
         """Answer a request in its turn."""
 
         def start() -> None:
-            if not (cycle.disconnected or (found is not None and self._answered(cycle, found))):
+            if not (cycle.disconnected or (held is not None and self._answered(held))):
                 super(GuardedProtocol, self)._start_asgi_task(cycle, app)
 
         self.guard.begin(start, self.loop)
 
-    def _answered(self, cycle: RequestResponseCycle, found: ShortRequest) -> bool:
+    def _release(self) -> None:
+        """The body of what is held has come, or never will."""
+        self._held = None
+        if self._counted and self.guard.short is not None:
+            self._counted = False
+            self.guard.short.await_body(-1)
+
+    def _answered(self, held: _Held) -> bool:
         """Answer a short request here, if it is one; return whether it was."""
-        short = self.guard.short
+        short, cycle = self.guard.short, held.cycle
         if short is None or self.flow.write_paused or self.transport.is_closing():
             return False
-        answer = short.answer(found, bytes(cycle.body))
-        if answer is None:
+        answer = short.answer(held.found, bytes(cycle.body))
+        if isinstance(answer, Declined):
+            _tell(cycle, answer)
             return False
         cycle.response_started = cycle.response_complete = True
+        self._write_short(answer, keep_alive=cycle.keep_alive)
+        self.on_response_complete()
+        short.keep(held.found, answer, held.begun, self.client)
+        return True
+
+    def _answered_again(self, data: bytes) -> bool:
+        """Answer a short request whose head has come before, if it is one; return whether it was.
+
+        The parser, which is between two requests, does not see it.
+        """
+        short = self.guard.short
+        if short is None or self.phase not in (Phase.IDLE, Phase.HEAD) or self.pipeline:
+            return False
+        known = short.known(data)
+        if known is None or self.flow.write_paused or self.transport.is_closing():
+            return False
+        if not self.guard.admits(self.loop):
+            return False
+        begun = perf_counter()
+        found, body = known
+        answer = short.answer(found, body)
+        if isinstance(answer, Declined):
+            self._declined = answer
+            return False
+        self._write_short(answer, keep_alive=True)
+        self.server_state.total_requests += 1
+        self._enter(Phase.IDLE, 0.0)
+        if self.timeout_keep_alive_task is None:
+            self._wait_for_more(self.timeout_keep_alive)
+        short.keep(found, answer, begun, self.client)
+        return True
+
+    def _write_short(self, answer: ShortAnswer, *, keep_alive: bool) -> None:
         head = [b"HTTP/1.1 200 OK\r\n"]
-        for name, value in cycle.default_headers:
+        for name, value in self.server_state.default_headers:
             head += (name, b": ", value, b"\r\n")
         head.append(answer.head)
-        if not cycle.keep_alive:
+        if not keep_alive:
             head.append(b"connection: close\r\n")
         self.transport.write(b"".join((*head, b"\r\n", answer.body)))
-        if not cycle.keep_alive:
+        if not keep_alive:
             self.transport.close()
-        self.on_response_complete()
-        short.keep(found, answer)
-        return True
+
+    def _wait_for_more(self, seconds: float) -> None:
+        self.timeout_keep_alive_task = self.loop.call_later(
+            seconds, self.timeout_keep_alive_handler
+        )
 
     def _enter(self, phase: Phase, allowed: float) -> None:
         self.phase, self.since, self._allowed = phase, monotonic(), allowed
@@ -481,6 +595,12 @@ class GuardedProtocol(HttpToolsProtocol):
             self.send_400_response("")
         else:
             self.transport.close()
+
+
+def _tell(cycle: RequestResponseCycle, declined: Declined) -> None:
+    """Tell the ordinary way what is known of a request."""
+    if declined is Declined.LONGER:
+        cycle.scope[TRIED] = True  # type: ignore[literal-required]
 
 
 def raise_file_limit() -> None:

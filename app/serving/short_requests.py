@@ -10,20 +10,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import Enum
 from functools import lru_cache
 from time import perf_counter
 from typing import TYPE_CHECKING, cast
 
-from fastapi import Request, Response
+from fastapi import Request
 
 from app.access.headers import SafeHeaders
 from app.access.hosts import AllowedHosts, allowed_hosts
 from app.access.wiring import is_open
+from app.http.negotiation import NDJSON
+from app.http.problems import RequestProblem
 from app.middleware.request_id import RequestIds
 from app.operations.operation import Runs
-from app.routes.compute import INLINE_BYTES, Computation
+from app.routes.compute import INLINE_BYTES, Computation, Form, Terms, form_of
 from app.telemetry.lines import REQUEST_ID
-from app.telemetry.observed import Records
+from app.telemetry.observed import Client, Records
 from app.telemetry.tracing import asked_for
 
 if TYPE_CHECKING:
@@ -47,25 +50,34 @@ ONCE = (b"accept", b"accept-language", b"content-length", b"content-type", b"hos
 OK = 200
 
 
+HEADS = 512
+HEAD_BYTES = 2_048
+"""Heads that are remembered, and the longest of them: a megabyte at most."""
+
+
 @dataclass(frozen=True, slots=True)
 class ShortRequest:
-    """A request that may be answered at once.
+    """What the head of a request says that may be answered at once.
 
     Attributes:
-        scope: Its ASGI scope.
+        method: POST or GET.
         computation: What it asks for.
         route: The template of its path.
         robot_id: Of which robot.
+        terms: What it asks for besides.
+        form: The form of its answer.
+        length: Bytes of its body.
         given_id: Its own ``X-Request-ID``; empty where there is none.
-        begun: When its head had been read.
     """
 
-    scope: Scope
+    method: str
     computation: Computation
     route: str
     robot_id: str
+    terms: Terms
+    form: Form
+    length: int
     given_id: bytes
-    begun: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +93,14 @@ class ShortAnswer:
     head: bytes
     body: bytes
     request_id: str
+
+
+class Declined(Enum):
+    """Why a request goes the ordinary way after all."""
+
+    ERROR = "error"
+    LONGER = "longer"
+    """It is known to take longer than microseconds."""
 
 
 class ShortRequests:
@@ -113,6 +133,34 @@ class ShortRequests:
         self._safe = SafeHeaders(_never, private=False)
         self._root = settings.root_path.rstrip("/")
         self._head = lru_cache(maxsize=256)(self._head_of)
+        self._known: dict[bytes, ShortRequest] = {}
+
+    def known(self, data: bytes) -> tuple[ShortRequest, bytes] | None:
+        """Return what was found of the head that data begins with, and the body behind it.
+
+        A client sends the same head again and again, of which a parser makes the same each time.
+        None where this head is not remembered, or data is not one whole request.
+        """
+        end = data.find(b"\r\n\r\n") + 4
+        found = self._known.get(data[:end])
+        if found is None or len(data) - end != found.length:
+            return None
+        return found, data[end:]
+
+    def remember(self, data: bytes, asked: ShortRequest, body: bytes) -> None:
+        """Remember the head that data begins with.
+
+        Args:
+            data: What has come since the end of the request before.
+            asked: What :meth:`find` has found of it.
+            body: The body that the parser has found of it.
+        """
+        end = data.find(b"\r\n\r\n") + 4
+        if end > HEAD_BYTES or asked.given_id or data[end:] != body or len(body) != asked.length:
+            return
+        if len(self._known) >= HEADS:
+            self._known.clear()
+        self._known[data[:end]] = asked
 
     def find(self, http_scope: HTTPScope) -> ShortRequest | None:
         """Return a request that may be answered here, by its head; None: it goes the other way."""
@@ -143,46 +191,67 @@ class ShortRequests:
                 return None
         elif method != "GET" or length is not None or kind is not None:
             return None
+        request, (computation, route) = Request(scope), found
+        try:
+            terms = computation.terms(request, by_query=method == "GET")
+            form = form_of(request, terms.wanted)
+        except RequestProblem:  # the ordinary way meets it again, and says what is wrong
+            return None
+        if terms.wanted == NDJSON:
+            return None
         given = headers.get(b"x-request-id", b"")
-        return ShortRequest(scope, *found, parts[3], given, perf_counter())
+        size = 0 if length is None else int(length)
+        return ShortRequest(method, computation, route, parts[3], terms, form, size, given)
 
-    def answer(self, asked: ShortRequest, body: bytes) -> ShortAnswer | None:
-        """Return the answer, or None where it goes the ordinary way after all.
+    def answer(self, asked: ShortRequest, body: bytes) -> ShortAnswer | Declined:
+        """Return the answer, or why it goes the ordinary way after all.
 
         Args:
             asked: What :meth:`find` has found.
             body: The whole body.
         """
-        request = Request(asked.scope)
         stored = self.services.store.in_memory(asked.robot_id)
         if stored is None:
-            return None
+            return Declined.ERROR
         request_id = self._ids.of(asked.given_id)
         token = REQUEST_ID.set(request_id)
         try:
-            read = body if asked.scope["method"] == "POST" else None
-            response = asked.computation.at_once(request, stored, self.services, read)
+            read = body if asked.method == "POST" else None
+            written = asked.computation.at_once(
+                asked.terms, asked.form, stored, self.services, read
+            )
         except Exception:  # the ordinary way meets it again, says what is wrong, and logs it
-            return None
+            return Declined.ERROR
         finally:
             REQUEST_ID.reset(token)
-        if response is None or type(response) is not Response or response.status_code != OK:
-            return None
-        written = bytes(response.body)
-        headers = tuple(one for one in response.raw_headers if one[0] != b"content-length")
+        if written is None:
+            return Declined.LONGER
         head = b"content-length: %d\r\nx-request-id: %b\r\n%b" % (
-            len(written),
+            len(written.body),
             request_id.encode("ascii"),
-            self._head(headers),
+            self._head(written.head),
         )
-        return ShortAnswer(head, written, request_id)
+        return ShortAnswer(head, written.body, request_id)
 
-    def keep(self, asked: ShortRequest, answer: ShortAnswer) -> None:
-        """Count a request that has been answered here, and write its line."""
-        seconds = perf_counter() - asked.begun
-        token = REQUEST_ID.set(answer.request_id)
-        self._records.keep(asked.scope, asked.route, OK, seconds, len(answer.body))
-        REQUEST_ID.reset(token)
+    def await_body(self, change: int) -> None:
+        """Count a request as in progress whose body is awaited, 1, or not any more, -1."""
+        if self._records.metrics is not None:
+            self._records.metrics.in_progress.inc(change)
+
+    def keep(
+        self, asked: ShortRequest, answer: ShortAnswer, begun: float, client: Client | None
+    ) -> None:
+        """Count a request that has been answered here, and write its line.
+
+        Args:
+            asked: The request.
+            answer: Its answer.
+            begun: When it came, as ``perf_counter`` tells.
+            client: Address and port of the client.
+        """
+        seconds = perf_counter() - begun
+        told = asked.method, asked.route, OK, seconds, len(answer.body)
+        self._records.keep_soon(*told, client, answer.request_id)
 
     def _head_of(self, headers: tuple[tuple[bytes, bytes], ...]) -> bytes:
         """Return header lines; those of the service, which are not checked by the server here."""

@@ -48,7 +48,7 @@ def head(moment: float, level: str, event: str, logger: str) -> dict[str, Any]:
         logger: Who says so.
     """
     fields = {
-        "time": f"{_second(int(moment))}.{int(moment % 1 * 1e3):03d}Z",
+        "time": _time_of(moment),
         "level": level,
         "event": event,
         "logger": logger,
@@ -71,6 +71,46 @@ class LineFormatter(logging.Formatter):
     def line(self, fields: dict[str, Any]) -> str:
         """The line of fields, without its end."""
 
+    def template(self, event: str, logger: str, fields: dict[str, Any]) -> LineTemplate | None:
+        """What writes lines of requests that differ in few fields; None: they are made singly.
+
+        Args:
+            event: What has happened.
+            logger: Who says so.
+            fields: Those that are the same in all.
+        """
+        del event, logger, fields
+        return None
+
+
+class LineTemplate:
+    """Lines of requests that differ in time, id, duration and size.
+
+    Args:
+        text: One of them, with ``"@"`` for each of these.
+    """
+
+    def __init__(self, text: str) -> None:
+        before, after_time, after_id, after_duration, end = text.replace("%", "%%").split('"@"')
+        self._text = f'{before}"%s"{after_time}"%s"{after_id}%s{after_duration}%d{end}\n'
+
+    def line(self, moment: float, request_id: str, seconds: float, size: int) -> bytes:
+        """A line, with its end.
+
+        Args:
+            moment: Seconds since 1970.
+            request_id: Of letters, digits and ``. _ -``.
+            seconds: How long the request took.
+            size: Bytes of its answer.
+        """
+        told = _time_of(moment), request_id, duration_ms(seconds), size
+        return (self._text % told).encode("ascii")
+
+
+def duration_ms(seconds: float) -> float:
+    """A duration in ms as lines tell it."""
+    return round(seconds * 1e3, 3)
+
 
 class JSONLine(LineFormatter):
     """A JSON object in ASCII a line: escapes stand for whatever moves a cursor or turns a text."""
@@ -85,6 +125,20 @@ class JSONLine(LineFormatter):
                 fields[key] = f"...{text[half:]}" if key == "exception" else f"{text[:half]}..."
                 line = _json(fields)
         return line
+
+    def template(self, event: str, logger: str, fields: dict[str, Any]) -> LineTemplate:
+        """What writes lines of requests, in a tenth of the time."""
+        token = REQUEST_ID.set("@")
+        try:
+            text = self.line(
+                head(0.0, "info", event, logger)
+                | {"time": "@"}
+                | fields
+                | {"duration_ms": "@", "bytes": "@"}
+            )
+        finally:
+            REQUEST_ID.reset(token)
+        return LineTemplate(text)
 
 
 class TextLine(LineFormatter):
@@ -105,7 +159,7 @@ class LineHandler(logging.StreamHandler[TextIO]):
     def __init__(self, stream: TextIO, formatter: LineFormatter) -> None:
         super().__init__(stream)
         self.setFormatter(formatter)
-        self._line = formatter.line
+        self.form = formatter
         self._pending = bytearray()
         self._pending_lock = threading.Lock()
 
@@ -119,7 +173,10 @@ class LineHandler(logging.StreamHandler[TextIO]):
 
         A record of its own for each request, and a system call, would take five times as long.
         """
-        line = f"{self._line(fields)}\n".encode()
+        self.write_line_soon(f"{self.form.line(fields)}\n".encode())
+
+    def write_line_soon(self, line: bytes) -> None:
+        """Writes a whole line as :meth:`write_soon` does."""
         if len(self._pending) + len(line) > LIMIT:
             self.write_pending()
         with self._pending_lock:
@@ -141,6 +198,10 @@ class LineHandler(logging.StreamHandler[TextIO]):
 
 
 _LEADING = {"time", "level", "event", "logger", "pid", "exception"}
+
+
+def _time_of(moment: float) -> str:
+    return f"{_second(int(moment))}.{int(moment % 1 * 1e3):03d}Z"
 
 
 @lru_cache(maxsize=2)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
+from bisect import bisect_left
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
@@ -41,6 +44,10 @@ BUCKETS = (
 """Upper ends in seconds: a solve takes tens of microseconds, the longest request a minute."""
 
 
+PENDING_SECONDS = 0.02
+"""Within which gathered requests are counted."""
+
+
 def share_values(directory: Path, slot: int) -> None:
     """Makes this process count in files that all workers read; before the first metric is made.
 
@@ -63,6 +70,21 @@ def forget_worker(directory: Path, slot: int) -> None:
     """Removes what only a living worker has, such as requests in progress."""
     mark_process_dead(slot, str(directory))  # type: ignore[no-untyped-call]
     pid_file(directory, slot).unlink(missing_ok=True)
+
+
+@dataclass(slots=True)
+class Counts:
+    """Requests that are not counted yet.
+
+    Attributes:
+        buckets: How many by duration, one for each of ``BUCKETS`` and one for the longer ones.
+        seconds: How long they took together.
+        bytes: Of their answers' bodies.
+    """
+
+    buckets: list[int]
+    seconds: float = 0.0
+    bytes: int = 0
 
 
 class Metrics:
@@ -108,6 +130,7 @@ class Metrics:
             registry=own,
         )
         self._children: dict[tuple[str, str, int], tuple[Counter, Histogram, Counter]] = {}
+        self._pending: dict[tuple[str, str, int], Counts] = {}
 
     def count(self, method: str, route: str, status: int, seconds: float, size: int) -> None:
         """Counts a request.
@@ -124,6 +147,35 @@ class Metrics:
         found[0].inc()
         found[1].observe(seconds)
         found[2].inc(size)
+
+    def count_soon(self, method: str, route: str, status: int, seconds: float, size: int) -> None:
+        """Counts a request within ``PENDING_SECONDS``; for the event loop, which must be running.
+
+        Three counters for each request, which other processes read, would take as long as a
+        computation. Arguments as of :meth:`count`.
+        """
+        key = (method if method in METHODS else "other", route, status // 100)
+        counts = self._pending.get(key)
+        if counts is None:
+            if not self._pending:
+                asyncio.get_running_loop().call_later(PENDING_SECONDS, self.write_pending)
+            counts = self._pending[key] = Counts([0] * (len(BUCKETS) + 1))
+        counts.buckets[bisect_left(BUCKETS, seconds)] += 1
+        counts.seconds += seconds
+        counts.bytes += size
+
+    def write_pending(self) -> None:
+        """Adds what :meth:`count_soon` has gathered; for the event loop."""
+        pending, self._pending = self._pending, {}
+        for key, counts in pending.items():
+            requests, durations, sizes = self._children.get(key) or self._made(key)
+            requests.inc(sum(counts.buckets))
+            sizes.inc(counts.bytes)
+            # What Histogram.observe does for each value, which is all that it offers.
+            durations._sum.inc(counts.seconds)
+            for bucket, count in zip(durations._buckets, counts.buckets, strict=True):
+                if count:
+                    bucket.inc(count)
 
     def _made(self, key: tuple[str, str, int]) -> tuple[Counter, Histogram, Counter]:
         method, route, hundreds = key

@@ -90,6 +90,18 @@ def closed_form_solutions(
     return ordered(replace(found, solutions=every))
 
 
+def closed_form_once(
+    robot: Robot,
+    chain: Chain,
+    target: FloatArray,
+    task: Task,
+    start: FloatArray,
+    tolerance: Tolerance,
+) -> IKSolutions | None:
+    """Return the solutions of a closed form, joints that are free at the values of the start."""
+    return _closed_form_at(robot, chain, target, task, start, tolerance, None, start)
+
+
 def _within(
     robot: Robot,
     chain: Chain,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,55 +95,26 @@ def factorization(
                 " whose joints are all free"
             )
         )
-    axes = relations_of(chain)
+    known = _structure_of(robot, frame, task)
+    if isinstance(known, str):
+        return _none(known)
     given = np.atleast_2d(q)
-    batch = given if axes is None else np.concatenate((given, _others(chain, given[0], axes.size)))
-    found = _product(chain, axes, batch, task) if axes is not None else None
-    if found is None:
-        return _none(
-            say(
-                "no factors of {value} are known for the {length} joints of this chain"
-                " in task {task}",
-                value=say("det J") if chain.length == len(task.rows) else say("the manipulability"),
-                length=chain.length,
-                task=task.name,
-            )
-        )
+    n = len(given)
+    found = _product(chain, known.axes, given, task, known.others)
+    assert found is not None
     structure, constant, factors = found
-    J = task_jacobian(robot, batch, task, frame)[:, :, chain.columns]
-    square, n = J.shape[1] == J.shape[2], len(given)
-    sigma = svd(J, compute_uv=False)
-    if np.all(rank_of(sigma[n:]) < sigma.shape[-1]):
-        return _none(
-            say(
-                "{structure}, but such that task {task} is singular at every q",
-                structure=structure,
-                task=task.name,
-            )
-        )
-    product = constant * np.prod([factor.value for factor in factors], axis=0)
-    measured = np.linalg.det(J) if square else np.prod(sigma, axis=-1)
-    if not square:
-        product = np.abs(product)
-    difference = np.abs(product - measured)
-    # A determinant near zero is a difference of large products and has their rounding error.
-    rounding = 64 * np.finfo(float).eps * np.prod(np.linalg.norm(J, axis=1), axis=-1)
-    if np.any(difference > LARGEST_DIFFERENCE * np.abs(measured) + 1e4 * rounding):
-        return _none(
-            say(
-                "{structure}, but the product of its factors is not that of task {task}",
-                structure=structure,
-                task=task.name,
-            )
-        )
-    exact = difference <= EXACT * np.abs(measured) + rounding
-    singular = rank_of(sigma, tolerance) < sigma.shape[-1]
+    values = _compared(robot, given, task, frame, constant, factors)
+    if values.is_other:
+        return _none(_another(structure, task))
+    product, difference = values.product, values.difference
+    exact = difference <= EXACT * np.abs(values.measured) + values.rounding
+    singular = rank_of(values.sigma, tolerance) < values.sigma.shape[-1]
     names = [robot.joints[column].name for column in chain.columns]
     told = _told(factors, singular, tolerance, given[0, chain.columns], names)
     rows = slice(n) if q.ndim == 2 else 0
     return Factorization(
         structure,
-        "determinant" if square else "manipulability",
+        "determinant" if values.is_square else "manipulability",
         constant[rows],
         tuple(
             replace(
@@ -159,6 +131,112 @@ def factorization(
         exact[rows],
         None,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Structure:
+    """What is known of a chain whose factors were right at other configurations.
+
+    Attributes:
+        axes: How its axes lie.
+        others: Largest magnitudes of its joint values there, shape (K,).
+    """
+
+    axes: Relations
+    others: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Compared:
+    """A product beside what the model says; arrays of shape (n,), singular values (n, r)."""
+
+    product: FloatArray
+    measured: FloatArray
+    difference: FloatArray
+    rounding: FloatArray
+    sigma: FloatArray
+    is_square: bool
+
+    @property
+    def is_other(self) -> bool:
+        """Whether the product is another at one configuration at least."""
+        allowed = LARGEST_DIFFERENCE * np.abs(self.measured) + 1e4 * self.rounding
+        return bool(np.any(self.difference > allowed))
+
+
+_STRUCTURES: WeakKeyDictionary[Robot, dict[tuple[str, Task], _Structure | str]] = (
+    WeakKeyDictionary()
+)
+
+
+def is_prepared(robot: Robot, task: Task, frame: str) -> bool:
+    """Return whether it is known what structure a chain has, which takes a while to find."""
+    return (frame, task) in _STRUCTURES.get(robot, ())
+
+
+def _structure_of(robot: Robot, frame: str, task: Task) -> _Structure | str:
+    """Return what is known of a chain, whatever q; or why there are no factors, in words."""
+    known = _STRUCTURES.setdefault(robot, {})
+    key = frame, task
+    if key not in known:
+        known[key] = _looked_for(robot, chain_of(robot, frame), frame, task)
+    return known[key]
+
+
+def _looked_for(robot: Robot, chain: Chain, frame: str, task: Task) -> _Structure | str:
+    axes = relations_of(chain)
+    found = None
+    if axes is not None:
+        q = _others(chain, np.zeros(robot.dof), axes.size)
+        others = np.abs(q[:, chain.columns]).max(axis=0)
+        found = _product(chain, axes, q, task, others)
+    if axes is None or found is None:
+        return say(
+            "no factors of {value} are known for the {length} joints of this chain in task {task}",
+            value=say("det J") if chain.length == len(task.rows) else say("the manipulability"),
+            length=chain.length,
+            task=task.name,
+        )
+    structure, constant, factors = found
+    values = _compared(robot, q, task, frame, constant, factors)
+    if np.all(rank_of(values.sigma) < values.sigma.shape[-1]):
+        return say(
+            "{structure}, but such that task {task} is singular at every q",
+            structure=structure,
+            task=task.name,
+        )
+    if values.is_other:
+        return _another(structure, task)
+    return _Structure(axes, others)
+
+
+def _another(structure: str, task: Task) -> str:
+    return say(
+        "{structure}, but the product of its factors is not that of task {task}",
+        structure=structure,
+        task=task.name,
+    )
+
+
+def _compared(
+    robot: Robot,
+    q: FloatArray,
+    task: Task,
+    frame: str,
+    constant: FloatArray,
+    factors: list[Factor],
+) -> _Compared:
+    """Compare a product with the model at q, shape (n, dof)."""
+    J = task_jacobian(robot, q, task, frame)[:, :, chain_of(robot, frame).columns]
+    square = J.shape[1] == J.shape[2]
+    sigma = svd(J, compute_uv=False)
+    product = constant * np.prod([factor.value for factor in factors], axis=0)
+    measured = np.linalg.det(J) if square else np.prod(sigma, axis=-1)
+    if not square:
+        product = np.abs(product)
+    # A determinant near zero is a difference of large products and has their rounding error.
+    rounding = 64 * np.finfo(float).eps * np.prod(np.linalg.norm(J, axis=1), axis=-1)
+    return _Compared(product, measured, np.abs(product - measured), rounding, sigma, square)
 
 
 def _others(chain: Chain, q: FloatArray, size: float) -> FloatArray:
@@ -214,10 +292,10 @@ def _none(reason: str) -> Factorization:
 
 
 def _product(
-    chain: Chain, axes: Relations, q: FloatArray, task: Task
+    chain: Chain, axes: Relations, q: FloatArray, task: Task, others: FloatArray
 ) -> tuple[str, FloatArray, list[Factor]] | None:
     count, key = chain.length, (task.name, chain.length)
-    reach = Reach.of(chain, q, axes.size)
+    reach = Reach.of(chain, q, axes.size, others)
     if count > 1 and axes.parallel[0].all():
         return _flat(chain, axes, q, task)
     if key == ("pose", 6):

@@ -18,7 +18,7 @@ class Reach:
     Attributes:
         links: Distances between successive joints, the last to the frame, m; shape (K,).
         slides: How far each joint slides from its zero at most, m; 0 where it turns. Without limits
-            as far as it does in the batch, and at least the arm's size; shape (K,).
+            as far as it does in the batch and in others, and at least the arm's size; shape (K,).
         here: The configurations, shape (n, K).
     """
 
@@ -27,10 +27,17 @@ class Reach:
     here: FloatArray
 
     @classmethod
-    def of(cls, chain: Chain, q: FloatArray, size: float) -> Reach:
-        """Return the bounds of a chain of a size (m) for configurations of shape (n, dof)."""
+    def of(cls, chain: Chain, q: FloatArray, size: float, others: FloatArray) -> Reach:
+        """Return the bounds of a chain for configurations.
+
+        Args:
+            chain: The chain.
+            q: The configurations, shape (n, dof).
+            size: Of the arm, m.
+            others: Largest magnitudes in other configurations that count, shape (K,).
+        """
         extents = np.maximum(np.abs(chain.lower), np.abs(chain.upper))
-        here = np.abs(q[:, chain.columns]).max(axis=0)
+        here = np.maximum(np.abs(q[:, chain.columns]).max(axis=0), others)
         slides = np.where(np.isfinite(extents), np.maximum(extents, here), np.maximum(size, here))
         links = np.linalg.norm(chain.placements[1:, [3, 7, 11]], axis=1)
         return cls(links, np.where(chain.is_revolute, 0.0, slides), q[:, chain.columns])

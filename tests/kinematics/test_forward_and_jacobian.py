@@ -81,6 +81,21 @@ def test_batch_jacobian_equals_the_single_one(name, reference_frame):
         np.testing.assert_allclose(many[k], jacobian(robot, q, None, reference_frame), atol=1e-12)
 
 
+def test_a_base_that_moves_is_no_fixed_one_where_its_pose_is_the_root_s():
+    """At q = 0 the base link stands in the root's axes; a turn of its own joint moves no tip."""
+    joint = (
+        '<joint name="j{0}" type="revolute"><parent link="{1}"/><child link="{2}"/>'
+        '<origin xyz="{3} 0 0"/><axis xyz="0 0 1"/>'
+        '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
+    )
+    links = "".join(f'<link name="{name}"/>' for name in ("root", "turned", "tip"))
+    joints = joint.format(1, "root", "turned", 0) + joint.format(2, "turned", "tip", 1)
+    robot = robot_from_urdf(f'<robot name="r">{links}{joints}</robot>', base="turned", tip="tip")
+    q = np.zeros(2)
+    np.testing.assert_array_equal(jacobian(robot, q), [[0, 0]] * 5 + [[0, 1]])
+    np.testing.assert_allclose(jacobian(robot, q[None])[0], jacobian(robot, q), atol=1e-15)
+
+
 def test_jacobian_between_two_branches():
     """Base on one arm of a two-armed robot, tip on the other: both arms' joints count."""
     text = shipped_robot("baxter").urdf

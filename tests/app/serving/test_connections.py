@@ -1,5 +1,6 @@
 """Clients that send or read too slowly, too much or too often, on real sockets."""
 
+import asyncio
 import contextlib
 import json
 import resource
@@ -11,6 +12,7 @@ import httpx
 import numpy as np
 import pytest
 
+from app.serving import connections
 from tests.conftest import PATIENCE, until
 
 FK = "/v1/robots/panda/fk?q=0,0,0,0,0,0,0"
@@ -232,3 +234,25 @@ def test_who_goes_away_leaves_none_of_its_pipelined_requests_behind(serve_long_w
             assert server.in_progress() == 1
         server.comes_to_rest()
         assert is_fine(server)
+
+
+def test_requests_that_take_long_leave_a_turn_of_the_event_loop_to_others(monkeypatch):
+    """Two milliseconds of a turn, then others; the first of a turn always begins."""
+    clock, begun, turns = [0.0], [], []
+    monkeypatch.setattr(connections, "monotonic", lambda: clock[0])
+    guard = connections.ConnectionGuard(connections.ConnectionLimits())
+
+    def start(seconds):
+        begun.append(len(turns))
+        clock[0] += seconds
+
+    async def loaded():
+        loop = asyncio.get_running_loop()
+        for seconds in (0.0006,) * 6 + (5.0, 5.0):
+            guard.begin(lambda seconds=seconds: start(seconds), loop)
+        while guard.waiting:
+            turns.append(None)
+            await asyncio.sleep(0)
+
+    asyncio.run(loaded())
+    assert begun == [0, 0, 0, 0, 1, 1, 1, 2]

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.telemetry.lines import LIMIT, REQUEST_ID, JSONLine, TextLine
+from app.telemetry.lines import LIMIT, REQUEST_ID, JSONLine, TextLine, duration_ms, head
 
 NASTY = (
     "a\nb",
@@ -99,3 +99,16 @@ def test_a_request_is_named_in_every_line_of_its_own():
     finally:
         REQUEST_ID.reset(token)
     assert "request_id" not in json.loads(JSONLine().format(record("x")))
+
+
+@given(st.floats(0, 2e9), st.floats(0, 1e4), st.integers(0, 2**40))
+def test_a_template_writes_the_lines_that_are_made_singly(moment, seconds, size):
+    fields = {"method": "POST", "route": "/v1/robots/{robot_id}/100%/fk", "status": 200}
+    template = JSONLine().template("request", "denavit.access", fields)
+    token = REQUEST_ID.set("abc-1")
+    try:
+        every = head(moment, "info", "request", "denavit.access") | fields
+        single = JSONLine().line(every | {"duration_ms": duration_ms(seconds), "bytes": size})
+    finally:
+        REQUEST_ID.reset(token)
+    assert template.line(moment, "abc-1", seconds, size) == f"{single}\n".encode()

@@ -1,5 +1,6 @@
 """/metrics: true counts, by one worker or several, with templates for routes."""
 
+import asyncio
 import os
 import signal
 import socket
@@ -9,6 +10,7 @@ import httpx
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
+from app.telemetry.metrics import BUCKETS, PENDING_SECONDS, Metrics
 from tests.conftest import PATIENCE, until
 from tests.processes import workers_of
 from tests.scenes import one_scene
@@ -151,3 +153,33 @@ def test_metrics_can_be_switched_off(tmp_path, start_server, monkeypatch):
     monkeypatch.setenv("DENAVIT_METRICS", "false")
     with start_server(tmp_path) as (address, _):
         assert httpx.get(f"{address}/metrics", timeout=PATIENCE).status_code == 404
+
+
+def test_requests_that_are_gathered_count_as_those_that_are_counted_singly():
+    seconds = [0.0, 1e-5, BUCKETS[0], BUCKETS[3], BUCKETS[3] * 1.01, BUCKETS[-1], 100.0]
+    requests = [("POST", FK, status, one, 7) for one in seconds for status in (200, 404)]
+    requests.append(("BREW", FK, 405, 0.5, 0))
+
+    async def gathered(metrics):
+        for request in requests[:5]:
+            metrics.count_soon(*request)
+        metrics.write_pending()
+        for request in requests[5:]:
+            metrics.count_soon(*request)
+        await asyncio.sleep(3 * PENDING_SECONDS)
+
+    singly, together = Metrics(), Metrics()
+    for request in requests:
+        singly.count(*request)
+    asyncio.run(gathered(together))
+    assert told(together) == told(singly)
+
+
+def told(metrics):
+    text = metrics.exposition(lambda: 0).decode()
+    return {
+        (sample.name, *sorted(sample.labels.items())): round(sample.value, 12)
+        for family in text_string_to_metric_families(text)
+        for sample in family.samples
+        if family.name.startswith("denavit_http") and not sample.name.endswith("_created")
+    }
