@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -32,6 +33,8 @@ LEAST_MEMORY: Final = 160 << 20
 MEMORY_PER_BYTE: Final = 24
 """And for each byte of its file."""
 MOST_MEMORY: Final = 700 << 20
+IDLE_SECONDS: Final = 30.0
+"""How long the process waits for the next mesh, s; it takes some 100 MB."""
 COPIES: Final = 3
 """Of a file: pickled, in the pipe, and what comes back."""
 IDLE_MEMORY: Final = 130 << 20
@@ -71,12 +74,30 @@ class MeshReader:
     def __init__(self, most: int, memory: int, waiting: int) -> None:
         self.most = most
         self._memory = max(LEAST_MEMORY, min(MOST_MEMORY, memory - IDLE_MEMORY))
-        # None stays idle: uploads are rare, and a process with the libraries takes 100 MB.
-        self._pool = ProcessPool(WORKER, 1, waiting, idle=0)
+        self._pool = ProcessPool(WORKER, 1, waiting)
+        self._lock = threading.Lock()
+        self._rest: threading.Timer | None = None
 
     def close(self) -> None:
         """End the idle processes."""
+        with self._lock:
+            if self._rest is not None:
+                self._rest.cancel()
         self._pool.close()
+
+    @contextmanager
+    def _session(self) -> Iterator[Session]:
+        """Hold the process; afterwards it stays for a while, as meshes come one after the other."""
+        try:
+            with self._pool.session() as session:
+                yield session
+        finally:
+            with self._lock:
+                if self._rest is not None:
+                    self._rest.cancel()
+                self._rest = threading.Timer(IDLE_SECONDS, self._pool.close)
+                self._rest.daemon = True
+                self._rest.start()
 
     def task_memory(self, size: int) -> int:
         """Return the bytes that the process may take besides those of an idle one.
@@ -98,7 +119,7 @@ class MeshReader:
             WorkersBusy: Too many meshes are read now.
             Cancelled: The result is no longer wanted.
         """
-        with self._pool.session() as session:
+        with self._session() as session:
             task = MeshTask(content, (), name, self.most, SHOWN_TRIANGLES)
             answers = _called(session, task, self.task_memory(len(content)), SECONDS)
             return _prepared(answers[0], name)
@@ -112,7 +133,7 @@ class MeshReader:
             WorkersBusy: Too many meshes are read now.
             Cancelled: The result is no longer wanted.
         """
-        with self._pool.session() as session:
+        with self._session() as session:
             yield ArchiveReader(session, content, self.most, self.task_memory(len(content)))
 
 
