@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import trimesh
+from trimesh.exchange.dae import load_collada
 from trimesh.resolvers import Resolver
 
 from dh_to_urdf.messages import say
@@ -20,6 +21,12 @@ from kinematics.meshes.tasks import FORMATS
 MAX_TRIANGLES = 2_000_000
 MAX_COORDINATE = 1e6
 """Largest coordinate, in the units of the file."""
+_POSITIONS = re.compile(
+    rb"<input\b(?=[^>]*semantic\s*=\s*[\"']POSITION[\"'])[^>]*\bsource\s*=\s*(?:\"([^\"]*)\"|'([^']*)')"
+)
+_SOURCES = re.compile(
+    rb"<source\b[^>]*\bid\s*=\s*[\"']([^\"']*)[\"'][^>]*>\s*<float_array\b[^>]*>([^<]*)"
+)
 _Color = tuple[float, float, float, float]
 
 
@@ -87,9 +94,7 @@ def surfaces_of(kind: str, content: bytes, beside: Callable[[str], bytes]) -> li
         content = _as_utf8(content)
     unit = _unit(content) if kind == "dae" else 1.0
     try:
-        scene = trimesh.load_scene(
-            io.BytesIO(content), file_type=kind, resolver=Beside(beside), process=False
-        )
+        scene = _loaded(kind, content, Beside(beside))
         nodes = [scene.graph[node] for node in scene.graph.nodes_geometry]
     except (MemoryError, MeshRefused):
         raise
@@ -105,6 +110,8 @@ def surfaces_of(kind: str, content: bytes, beside: Callable[[str], bytes]) -> li
     ]
     if not parts:
         raise MeshRefused(say("it holds no triangles; it is empty, damaged or cut off"))
+    if kind == "ply":
+        _check_counts(content, parts[0][1])
     count = sum(len(part.faces) for _, part in parts)
     if count > MAX_TRIANGLES:
         raise MeshRefused(
@@ -132,6 +139,45 @@ def axis_note(kind: str, content: bytes) -> str | None:
     )
 
 
+def _loaded(kind: str, content: bytes, beside: Beside) -> trimesh.Scene:
+    """Return the scene of a file, with all vertices that it has, also those that are no numbers."""
+    if kind != "dae":
+        return trimesh.load_scene(
+            io.BytesIO(content), file_type=kind, resolver=beside, process=False
+        )
+    _check_positions(content)
+    load: Any = load_collada
+    loaded = load(io.BytesIO(content), resolver=beside)
+    for part in loaded["geometry"].values():
+        part["process"] = False
+    return trimesh.load_scene(loaded)
+
+
+def _check_positions(content: bytes) -> None:
+    """Refuse positions of a COLLADA file that are no numbers: its library reads them as 0."""
+    used = _POSITIONS.findall(content)
+    sources = {one.lstrip(b"#") for pair in used for one in pair if one}
+    for name, numbers in _SOURCES.findall(content):
+        if name in sources and b"nan" in numbers.lower():
+            raise MeshRefused(say("a vertex has a coordinate that is no finite number"))
+
+
+def _check_counts(content: bytes, part: trimesh.Trimesh) -> None:
+    """Refuse a PLY file that has less than its head says: it is cut off."""
+    for element, found in (("vertex", len(part.vertices)), ("face", len(part.faces))):
+        said = re.search(rb"^element %s (\d{1,20})\s*$" % element.encode(), content, re.MULTILINE)
+        if said is not None and found < int(said[1]):
+            raise MeshRefused(
+                say(
+                    "its head says that it has {said} of {element}, and {found} are there: it is"
+                    " cut off",
+                    said=int(said[1]),
+                    element=element,
+                    found=found,
+                )
+            )
+
+
 def _is_binary_stl(content: bytes) -> bool:
     return len(content) >= 84 and len(content) == 84 + 50 * int.from_bytes(content[80:84], "little")
 
@@ -147,7 +193,7 @@ def _as_utf8(content: bytes) -> bytes:
 
 def _unit(content: bytes) -> float:
     """Return the unit of a COLLADA file, m."""
-    found = re.search(rb"<unit\b[^>]*?\bmeter\s*=\s*[\"']\s*([0-9.eE+-]{1,32})\s*[\"']", content)
+    found = re.search(rb"<unit\b[^>]*?\bmeter\s*=\s*[\"']([^\"']{0,40})", content)
     try:
         unit = float(found[1]) if found else 1.0
     except ValueError:
