@@ -202,7 +202,7 @@ class ArchiveReader:
                 try:
                     yield name, _prepared(answer, name)
                 except InvalidMesh as error:
-                    yield name, str(error.args[0])
+                    yield name, error.args[0]
             if not answers:
                 yield left[0][0], reason
             left = left[len(answers) or 1 :]

@@ -84,6 +84,7 @@ def _about_hull(shape: Shape, hull: Hull) -> BoundingCapsule:
 def _along(points: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     """Return start, end and radius of the capsule of least volume about points along an axis."""
     center = _center(points - np.outer(points @ axis, axis))
+    center = center - (center @ axis) * axis
     t, across = points @ axis, points - np.outer(points @ axis, axis) - center
     rim = np.linalg.norm(across, axis=1)
     least, length = float(rim.max()), float(np.ptp(t))
@@ -101,7 +102,7 @@ def _along(points: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray
 
 def _center(points: FloatArray) -> FloatArray:
     """Return about the centre of the least ball about points (Badoiu and Clarkson 2003)."""
-    center = (points.min(axis=0) + points.max(axis=0)) / 2
+    center = points.mean(axis=0)
     for k in range(1, LENGTHS):
         farthest = points[int(np.linalg.norm(points - center, axis=1).argmax())]
         center = center + (farthest - center) / (k + 2)
