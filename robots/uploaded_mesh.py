@@ -104,11 +104,11 @@ def mesh_from_data(data: Mapping[str, Any]) -> UploadedMesh:
     hull = data["hull"]
     lower, upper = (tuple(float(x) for x in data[key]) for key in ("lower", "upper"))
     if len(lower) != 3 or len(upper) != 3:
-        raise ValueError("bounds are three numbers")
+        raise ValueError(f"bounds: {lower}, {upper}")
     vertices = _unpacked(hull["vertices"], "<f8").astype(np.float64)
     triangles = _unpacked(hull["triangles"], "<u4").astype(np.int64)
     if not np.isfinite(vertices).all() or (triangles.size and triangles.max() >= len(vertices)):
-        raise ValueError("no hull")
+        raise ValueError(f"hull: {len(vertices)}")
     return UploadedMesh(
         name=str(data["name"]),
         format=str(data["format"]),

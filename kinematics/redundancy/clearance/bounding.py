@@ -44,11 +44,11 @@ def bounding_capsule(shape: Shape) -> BoundingCapsule:
     volume is taken. A mesh has a hull; its axes are those of its extent and its own.
 
     Raises:
-        ValueError: It is a mesh without a hull.
+        TypeError: It is a mesh without a hull.
     """
     if shape.kind == "mesh":
         if shape.hull is None:
-            raise ValueError("a mesh without a hull has no capsule")
+            raise TypeError("a mesh without a hull has no capsule")
         return _about_hull(shape, shape.hull)
     if shape.kind == "sphere":
         return _placed(shape, 2, 0.0, shape.size[0], 0.0)

@@ -53,7 +53,7 @@ def test_a_long_box_gets_a_capsule_along_it():
 
 
 def test_a_mesh_without_a_hull_has_none():
-    with pytest.raises(ValueError, match="without a hull"):
+    with pytest.raises(TypeError, match="without a hull"):
         bounding_capsule(Shape("a", "mesh", (), np.eye(4)))
 
 
