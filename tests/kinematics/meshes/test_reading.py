@@ -1,8 +1,11 @@
 """Meshes as they are read in the process for them, against files whose content is known."""
 
+import errno
 import io
 import math
 import struct
+import subprocess
+import sys
 
 import coal
 import numpy as np
@@ -305,3 +308,25 @@ def test_a_zip_that_lies_about_sizes_is_no_way_around_the_limit(reader):
         robot = archived_robot(archive, None, None, None)
     assert not robot.robot.meshes
     assert "left out" in robot.notes[0]
+
+
+SHUT = """
+import os, socket
+os.dup(1)  # as the worker's answers
+from kinematics.meshes.tasks import MeshTask, parted
+from kinematics.meshes.worker import prepare
+work = prepare()
+(answer,) = work(MeshTask(MESH, (), "a.obj", 10**6, 100))
+assert "mesh" in parted(answer)[0]
+for attempt in (lambda: open("/etc/hostname"), socket.socket, os.pipe):
+    try:
+        attempt()
+    except OSError as error:
+        print(error.errno)
+"""
+
+
+def test_nothing_can_be_opened_once_a_task_has_begun():
+    code = SHUT.replace("MESH", repr(obj()))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert done.stdout.split() == [str(errno.EMFILE)] * 3, done.stderr
