@@ -95,6 +95,7 @@ bench-peers: bench/requirements-peers.lock
 
 torture: $(STAMP)
 	$(BIN)/python -m tests.torture.urdf --count 100000
+	$(BIN)/python -m tests.torture.meshes --count 2000
 	$(BIN)/python -m tests.torture.tables --count 50000
 	$(BIN)/python -m tests.torture.requests --count 50000
 	$(BIN)/python -m tests.torture.schema

@@ -15,13 +15,14 @@ from fastapi import Depends, Request
 from app.access.control import key_of
 from app.access.keys import Scope
 from app.admission.memory import SMALL_BODY, Memory
-from app.admission.need import document_need
+from app.admission.need import Need, document_need
 from app.admission.thread_pool import ThreadPool, while_connected
 from app.documents import robot_from_inline
 from app.http.problems import INVALID_REQUEST, TOO_LARGE, RequestProblem
 from app.http.strict_json import decode_json, refuse_doubled_keys
 from app.settings import Settings
 from dh_to_urdf.messages import say
+from kinematics.meshes.preparation import MeshReader
 from kinematics.processes.pool import ProcessPool
 from kinematics.redundancy.methods.whole_path import WORKER
 from kinematics.symbolic import SymbolicWorkers
@@ -39,6 +40,8 @@ LOADING_THREADS = 4
 IDLE_PROCESSES = 1
 """Processes for whole paths that wait for the next."""
 STORING_THREADS = 8
+WAITING_UPLOADS = 4
+"""Uploads of meshes that wait for the process that reads them; more get 503."""
 CHECKED_AT_START = 0.5
 """Seconds for which a start waits for the check of the uploads, which then goes on beside."""
 WAITING_THREADS = 8
@@ -106,6 +109,9 @@ class Services:
         self.inline = InlineRobots()
         self.symbolic = SymbolicWorkers(settings.symbolic_workers)
         self.programs = ProcessPool(WORKER, settings.compute_threads, idle=IDLE_PROCESSES)
+        self.meshes = MeshReader(
+            settings.max_mesh_bytes, settings.request_bytes // 2, WAITING_UPLOADS
+        )
         self._stopping = threading.Event()
         self.memory = Memory(settings.request_bytes, settings.max_wait_seconds)
         queue = settings.max_waiting, settings.max_wait_seconds
@@ -123,6 +129,7 @@ class Services:
             pool.close()
         self.symbolic.close()
         self.programs.close()
+        self.meshes.close()
 
     async def computed(self, call: Callable[[], T], request: Request, size: int = 0) -> T:
         """Runs a computation in one of the compute threads, as long as the client is there.
@@ -167,6 +174,30 @@ class Services:
             yield
         finally:
             reservation.end()
+
+    async def mesh_read(self, call: Callable[[], T], request: Request, size: int) -> T:
+        """Reads meshes in the process for them, as long as the client is there.
+
+        Args:
+            call: What has them read, and waits for it.
+            request: For whom.
+            size: Bytes of the files.
+
+        Raises:
+            RequestProblem: 503, too many are at work or wait; 413, there is too little memory.
+            Cancelled: The client went away.
+        """
+        need = Need(0.0, fixed=self.meshes.memory(size), of=say("bytes in a body"), argument="")
+        reservation = self.memory.reservation(size)
+        async with (
+            self.out_of_process.admission(self.settings.max_request_seconds) as admission,
+            while_connected(request, admission),
+        ):
+            try:
+                await reservation.grow(need)
+                return await admission.run(call)
+            finally:
+                reservation.end()
 
     async def stored(self, call: Callable[[], T]) -> T:
         """Writes robots in a thread: may wait for other writers, and holds up no reader.

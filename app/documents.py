@@ -52,6 +52,7 @@ SPREADSHEET_TYPES = (
 )
 BINARY = {"type": "string", "format": "binary"}
 """Schema of a body of bytes."""
+ARCHIVE_TYPES = ("application/zip", "application/x-zip-compressed")
 XML_TYPES = ("application/xml", "text/xml", "application/urdf+xml")
 TABLES = (
     "application/json",

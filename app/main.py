@@ -31,6 +31,7 @@ from app.routes import (
     exercises,
     health,
     link_matrix,
+    mesh_lines,
     meshes,
     metrics,
     robots,
@@ -126,7 +127,7 @@ def create_app(
             types = (
                 robots.RobotView,
                 robots.RobotList,
-                meshes.MeshList,
+                mesh_lines.MeshList,
                 health.Health,
                 ReadinessReport,
                 diff.DiffRequest,

@@ -12,9 +12,11 @@ from urllib.error import HTTPError, URLError
 from urllib.parse import quote, urlencode
 from urllib.request import Request, urlopen
 
+from app.mesh_bundle import bundled
 from app.xacro import SUFFIX as XACRO
 from app.xacro import expanded
 
+ZIP = "application/zip"
 TYPES = {
     ".urdf": "application/xml",
     ".xml": "application/xml",
@@ -23,17 +25,19 @@ TYPES = {
     ".yml": "application/yaml",
     ".csv": "text/csv",
     ".par": "text/x-symoro",
+    ".zip": ZIP,
     **dict.fromkeys((".txt", ".md", ".tsv", ".py", ".m", ".tex"), "text/plain"),
 }
 """Content types by the ending of a file."""
 _OF_TEXT = ("convention", "angle", "length", "columns", "values")
 _OF_URDF = ("base", "tip")
+_OF_ZIP = ("base", "tip", "urdf")
 _ROBOTS = (".urdf", f".urdf{XACRO}", ".par")
 """Endings that say that a file is a robot."""
 _TABLES = (".json", ".yaml", ".yml")
 """Endings of files that are robots where they hold a table."""
 _LARGEST = 2_000_000
-SECONDS = 60.0
+SECONDS = 120.0
 
 
 class PushError(ValueError):
@@ -73,7 +77,9 @@ class Pusher:
         options: Query parameters of the upload, such as ``base``; those that a kind of document
             does not have are left out for it.
         arguments: Values of ``<xacro:arg>``, as ``name:=value``.
-        packages: Folders in whose packages xacro looks besides those around a file.
+        packages: Folders in whose packages xacro and meshes are looked for besides those around a
+            file.
+        meshes: Whether the meshes that a URDF names go with it.
     """
 
     url: str
@@ -81,6 +87,7 @@ class Pusher:
     options: Mapping[str, str] = field(default_factory=dict)
     arguments: Sequence[str] = ()
     packages: Sequence[Path] = ()
+    meshes: bool = True
 
     def upload(self, path: Path) -> dict[str, Any]:
         """Upload a file and return the record of the robot.
@@ -95,7 +102,11 @@ class Pusher:
             kind = "application/xml"
         else:
             content, kind = _content(path), _type_of(path)
+        if kind == "application/xml" and self.meshes:
+            packed = bundled(path, content, self.packages)
+            content, kind = (content, kind) if packed is None else (packed, ZIP)
         allowed = {"name", "overwrite"}
+        allowed.update(_OF_ZIP if kind == ZIP else ())
         allowed.update(_OF_URDF if kind == "application/xml" else ())
         allowed.update(_OF_TEXT if kind in ("text/plain", "text/csv") else ())
         query = {key: value for key, value in self.options.items() if key in allowed}

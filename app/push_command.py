@@ -21,10 +21,12 @@ from app.xacro import XacroError
     "--packages",
     multiple=True,
     type=click.Path(path_type=Path, exists=True, file_okay=False),
-    help="Folder with packages that a xacro file uses.",
+    help="Folder with packages that a xacro file or meshes are in.",
 )
 @click.option("--base", help="URDF: link that is the base.")
 @click.option("--tip", help="URDF: frame to compute for.")
+@click.option("--urdf", help="zip: the URDF that is meant, where it has several.")
+@click.option("--meshes/--no-meshes", default=True, help="URDF: send the meshes that it names.")
 @click.option("--convention", help="Text and CSV: standard, modified or khalil.")
 @click.option("--angle", type=click.Choice(["rad", "deg"]), help="Text and CSV: unit of angles.")
 @click.option("--length", type=click.Choice(["m", "mm"]), help="Text and CSV: unit of lengths.")
@@ -37,13 +39,15 @@ def push(
     arguments: tuple[str, ...],
     packages: tuple[Path, ...],
     overwrite: bool,
+    meshes: bool,
     key_file: TextIO | None,
     **options: str | None,
 ) -> None:
-    """Uploads robots: files (URDF, xacro, tables, scripts), or folders of them.
+    """Uploads robots: files (URDF, xacro, zip, tables, scripts), or folders of them.
 
     Xacro files are expanded here, where their packages are; the service never evaluates them.
-    Shows all faults of a file at once, and the pose at q = 0 of what was read.
+    A URDF takes along those of its meshes that are there. Shows all faults of a file at once, and
+    the pose at q = 0 of what was read.
     """
     files = [one for path in paths for one in robots_in(path)]
     if not files:
@@ -53,7 +57,7 @@ def push(
     given = {**options, "name": name, "overwrite": "true" if overwrite else None}
     query = {key: value for key, value in given.items() if value is not None}
     key = key_file.read().strip() if key_file is not None else None
-    pusher = Pusher(url.rstrip("/"), key, query, arguments, packages)
+    pusher = Pusher(url.rstrip("/"), key, query, arguments, packages, meshes)
     failed = sum(not _pushed(pusher, path, k, len(files)) for k, path in enumerate(files, 1))
     if failed:
         raise click.ClickException(f"{failed} of {len(files)} not uploaded")

@@ -40,6 +40,12 @@ class Settings(BaseSettings):
     max_document_bytes: int = Field(
         default=2_000_000, ge=1000, description="Largest robot document (table or URDF)."
     )
+    max_mesh_bytes: int = Field(
+        default=30_000_000, ge=1000, description="Largest mesh file, alone or in an archive."
+    )
+    max_archive_bytes: int = Field(
+        default=60_000_000, ge=1000, description="Largest zip of a URDF and its meshes."
+    )
     max_compute_bytes: int = Field(
         default=64_000_000, ge=1000, description="Largest body of a computation, batches included."
     )

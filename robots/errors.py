@@ -260,8 +260,65 @@ class RevisionMismatch(RobotError):
         super().__init__(say("robot {robot_id!r} {state}", robot_id=robot_id, state=state))
 
 
+class InvalidMesh(RobotError):
+    """A mesh file that is refused; the message says why."""
+
+
+class InvalidArchive(RobotError):
+    """An archive that is refused; the message says why.
+
+    Attributes:
+        several: Whether it is because one of several URDFs must be named.
+    """
+
+    def __init__(self, message: str, *, several: bool = False) -> None:
+        self.several = several
+        super().__init__(message)
+
+
+class MeshesTooLarge(RobotError):
+    """More bytes of meshes than are kept with one robot.
+
+    Attributes:
+        size: All of them.
+        most: How many are kept.
+    """
+
+    def __init__(self, size: int, most: int) -> None:
+        self.size, self.most = size, most
+        super().__init__(
+            say(
+                "the meshes of the robot take {size} bytes as they are kept; at most {most} are"
+                " kept: simplify them, or leave some out",
+                size=size,
+                most=most,
+            )
+        )
+
+
+class AmbiguousMesh(RobotError):
+    """The end of several names of meshes.
+
+    Attributes:
+        name: What was given.
+        names: The meshes that end so.
+    """
+
+    def __init__(self, name: str, names: tuple[str, ...]) -> None:
+        self.name, self.names = name, names
+        shown = ", ".join(repr(one[:64]) for one in names[:5])
+        super().__init__(
+            say(
+                "{name!r} is the end of {count} names of meshes: {shown}; give more of it",
+                name=name[:64],
+                count=len(names),
+                shown=shown,
+            )
+        )
+
+
 class MeshNotFound(RobotError):
-    """A mesh that a robot does not have; only shipped robots have any.
+    """A mesh that a robot does not have.
 
     Attributes:
         robot_id: The robot.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
@@ -21,10 +21,19 @@ from dh_to_urdf.writer import BASE_LINK, TOOL_LINK, UNBOUNDED
 from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
 from robots.joints import CoupledJoints, Joint
 from robots.model import build_model
+from robots.uploaded_mesh import UploadedMesh
 from robots.urdf import MAX_DOF, URDFDescription, read_urdf
+from robots.urdf.mesh_names import MeshNames, portable_name
 from robots.urdf.mimics import moving_joints as joints_that_move
 
-__all__ = ["FloatArray", "Joint", "Robot", "robot_from_table", "robot_from_urdf"]
+__all__ = [
+    "FloatArray",
+    "Joint",
+    "Robot",
+    "robot_from_table",
+    "robot_from_urdf",
+    "robot_with_meshes",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -55,7 +64,7 @@ class Robot:
     Attributes:
         name: Name in the document.
         kind: What it was made from.
-        revision: SHA-256 of kind, frames and URDF, hexadecimal.
+        revision: SHA-256 of kind, frames, URDF and uploaded meshes, hexadecimal.
         model: Pinocchio's model; not to be changed.
         joints: The entries of q, the free joints; limits of those that follow them narrow theirs.
         base_frame: Frame in whose axes results are given.
@@ -69,6 +78,7 @@ class Robot:
         coupled: The values of all joints that move; None where every one of them is an entry of q.
         mounting: Of an installed robot, where it stands and what it carries.
         without_tool: Of a robot with a tool on its frames, the same with bare frames.
+        meshes: Those that were uploaded of the meshes that the URDF names.
     """
 
     name: str
@@ -86,6 +96,7 @@ class Robot:
     coupled: CoupledJoints | None = None
     mounting: Mounting | None = None
     without_tool: Robot | None = None
+    meshes: tuple[UploadedMesh, ...] = ()
     _frame_ids: Mapping[str, int] = field(default_factory=dict, repr=False)
     _local: threading.local = field(default_factory=threading.local, repr=False, compare=False)
 
@@ -254,6 +265,7 @@ def robot_from_urdf(
     tip: str | None = None,
     warnings: tuple[str, ...] | None = None,
     tell_left_out: bool = True,
+    mesh_names: MeshNames = portable_name,
 ) -> Robot:
     """Build the robot of a URDF: q in file order, every joint that is not fixed.
 
@@ -263,13 +275,14 @@ def robot_from_urdf(
         tip: Frame to compute for where none is named; default the leaf of the longest chain.
         warnings: Warnings of an earlier reading, kept with a canonical text; None: of this one.
         tell_left_out: Whether warnings tell what of the file is left out.
+        mesh_names: Names meshes in the canonical text.
 
     Raises:
         InvalidURDF: See :func:`robots.urdf.read_urdf`.
         RobotTooLarge: More links, joints or bytes than are computed with.
         UnknownFrame: base or tip is no link of the robot.
     """
-    description = read_urdf(text, base)
+    description = read_urdf(text, base, mesh_names)
     joints, coupled = _joints(*joints_that_move(description.joints))
     narrow = () if coupled is None else narrow_warnings(coupled.relations, coupled.map)
     if warnings is None:
@@ -313,11 +326,10 @@ def _build(
     model = build_model(description)
     body = pin.FrameType.BODY
     frame_ids = {name: int(model.getFrameId(name, body)) for name in frames}
-    content = "\x00".join((identity, base, tip, urdf))
     return Robot(
         name=description.name,
         kind=kind,
-        revision=hashlib.sha256(content.encode()).hexdigest(),
+        revision=_revision(identity, base, tip, urdf),
         model=model,
         joints=joints,
         coupled=coupled,
@@ -330,6 +342,18 @@ def _build(
         doubts=doubts,
         _frame_ids=frame_ids,
     )
+
+
+def robot_with_meshes(robot: Robot, meshes: Iterable[UploadedMesh]) -> Robot:
+    """Return the robot of a URDF with these uploaded meshes and no others, ordered by name."""
+    ordered = tuple(sorted(meshes, key=lambda one: one.name))
+    digests = (part for one in ordered for part in (one.name, one.digest))
+    revision = _revision("urdf", robot.base_frame, robot.tip_frame, robot.urdf, *digests)
+    return replace(robot, meshes=ordered, revision=revision)
+
+
+def _revision(*content: str) -> str:
+    return hashlib.sha256("\x00".join(content).encode()).hexdigest()
 
 
 def _joints(

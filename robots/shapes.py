@@ -11,6 +11,7 @@ import pinocchio as pin
 from lxml import etree
 
 from robots.robot import FloatArray, Robot
+from robots.uploaded_mesh import Hull, UploadedMesh, mesh_name
 
 ShapeKind: TypeAlias = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 
@@ -23,14 +24,30 @@ class Shape:
         link: Name of the link.
         kind: What it is; a cylinder and a capsule lie along z.
         size: Of a box its three edges; of a sphere the radius; of a cylinder and a capsule radius
-            and length (of a capsule without its caps), m. Empty for a mesh, which is not opened.
+            and length (of a capsule without its caps), m. Empty for a mesh.
         placement: In the link's axes, 4x4.
+        hull: Of a mesh that was uploaded a convex solid about it, in the axes of ``placement``, m;
+            None for any other.
     """
 
     link: str
     kind: ShapeKind
     size: tuple[float, ...]
     placement: FloatArray
+    hull: Hull | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class MeshUse:
+    """How a URDF uses a mesh.
+
+    Attributes:
+        filename: How it names it.
+        links: The links that it is a part of, in order.
+    """
+
+    filename: str
+    links: tuple[str, ...]
 
 
 def link_shapes(robot: Robot) -> tuple[Shape, ...]:
@@ -42,15 +59,56 @@ def link_shapes(robot: Robot) -> tuple[Shape, ...]:
         return ()
     shapes = _SHAPES.get(robot)
     if shapes is None:
-        shapes = _SHAPES[robot] = _read(robot.urdf)
+        shapes = _SHAPES[robot] = _read(robot)
     return shapes
 
 
 _SHAPES: WeakKeyDictionary[Robot, tuple[Shape, ...]] = WeakKeyDictionary()
 
 
-def _read(canonical: str) -> tuple[Shape, ...]:
-    root = etree.fromstring(canonical.encode())
+def mesh_users(robot: Robot) -> dict[str, MeshUse]:
+    """Return how the URDF uses each mesh that it names, by name, in its order."""
+    users: dict[str, tuple[str, dict[str, None]]] = {}
+    if robot.kind == "urdf":
+        root = etree.fromstring(robot.urdf.encode())
+        for link in root.findall("link"):
+            for mesh in link.iterfind("./*/geometry/mesh"):
+                filename = mesh.get("filename", "")
+                _, links = users.setdefault(mesh_name(filename), (filename, {}))
+                links[link.get("name", "")] = None
+    return {name: MeshUse(filename, tuple(links)) for name, (filename, links) in users.items()}
+
+
+def scales_of(robot: Robot, name: str) -> tuple[tuple[float, float, float], ...]:
+    """Return the scales with which the URDF uses a mesh."""
+    root = etree.fromstring(robot.urdf.encode())
+    found = [
+        _scale(mesh)
+        for mesh in root.iterfind("./link/*/geometry/mesh")
+        if mesh_name(mesh.get("filename", "")) == name
+    ]
+    return tuple(dict.fromkeys(found))
+
+
+def _scale(mesh: etree._Element) -> tuple[float, float, float]:
+    x, y, z = (float(word) for word in mesh.get("scale", "1 1 1").split())
+    return x, y, z
+
+
+def _hull(meshes: dict[str, UploadedMesh], form: etree._Element) -> Hull | None:
+    """Return the solid about an uploaded mesh, scaled as the URDF says."""
+    mesh = meshes.get(mesh_name(form.get("filename", "")))
+    if mesh is None:
+        return None
+    scale = np.array(_scale(form))
+    triangles = mesh.hull.triangles if scale.prod() > 0 else mesh.hull.triangles[:, ::-1]
+    excess = mesh.hull.excess * float(np.abs(scale).max())
+    return Hull(mesh.hull.vertices * scale, triangles, excess)
+
+
+def _read(robot: Robot) -> tuple[Shape, ...]:
+    meshes = {one.name: one for one in robot.meshes}
+    root = etree.fromstring(robot.urdf.encode())
     shapes: list[Shape] = []
     for link in root.findall("link"):
         for element in link.findall("collision") or link.findall("visual"):
@@ -63,7 +121,8 @@ def _read(canonical: str) -> tuple[Shape, ...]:
                 else [form.get("radius"), form.get("length")]
             )
             size = tuple(float(word) for value in values if value for word in value.split())
-            shapes.append(Shape(link.get("name", ""), _kind(str(form.tag)), size, _origin(element)))
+            kind, hull = _kind(str(form.tag)), _hull(meshes, form)
+            shapes.append(Shape(link.get("name", ""), kind, size, _origin(element), hull))
     return tuple(shapes)
 
 

@@ -9,8 +9,9 @@ need none (:mod:`robots.storage.uploads`).
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -18,6 +19,7 @@ from dh_to_urdf.look_alikes import by_case, by_shape
 from robots.errors import (
     DAMAGED,
     InvalidRobotId,
+    MeshNotFound,
     ReadOnlyRobot,
     RobotError,
     RobotExists,
@@ -26,13 +28,15 @@ from robots.errors import (
     StorageError,
 )
 from robots.revisions import check_revision, named_revisions
-from robots.robot import Robot
+from robots.robot import Robot, robot_with_meshes
+from robots.shapes import mesh_users
 from robots.shipped import is_shipped, shipped_file, shipped_ids, shipped_robot
 from robots.storage.directory import RobotDirectory
 from robots.storage.stored_file import ROBOT_ID, encode
 from robots.storage.uploads import UploadMemory, UploadReader
 from robots.storage.usage_record import Quotas, Total, Usage
 from robots.stored_robot import RobotSummary, StoredRobot
+from robots.uploaded_mesh import UploadedMesh
 from robots.writer import ANYBODY, Writer
 
 _NEAR: Final = 100
@@ -219,6 +223,7 @@ class RobotStore:
         robot_id: str,
         robot: Robot,
         *,
+        meshes: Mapping[str, bytes] | None = None,
         writer: Writer = ANYBODY,
         create_only: bool = False,
         if_match: tuple[str, ...] = (),
@@ -229,6 +234,7 @@ class RobotStore:
         Args:
             robot_id: Its id.
             robot: The robot.
+            meshes: The files of its uploaded meshes, by name.
             writer: Who stores it. The robot of another is replaced only by one with the same
                 content, or where ``if_match`` holds.
             create_only: Refuse to replace a robot.
@@ -244,11 +250,12 @@ class RobotStore:
             AnothersRobot: The id holds what another has stored.
             RobotExists: ``create_only`` and the id is taken.
             RevisionMismatch: ``if_match`` or ``if_none_match`` does not hold.
+            MeshesTooLarge: Its meshes take more than is kept with one robot.
             QuotaReached: It would exceed a quota.
             StorageError: The disk does not take it; what was stored before is intact.
         """
         self.check_id(robot_id)
-        maker, content = writer.name, encode(robot, writer.name)
+        maker, content = writer.name, encode(robot, writer.name, meshes)
         exact = self._needs_revision(robot_id, if_match, if_none_match, spares=writer.spares)
         with ExitStack() as locked:
             if self._shared is not None:
@@ -265,9 +272,89 @@ class RobotStore:
                     writer.check(robot_id, self._uploads.maker(robot_id))
                 elif writer.spares:
                     maker = self._uploads.maker(robot_id)
-                    content = encode(robot, maker)
+                    content = encode(robot, maker, meshes)
             transaction.write(robot_id, content, total)
         return StoredRobot(robot_id, robot, False, robot.name, maker=maker), current is None
+
+    def change_mesh(
+        self,
+        robot_id: str,
+        name: str,
+        mesh: tuple[UploadedMesh, bytes] | None,
+        *,
+        writer: Writer = ANYBODY,
+        if_match: tuple[str, ...] = (),
+    ) -> tuple[StoredRobot, bool]:
+        """Store or remove a mesh of an uploaded robot, durably; its other meshes stay.
+
+        Args:
+            robot_id: The robot.
+            name: Name of the mesh, as its URDF has it, without ``package://``.
+            mesh: The mesh and its file; None removes it.
+            writer: Who does it; the robot of another is changed only where ``if_match`` holds.
+            if_match: Revisions one of which must be stored now; empty: no matter.
+
+        Returns:
+            The robot as it is stored, and True where it had no such mesh.
+
+        Raises:
+            ReadOnlyRobot: The robot is shipped.
+            SharedRobot: The robot is no upload of this namespace, but shared.
+            RobotNotFound: No robot has this id.
+            MeshNotFound: The robot's URDF names no such mesh, or it has none to remove.
+            AnothersRobot: Another has stored the robot, and there is no ``if_match``.
+            RevisionMismatch: ``if_match`` does not hold.
+            MeshesTooLarge: The meshes would take more than is kept with one robot.
+            QuotaReached: It would exceed a quota.
+            StorageError: The disk does not take it; what was stored before is intact.
+        """
+        if is_shipped(robot_id):
+            raise ReadOnlyRobot(robot_id)
+        self._uploads.warm(robot_id)
+        with ExitStack() as locked:
+            if self._shared is not None:
+                locked.enter_context(self._shared._directory.write_transaction())
+            total = self._total() if self._total is not None else None
+            transaction = locked.enter_context(self._directory.write_transaction())
+            stored = self._uploads.stored(robot_id)
+            if stored is None:
+                shared = self._is_shared(robot_id)
+                raise SharedRobot(robot_id) if shared else self._not_found(robot_id)
+            robot = stored.robot
+            check_revision(robot_id, robot.revision, if_match, ())
+            if not if_match:
+                writer.check(robot_id, stored.maker)
+            files = self._uploads.mesh_files(robot_id, robot)
+            is_new = name not in files
+            named = tuple(mesh_users(robot)) if mesh is not None else tuple(files)
+            if name not in named:
+                raise MeshNotFound(robot_id, name, named)
+            meshes = {one.name: one for one in robot.meshes}
+            meshes.pop(name, None)
+            files.pop(name, None)
+            if mesh is not None:
+                meshes[name], files[name] = mesh[0].named(name), mesh[1]
+            changed = robot_with_meshes(robot, meshes.values())
+            transaction.write(robot_id, encode(changed, stored.maker, files), total)
+        return replace(stored, robot=changed), is_new
+
+    def mesh_file(self, robot_id: str, name: str) -> tuple[UploadedMesh, bytes]:
+        """Return an uploaded mesh of a robot, and its file (glTF, binary).
+
+        Raises:
+            RobotNotFound: No robot has this id.
+            MeshNotFound: It has no such mesh.
+            DamagedRobot: The stored file cannot be served.
+            StorageUnavailable: The directory cannot be read.
+        """
+        found = self._uploads.mesh_file(robot_id, name)
+        if found is None and self._shared is not None and not self._uploads.knows(robot_id):
+            return self._shared.mesh_file(robot_id, name)
+        if found is None:
+            raise MeshNotFound(
+                robot_id, name, tuple(one.name for one in self.get(robot_id).robot.meshes)
+            )
+        return found
 
     def delete(
         self,

@@ -48,6 +48,12 @@ def _robot_exists(error: robots.RobotExists) -> str:
     )
 
 
+def _invalid_archive(error: robots.InvalidArchive) -> str:
+    if not error.several:
+        return str(error)
+    return say("{error}, as ?urdf=arm/urdf/arm.urdf", error=error)
+
+
 _CHANGES = {"replace": say("replace"), "delete": say("delete")}
 
 
@@ -135,6 +141,16 @@ RENDERINGS: dict[type[Exception], Rendering] = {
     ),
     robots.InvalidRobotId: Rendering(
         ProblemType("invalid-robot-id", 422, say("This id cannot name a robot"))
+    ),
+    robots.InvalidMesh: Rendering(ProblemType("invalid-mesh", 422, say("The mesh cannot be used"))),
+    robots.InvalidArchive: Rendering(
+        ProblemType("invalid-archive", 422, say("The archive cannot be used")), _invalid_archive
+    ),
+    robots.MeshesTooLarge: Rendering(
+        ProblemType("meshes-too-large", 422, say("The meshes of the robot are too large"))
+    ),
+    robots.AmbiguousMesh: Rendering(
+        ProblemType("ambiguous-mesh", 422, say("Several meshes have this name"))
     ),
     robots.MeshNotFound: Rendering(
         ProblemType("mesh-not-found", 404, say("The robot has no such mesh"))

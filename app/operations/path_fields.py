@@ -255,7 +255,8 @@ class PathScenario(MethodOptions, kw_only=True):
             description="skeleton (default): those capsules. urdf: the collision shapes of the"
             " URDF, else its visual ones, of all that the arm moves, also beyond the frame: spheres"
             " and capsules as they are, boxes and cylinders as the least capsule about them;"
-            " meshes are not read, the skeleton stands for them."
+            " of meshes that were uploaded the least capsule about their convex hulls; for others"
+            " the skeleton stands."
         ),
         msgspec.Meta(extra_json_schema=one_of(GEOMETRIES)),
     ] = "skeleton"

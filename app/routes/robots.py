@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -13,6 +14,7 @@ from fastapi import APIRouter, Path, Request, Response
 from app.access.control import key_of
 from app.dependencies import RobotDep, ServicesDep
 from app.documents import (
+    ARCHIVE_TYPES,
     BINARY,
     PAR_TYPES,
     PASTED_TYPES,
@@ -29,10 +31,12 @@ from app.http.responses import respond
 from app.http.units import Units
 from app.openapi.answers import REF
 from app.openapi.problems import PROBLEMS
+from app.routes.mesh_lines import MeshLine, mesh_lines
 from dh_to_urdf.couplings import coefficient_in
 from dh_to_urdf.documents.layouts import document
 from dh_to_urdf.languages import Language
 from dh_to_urdf.messages import say
+from kinematics.meshes.archived_robot import ArchivedRobot, archived_robot
 from robots.errors import RevisionMismatch, RobotError, RobotExists
 from robots.revisions import ANY
 from robots.robot import Robot
@@ -126,7 +130,8 @@ class CouplingView(msgspec.Struct, kw_only=True):
 class RobotView(msgspec.Struct, kw_only=True):
     """A robot. ``joints`` are the entries of q.
 
-    The answer to an upload also holds the D-H table as it was read, with its units.
+    The answer to an upload also holds the D-H table as it was read, with its units, and the meshes
+    that came with it.
     """
 
     id: str
@@ -145,6 +150,7 @@ class RobotView(msgspec.Struct, kw_only=True):
     tip_frame: str
     frames: list[str]
     warnings: list[str]
+    meshes: list[MeshLine] | msgspec.UnsetType = msgspec.UNSET
     table: (
         Annotated[
             dict[str, Any],
@@ -320,6 +326,7 @@ def build_router(max_body: int) -> APIRouter:
                 "text/plain": {"schema": {"type": "string"}, "example": _PASTED_EXAMPLE},
                 **{kind: {"schema": BINARY} for kind in SPREADSHEET_TYPES},
                 "application/xml": {"schema": {"type": "string"}},
+                "application/zip": {"schema": BINARY},
             },
         },
         "parameters": [
@@ -338,6 +345,7 @@ def build_router(max_body: int) -> APIRouter:
                 ("columns", "Pasted text without a heading: its columns, as theta,d,a,alpha."),
                 ("values", "Numbers for names in cells, as D3:0.45,RL4:450mm."),
                 ("loops", "SYMORO: cut reads the spanning tree of a robot with closed loops."),
+                ("urdf", "zip: the URDF that is meant, where the archive has several."),
                 ("tip", "URDF: default tip frame."),
                 (
                     "base",
@@ -393,12 +401,9 @@ def build_router(max_body: int) -> APIRouter:
         openapi_extra=documents,
     )
     async def create_robot(request: Request, services: ServicesDep) -> Response:
-        wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
-        overwrite = flag_of(request, OVERWRITE)
-        robot = await services.loaded(
-            lambda: robot_from_body(request, body, default_name=None, also=(OVERWRITE,)), len(body)
-        )
-        name = request.query_params.get("name", robot.name)
+        wanted, overwrite = wanted_type(request, JSON, TEXT), flag_of(request, OVERWRITE)
+        read = await _document(request, services, max_body, default_name=None)
+        name = request.query_params.get("name", read.robot.name)
         robot_id = id_from_name(name)
         if not robot_id:
             raise RequestProblem(
@@ -412,9 +417,11 @@ def build_router(max_body: int) -> APIRouter:
             )
         store, writer = services.store_of(request), services.writer_of(request, overwrite=overwrite)
         stored, created = await services.stored(
-            lambda: store.put(robot_id, robot, writer=writer, create_only=not overwrite)
+            lambda: store.put(
+                robot_id, read.robot, meshes=read.files, writer=writer, create_only=not overwrite
+            )
         )
-        return await _uploaded(request, services, stored, wanted, created=created)
+        return await _uploaded(request, services, stored, wanted, read.notes, created=created)
 
     @router.get("/{robot_id}", summary="Read a robot", responses=view)
     async def read_robot(request: Request, stored: RobotDep) -> Response:
@@ -437,20 +444,17 @@ def build_router(max_body: int) -> APIRouter:
     ) -> Response:
         store = services.store_of(request)
         store.check_id(robot_id)
-        wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
-        unless = _if_none_match(request)
+        wanted, unless = wanted_type(request, JSON, TEXT), _if_none_match(request)
         writer = services.writer_of(request, overwrite=flag_of(request, OVERWRITE))
-
-        def read() -> Robot:
-            robot = robot_from_body(request, body, default_name=robot_id, also=(OVERWRITE,))
-            _check_name(request, robot, robot_id)
-            return robot
+        read = await _document(request, services, max_body, default_name=robot_id)
+        _check_name(request, read.robot, robot_id)
 
         def put() -> tuple[StoredRobot, bool]:
             try:
                 return store.put(
                     robot_id,
-                    robot,
+                    read.robot,
+                    meshes=read.files,
                     writer=writer,
                     create_only=ANY in unless,
                     if_match=_if_match(request),
@@ -459,9 +463,8 @@ def build_router(max_body: int) -> APIRouter:
             except RobotExists:
                 raise RevisionMismatch(robot_id, "another") from None
 
-        robot = await services.loaded(read, len(body))
         stored, created = await services.stored(put)
-        return await _uploaded(request, services, stored, wanted, created=created)
+        return await _uploaded(request, services, stored, wanted, read.notes, created=created)
 
     @router.delete(
         "/{robot_id}",
@@ -515,11 +518,45 @@ def _page(
     return respond({"robots": lines, "next_page_token": token}, wanted, spoken)
 
 
+async def _document(
+    request: Request, services: ServicesDep, max_body: int, default_name: str | None
+) -> ArchivedRobot:
+    """Returns the robot of a body: a document by itself, or an archive with its meshes."""
+    if media_type(request) not in ARCHIVE_TYPES:
+        body = await read_body(request, max_body)
+        robot = await services.loaded(
+            lambda: robot_from_body(request, body, default_name, also=(OVERWRITE,)), len(body)
+        )
+        return ArchivedRobot(robot, {}, ())
+    check_query(
+        request, "name", "urdf", "base", "tip", OVERWRITE, common=("angle", "format", "lang")
+    )
+    given, archive = (
+        request.query_params,
+        await read_body(request, services.settings.max_archive_bytes),
+    )
+
+    def read() -> ArchivedRobot:
+        with services.meshes.archive(archive) as opened:
+            return archived_robot(opened, given.get("urdf"), given.get("base"), given.get("tip"))
+
+    return await services.mesh_read(read, request, len(archive))
+
+
 async def _uploaded(
-    request: Request, services: ServicesDep, stored: StoredRobot, wanted: str, *, created: bool
+    request: Request,
+    services: ServicesDep,
+    stored: StoredRobot,
+    wanted: str,
+    notes: Sequence[str],
+    *,
+    created: bool,
 ) -> Response:
     """The answer to an upload: the robot, its table as it was read, and what was doubtful."""
     view, table = robot_view(stored, Units()), stored.robot.table
+    view["warnings"] += notes
+    if stored.robot.meshes:
+        view["meshes"] = mesh_lines(stored)
     store = services.store_of(request)
     near = await services.loaded(lambda: store.look_alikes(stored.id))
     if store.hides_shared(stored.id):

@@ -13,8 +13,9 @@ MAX_WEIGHT = 20_000.0
 
 
 def weight_of(robot: Robot) -> float:
-    """Return the memory cost of a robot, in arbitrary units: dof² and length of its text."""
-    return 20.0 + robot.dof**2 + len(robot.urdf) / 1000.0
+    """Return the memory cost of a robot, in arbitrary units: dof², its text and its hulls."""
+    hulls = sum(one.hull.vertices.nbytes + one.hull.triangles.nbytes for one in robot.meshes)
+    return 20.0 + robot.dof**2 + (len(robot.urdf) + hulls) / 1000.0
 
 
 class RobotMemory(Generic[Entry]):

@@ -15,6 +15,7 @@ from typing import Final, TypeAlias, TypeVar
 from dh_to_urdf.messages import say
 from robots.errors import DAMAGED, DamagedRobot, StorageError
 from robots.revisions import ANY
+from robots.robot import Robot
 from robots.storage.directory import RobotDirectory
 from robots.storage.durable import storage_errors
 from robots.storage.memory import RobotMemory, weight_of
@@ -28,12 +29,17 @@ from robots.storage.stored_file import (
     maker_in,
     read_file,
     read_head,
+    read_mesh,
+    read_meshes,
 )
 from robots.stored_robot import RobotSummary, StoredRobot
+from robots.uploaded_mesh import UploadedMesh
 
 T = TypeVar("T")
 UploadMemory: TypeAlias = RobotMemory[tuple[Signature, StoredRobot]]
 _UNKNOWN: Final = say("was found damaged")
+_TRIES: Final = 5
+"""Times that a reader starts again where the file is replaced while it reads."""
 _PATIENCE: Final = 1.0
 """Seconds that a reader waits for the lock to move a broken file."""
 
@@ -118,6 +124,60 @@ class UploadReader:
             stored = self._current(robot_id)
             return stored.maker if stored else None
         return None
+
+    def stored(self, robot_id: str) -> StoredRobot | None:
+        """Return what is stored now, for a writer who holds the lock; None where nothing is.
+
+        Raises:
+            DamagedRobot: The stored file cannot be served.
+        """
+        try:
+            return self._current(robot_id)
+        except (BrokenFile, UnusableFile):
+            raise DamagedRobot(robot_id, _UNKNOWN, moved=False) from None
+
+    def mesh_files(self, robot_id: str, robot: Robot) -> dict[str, bytes]:
+        """Return the mesh files of what is stored now, for a writer who holds the lock.
+
+        Raises:
+            DamagedRobot: They cannot be read.
+        """
+        if not robot.meshes:
+            return {}
+        signature = self._directory.signature(robot_id)
+        found = None
+        with suppress(BrokenFile, UnusableFile):
+            if signature is not None:
+                found = read_meshes(self._directory.path(robot_id), robot, signature)
+        if found is None:
+            raise DamagedRobot(robot_id, _UNKNOWN, moved=False)
+        return found
+
+    def mesh_file(self, robot_id: str, name: str) -> tuple[UploadedMesh, bytes] | None:
+        """Return an uploaded mesh and its file; None where the robot has none of this name.
+
+        Raises:
+            DamagedRobot: The stored file cannot be served.
+            StorageUnavailable: The directory cannot be read.
+        """
+        for _ in range(_TRIES):
+            stored = self.get(robot_id)
+            entry = self._memory.get(self._prefix + robot_id)
+            meshes = {} if stored is None else {one.name: one for one in stored.robot.meshes}
+            if name not in meshes:
+                return None
+            if entry is not None and entry[1] is stored:
+                content = self._read(robot_id, self._mesh_reader(entry, name))
+                if content is not None:
+                    return meshes[name], content
+        return None
+
+    def _mesh_reader(
+        self, entry: tuple[Signature, StoredRobot], name: str
+    ) -> Callable[[str], bytes | None]:
+        signature, stored = entry
+        path = self._directory.path(stored.id)
+        return lambda _: read_mesh(path, stored.robot, signature, name)
 
     def knows(self, robot_id: str) -> bool:
         """Return whether an upload has the id, sound or damaged.

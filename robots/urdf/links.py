@@ -17,7 +17,7 @@ from robots.errors import InvalidURDF
 from robots.urdf.faults import Faults
 from robots.urdf.limits import MAX_MATERIALS, MAX_SHAPES
 from robots.urdf.markup import shown_tag
-from robots.urdf.mesh_names import portable_name
+from robots.urdf.mesh_names import MeshNames, portable_name
 from robots.urdf.notes import Notes
 from robots.urdf.values import (
     Element,
@@ -50,6 +50,7 @@ class LinkReader:
         faults: Takes names that cannot be used.
         notes: Takes what is left out.
         quaternions: Whether the version of the document has ``quat_xyzw``.
+        mesh_names: Names meshes.
         materials: Names of the materials that the document declares for all links.
         foreign_meshes: Meshes that were left out for their file names.
         odd_inertias: Links whose inertia no body has.
@@ -60,6 +61,7 @@ class LinkReader:
     faults: Faults
     notes: Notes
     quaternions: bool
+    mesh_names: MeshNames = portable_name
     materials: set[str] = field(default_factory=set)
     foreign_meshes: list[str] = field(default_factory=list)
     odd_inertias: list[str] = field(default_factory=list)
@@ -253,7 +255,7 @@ class LinkReader:
             self.notes.add(say("a mesh has one scale, which is taken for x, y, z"), where)
         else:
             scale = numbers(form, "scale", 3, inside, "1 1 1")
-        portable = portable_name(filename)
+        portable = self.mesh_names(filename)
         if portable is None:
             return None
         return {"filename": portable} | ({"scale": text_of(scale)} if given else {})

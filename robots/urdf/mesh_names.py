@@ -8,7 +8,11 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Callable
+from typing import TypeAlias
 
+MeshNames: TypeAlias = Callable[[str], str | None]
+"""Returns the name under which a mesh is kept, from that in the document; None: left out."""
 MAX_LENGTH = 512
 _PACKAGE = "package://"
 _UNSAFE = re.compile(r"""[\\:%~$`|<>"'*?#&;{}]""")

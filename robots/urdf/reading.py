@@ -17,6 +17,7 @@ from robots.urdf.joints import JointReader, write_joint
 from robots.urdf.limits import MAX_BYTES, MAX_DOF, MAX_JOINTS, MAX_LINKS
 from robots.urdf.links import LinkReader
 from robots.urdf.markup import parse
+from robots.urdf.mesh_names import MeshNames, portable_name
 from robots.urdf.mimics import check_mimics, read_mimic
 from robots.urdf.notes import Notes
 from robots.urdf.planar import without_planar
@@ -31,12 +32,15 @@ _QUATERNIONS_FROM = 1.1
 _VERSION = re.compile(r"[0-9]{1,3}(?:\.[0-9]{1,3})?")
 
 
-def read_urdf(text: str | bytes, base: str | None = None) -> URDFDescription:
+def read_urdf(
+    text: str | bytes, base: str | None = None, mesh_names: MeshNames = portable_name
+) -> URDFDescription:
     """Check a URDF and write its canonical form.
 
     Args:
         text: The XML text; at most ``MAX_BYTES`` bytes.
         base: The link that is to be the base, where joints that float leave several.
+        mesh_names: Names meshes in the canonical form.
 
     Returns:
         The description.
@@ -53,7 +57,7 @@ def read_urdf(text: str | bytes, base: str | None = None) -> URDFDescription:
     name = faults.read(source, "", lambda: name_of(source, say("the root element")))
     robot = etree.Element("robot")
     quaternions = _has_quaternions(source)
-    reader = LinkReader(robot, faults, notes, quaternions)
+    reader = LinkReader(robot, faults, notes, quaternions, mesh_names)
     reader.read_materials(source)
     links = tuple(reader.read(element) for element in found.links)
     check_names("link", list(zip(links, found.links, strict=True)), faults)

@@ -643,12 +643,13 @@ def refused() -> Iterator[Case]:
         yield _through(0 if "declared" in name else k, f"urdf: {name}", document, words)
     path = f"/v1/robots?name={MINE}"
     for name, (kind, content) in MESH_FILES.items():
-        yield body(f"mesh file: {name}", path, content, 415, "send", kind=kind)
+        if kind == "application/zip":
+            yield body(f"mesh file: {name}", path, content, 422, "zip", kind=kind)
+        else:
+            yield body(f"mesh file: {name}", path, content, 415, "send", kind=kind)
         yield body(f"mesh file as XML: {name}", path, content, 422, kind=XML)
         path_of_mesh = f"/v1/robots/ur5/meshes/{name.partition(' ')[0].lower()}"
-        yield body(
-            f"mesh file put: {name}", path_of_mesh, content, (404, 405), kind=kind, method="PUT"
-        )
+        yield body(f"mesh file put: {name}", path_of_mesh, content, 409, kind=kind, method="PUT")
 
 
 def changed(old: str, new: str) -> bytes:

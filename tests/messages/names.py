@@ -11,7 +11,7 @@ import msgspec
 from app.operations import OPERATIONS
 from app.readiness import Check, ReadinessReport
 from app.routes.diff import DiffResponse
-from app.routes.meshes import MeshList
+from app.routes.mesh_lines import MeshList
 from app.routes.robots import RobotList, RobotView
 from app.sheets.headings import Heading
 from dh_to_urdf.documents.csv_words import COLUMNS

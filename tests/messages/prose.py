@@ -83,10 +83,10 @@ TEXTS = {
     "kinematics/checking/slips.py": ("all angles",),
     "app/operations/step.py": ("Wanted motion",),
     "app/labs/routes.py": ("private, no-cache",),
-    "app/routes/meshes.py": ("public, max-age",),
+    "app/routes/meshes.py": ("public, max-age", "private, no-cache", "The mesh, replaced"),
     "app/routes/robots.py": (
         *("Name of the robot", "CSV and pasted", "Pasted text", "Numbers for names", "SYMORO:"),
-        *("URDF: default tip", "URDF: frame in"),
+        *("URDF: default tip", "URDF: frame in", "zip: the URDF"),
     ),
     "app/routes/tables.py": (
         *("standard, modified or khalil.", "Frame to", "Axes tilted", "true: ", "rad (default)"),

@@ -27,7 +27,7 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
   const file = h('input', {
     type: 'file',
     hidden: true,
-    accept: '.urdf,.xml,.yaml,.yml,.json,.csv,.par,.txt,.md,.tex,.m,.py,.tsv',
+    accept: '.urdf,.zip,.xml,.yaml,.yml,.json,.csv,.par,.txt,.md,.tex,.m,.py,.tsv',
     onchange: () => {
       const chosen = file.files?.[0];
       if (chosen)

@@ -37,7 +37,8 @@ class Part:
     Attributes:
         link: Name of the URDF's link, or of the segment of the skeleton.
         joint: The last joint that moves it.
-        shape: box, cylinder, sphere, capsule, or segment (between joint origins).
+        shape: box, cylinder, sphere, capsule, mesh (its convex hull), or segment (between joint
+            origins).
         radius: Of the capsule, m.
         length: Of its segment, m; None of a segment between joint origins, which may change.
         excess: Largest distance of the capsule's surface from the shape, m.
@@ -74,9 +75,10 @@ class LinkGeometry:
 def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometry:
     """Return the links of an arm from its URDF.
 
-    Each joint moves the capsules about its boxes, cylinders, spheres and capsules. Where it also
-    moves a mesh (meshes are not read), or nothing with a shape, the pieces of the skeleton from
-    there to the next joint are added, with the radius given for them.
+    Each joint moves the capsules about its boxes, cylinders, spheres and capsules, and about the
+    convex hulls of meshes that were uploaded. Where it also moves another mesh, or nothing with a
+    shape, the pieces of the skeleton from there to the next joint are added, with the radius given
+    for them.
 
     Args:
         arm: The arm.
@@ -92,7 +94,7 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
     fixed, fixed_names = [], []
     known = set()
     for shape in shapes:
-        if shape.kind == "mesh":
+        if is_bare(shape):
             continue
         capsule = bounding_capsule(shape)
         carrier, T = carriers[shape.link], poses[shape.link]
@@ -118,7 +120,7 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
         segments.append(-1)
         length = float(np.linalg.norm(b - a))
         parts.append(Part(name, arm.chain.names[k], "segment", radius, length, 0.0))
-    meshes = {carriers[s.link] for s in shapes if s.kind == "mesh"}
+    meshes = {carriers[s.link] for s in shapes if is_bare(s)}
     for k in range(arm.chain.length):
         if k in meshes or k not in known:
             name = say("segment {k}", k=k + 1)
@@ -137,6 +139,11 @@ def link_geometry(arm: Arm, start: FloatArray, radii: FloatArray) -> LinkGeometr
         np.array(fixed).reshape(-1, 7),
         tuple(fixed_names),
     )
+
+
+def is_bare(shape: Shape) -> bool:
+    """Return whether a shape is a mesh of which nothing is known."""
+    return shape.kind == "mesh" and shape.hull is None
 
 
 def too_near(geometry: LinkGeometry, obstacles: FloatArray, d_safe: float) -> tuple[str, ...]:
@@ -208,12 +215,21 @@ def _warnings(
     if arm.robot.kind == "dh":
         return (say("a D-H table has no shapes; {instead}", instead=instead),)
     moved = [shape for shape in shapes if carriers[shape.link] >= 0]
-    meshes = list(dict.fromkeys(s.link for s in moved if s.kind == "mesh"))
+    meshes = list(dict.fromkeys(s.link for s in moved if is_bare(s)))
+    hulls = list(dict.fromkeys(s.link for s in moved if s.hull is not None))
     found = []
+    if hulls:
+        found.append(
+            say(
+                "the meshes of {links} count as capsules about their convex hulls: hollows are"
+                " filled",
+                links=_listed(hulls),
+            )
+        )
     if meshes:
         found.append(
             say(
-                "meshes are not read, those of {meshes}; {instead}",
+                "meshes that were not uploaded are not counted, those of {meshes}; {instead}",
                 meshes=_listed(meshes),
                 instead=instead,
             )
@@ -228,7 +244,7 @@ def _warnings(
                 instead=instead,
             )
         )
-    kept = {carriers[s.link] for s in moved if s.kind == "mesh"} | set(bare)
+    kept = {carriers[s.link] for s in moved if is_bare(s)} | set(bare)
     if kept and max(radii[arm.chain.leaders[k]] for k in kept) == 0.0:
         found.append(say("link_radius is 0: these segments are lines without thickness; give one"))
     return tuple(found)

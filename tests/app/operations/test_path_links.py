@@ -49,7 +49,7 @@ def test_the_shapes_of_a_urdf(client):
     assert parts["lower"] == {**lower, "length": pytest.approx(0.4)}
     segment = {"link": "segment 3", "joint": "j3", "shape": "segment", "radius": 0.04}
     assert parts["segment 3"] == {**segment, "length": None, "excess": 0.0}
-    assert "meshes are not read, those of wrist" in answer["warnings"][0]
+    assert "meshes that were not uploaded are not counted, those of wrist" in answer["warnings"][0]
     assert "link base, which no joint of the arm moves" in answer["warnings"][1]
     assert "from obstacle 1" in answer["warnings"][1]
     picture = client.post("/v1/path?format=svg", json=body).text

@@ -192,9 +192,9 @@ def signed(body):
 @pytest.mark.parametrize(
     "body",
     [
-        b'{"format": 3, "kind": "dh", "title": "a", "dof": 1}\n{"of": "tomorrow"}',
-        b'{"format": 3}\n',
-        b'{"format": 3, "kind": "dh", "table": {}}',
+        b'{"format": 4, "kind": "dh", "title": "a", "dof": 1}\n{"of": "tomorrow"}',
+        b'{"format": 4}\n',
+        b'{"format": 4, "kind": "dh", "table": {}}',
     ],
 )
 def test_a_file_of_another_version_is_refused_and_left_to_that_version(

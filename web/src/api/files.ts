@@ -50,6 +50,15 @@ export const readPasted = (
   type: 'text/plain',
 });
 
+/** Store the robot of a zip with its meshes; refused where the name is taken. */
+export const createFromArchive = (name: string, archive: Blob): Call<RobotView> => ({
+  method: 'POST',
+  path: 'v1/robots',
+  query: { name },
+  body: archive,
+  type: 'application/zip',
+});
+
 /** Store a robot on the service; refused where the name is taken, unless it may overwrite. */
 export const createRobot = (
   name: string,

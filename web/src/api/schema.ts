@@ -34,7 +34,8 @@ export interface components {
          * RobotView
          * @description A robot. ``joints`` are the entries of q.
          *
-         *         The answer to an upload also holds the D-H table as it was read, with its units.
+         *         The answer to an upload also holds the D-H table as it was read, with its units, and the meshes
+         *         that came with it.
          */
         RobotView: {
             id: string;
@@ -56,6 +57,7 @@ export interface components {
             tip_frame: string;
             frames: string[];
             warnings: string[];
+            meshes?: components["schemas"]["MeshLine"][];
             table?: components["schemas"]["DHTable"];
         };
         /**
@@ -98,6 +100,44 @@ export interface components {
             };
         };
         /**
+         * MeshLine
+         * @description One mesh: how the URDF names it, and where to get it, relative to the service's root.
+         *
+         *         Of an uploaded mesh also what was read. ``triangles`` are those of the file, ``shown_triangles``
+         *         those that are kept; every uploaded mesh is kept as binary glTF.
+         */
+        MeshLine: {
+            filename: string;
+            href: string;
+            bytes: number;
+            media_type: string;
+            links?: string[];
+            format?: string;
+            vertices?: number;
+            triangles?: number;
+            shown_triangles?: number;
+            bounds?: components["schemas"]["MeshBounds"];
+            watertight?: boolean;
+            hull?: components["schemas"]["MeshHull"];
+            warnings?: string[];
+        };
+        /**
+         * MeshBounds
+         * @description The box about a mesh, in its own axes and before the URDF's scale, m.
+         */
+        MeshBounds: {
+            lower: number[];
+            upper: number[];
+        };
+        /**
+         * MeshHull
+         * @description The convex solid that stands for a mesh in clearances: how far it may reach beyond, m.
+         */
+        MeshHull: {
+            vertices: number;
+            excess: number;
+        };
+        /**
          * RobotList
          * @description One page of robots, by id.
          */
@@ -119,20 +159,13 @@ export interface components {
         };
         /**
          * MeshList
-         * @description The visual meshes of a robot; empty for uploads, whose files are never asked for.
+         * @description The meshes of a robot: of the library its visual ones, else those that were uploaded.
+         *
+         *         ``missing`` are meshes that the URDF of an uploaded robot names and that were not uploaded.
          */
         MeshList: {
             meshes: components["schemas"]["MeshLine"][];
-        };
-        /**
-         * MeshLine
-         * @description One mesh: how the URDF names it, and where to get it, relative to the service's root.
-         */
-        MeshLine: {
-            filename: string;
-            href: string;
-            bytes: number;
-            media_type: string;
+            missing: string[];
         };
         /**
          * Health
@@ -1860,7 +1893,7 @@ export interface components {
                 [key: string]: number;
             };
             /**
-             * @description skeleton (default): those capsules. urdf: the collision shapes of the URDF, else its visual ones, of all that the arm moves, also beyond the frame: spheres and capsules as they are, boxes and cylinders as the least capsule about them; meshes are not read, the skeleton stands for them.
+             * @description skeleton (default): those capsules. urdf: the collision shapes of the URDF, else its visual ones, of all that the arm moves, also beyond the frame: spheres and capsules as they are, boxes and cylinders as the least capsule about them; of meshes that were uploaded the least capsule about their convex hulls; for others the skeleton stands.
              * @default skeleton
              * @enum {string}
              */
@@ -2154,7 +2187,7 @@ export interface components {
                 [key: string]: number;
             };
             /**
-             * @description skeleton (default): those capsules. urdf: the collision shapes of the URDF, else its visual ones, of all that the arm moves, also beyond the frame: spheres and capsules as they are, boxes and cylinders as the least capsule about them; meshes are not read, the skeleton stands for them.
+             * @description skeleton (default): those capsules. urdf: the collision shapes of the URDF, else its visual ones, of all that the arm moves, also beyond the frame: spheres and capsules as they are, boxes and cylinders as the least capsule about them; of meshes that were uploaded the least capsule about their convex hulls; for others the skeleton stands.
              * @default skeleton
              * @enum {string}
              */
@@ -2307,7 +2340,7 @@ export interface components {
                 [key: string]: number;
             };
             /**
-             * @description skeleton (default): those capsules. urdf: the collision shapes of the URDF, else its visual ones, of all that the arm moves, also beyond the frame: spheres and capsules as they are, boxes and cylinders as the least capsule about them; meshes are not read, the skeleton stands for them.
+             * @description skeleton (default): those capsules. urdf: the collision shapes of the URDF, else its visual ones, of all that the arm moves, also beyond the frame: spheres and capsules as they are, boxes and cylinders as the least capsule about them; of meshes that were uploaded the least capsule about their convex hulls; for others the skeleton stands.
              * @default skeleton
              * @enum {string}
              */
@@ -2480,7 +2513,7 @@ export interface components {
                 [key: string]: number;
             };
             /**
-             * @description skeleton (default): those capsules. urdf: the collision shapes of the URDF, else its visual ones, of all that the arm moves, also beyond the frame: spheres and capsules as they are, boxes and cylinders as the least capsule about them; meshes are not read, the skeleton stands for them.
+             * @description skeleton (default): those capsules. urdf: the collision shapes of the URDF, else its visual ones, of all that the arm moves, also beyond the frame: spheres and capsules as they are, boxes and cylinders as the least capsule about them; of meshes that were uploaded the least capsule about their convex hulls; for others the skeleton stands.
              * @default skeleton
              * @enum {string}
              */

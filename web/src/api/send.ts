@@ -55,7 +55,7 @@ export async function send(call: Call, signal?: AbortSignal): Promise<Response> 
   if (signal) init.signal = signal;
   if (call.body !== undefined) {
     headers['Content-Type'] = call.type ?? 'application/json';
-    init.body = call.type ? (call.body as string) : JSON.stringify(call.body);
+    init.body = call.type ? (call.body as string | Blob) : JSON.stringify(call.body);
   }
   for (;;) {
     await keyAsked();

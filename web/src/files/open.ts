@@ -1,8 +1,9 @@
-/** Opens a file with a robot; nothing is stored on the service. */
-import { json } from '../api';
-import { readTableFile } from '../api/files';
+/** Opens a file with a robot; of all files only a zip, with its meshes, is stored on the service. */
+import { json, Refusal } from '../api';
+import { createFromArchive, readTableFile } from '../api/files';
 import { NEW_ROBOT } from '../examples';
 import { reasonsOf } from '../failure';
+import { t } from '../i18n';
 import type { Page } from '../page';
 import { resolve } from '../resolve';
 import { editable } from '../table/exchange';
@@ -17,15 +18,18 @@ const TYPES: Record<string, string> = {
   par: 'text/x-symoro',
 };
 const URDF = /^\s*(<\?xml[^>]*>\s*)?(<!--[\s\S]*?-->\s*)*<robot\b/;
+/** Kind of a refusal because a robot of that name is stored already. */
+const TAKEN = 'robot-exists';
 const CONVENTION = /["']?convention["']?\s*:\s*["']?([\w-]+)/i;
 
 /** Open a URDF, or a table in any of its formats. */
 export async function openFile(page: Page, file: File): Promise<void> {
-  const text = await file.text();
   const [, name = 'robot', suffix = ''] = /^(.*?)\.?([^.]*)$/.exec(file.name) ?? [];
   const ending = suffix.toLowerCase();
   const type = TYPES[ending];
   try {
+    if (ending === 'zip') return await openArchive(page, name, file);
+    const text = await file.text();
     if (ending === 'urdf' || ending === 'xml' || URDF.test(text)) await openURDF(page, name, text);
     else if (type) await openTable(page, name, text, type);
     else {
@@ -34,6 +38,17 @@ export async function openFile(page: Page, file: File): Promise<void> {
     }
   } catch (error) {
     page.tell(reasonsOf(error, '; '), true);
+  }
+}
+
+async function openArchive({ history, tell }: Page, name: string, file: File): Promise<void> {
+  try {
+    const { id } = await json(createFromArchive(name, file));
+    history.change({ ...NEW_ROBOT, source: { kind: 'stored', id, convention: null } }, 'open');
+    tell(t.saved(id));
+  } catch (error) {
+    if (!(error instanceof Refusal) || error.kind !== TAKEN) throw error;
+    tell(t.nameTaken(name), true);
   }
 }
 

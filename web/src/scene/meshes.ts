@@ -1,6 +1,10 @@
 /** The meshes that the service has for a robot. */
 import { LoadingManager, Mesh, MeshLambertMaterial, type Object3D } from 'three';
-import { json, listMeshes, send } from '../api';
+import { json, listMeshes, type MeshLine, send } from '../api';
+import { meshOf } from './glb';
+
+/** What the service keeps of every mesh that was uploaded. */
+const GLB = 'model/gltf-binary';
 
 /** A mesh that the URDF names. */
 export interface WantedMesh {
@@ -25,11 +29,11 @@ export async function loadMeshes(
   isNeeded: () => boolean,
 ): Promise<LoadedMesh[]> {
   const { meshes } = await json(listMeshes(robotId));
-  const hrefs = new Map(meshes.map((one) => [pathOf(one.filename), one.href]));
+  const found = new Map(meshes.map((one) => [pathOf(one.filename), one]));
   if (!isNeeded()) return [];
   const loading = wanted.flatMap(({ url, done }) => {
-    const href = hrefs.get(pathOf(url));
-    return href === undefined ? [] : [meshAt(href).then((mesh) => ({ mesh, done }))];
+    const line = found.get(pathOf(url));
+    return line === undefined ? [] : [meshAt(line).then((mesh) => ({ mesh, done }))];
   });
   return Promise.all(loading);
 }
@@ -39,8 +43,9 @@ function pathOf(url: string): string {
   return url.replace(/^package:\/+/, '').replace(/^\/+/, '');
 }
 
-async function meshAt(href: string): Promise<Object3D> {
+async function meshAt({ href, media_type }: MeshLine): Promise<Object3D> {
   const file = await send({ method: 'GET', path: href, query: {}, accept: '*/*' });
+  if (media_type === GLB) return meshOf(await file.arrayBuffer());
   const suffix = href.toLowerCase().split('.').at(-1);
   if (suffix === 'stl') {
     const { STLLoader } = await import('three/examples/jsm/loaders/STLLoader.js');

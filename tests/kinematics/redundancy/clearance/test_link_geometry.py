@@ -338,7 +338,7 @@ def test_meshes_are_named_and_the_skeleton_stands_for_them():
     geometry = link_geometry(arm, start, np.full(arm.K, 0.06))
     assert sum(part.shape == "segment" for part in geometry.parts) == 7
     assert {part.link for part in geometry.parts if part.shape == "box"} >= {"panda_leftfinger"}
-    assert "meshes are not read, those of panda_link1, panda_link2" in geometry.warnings[0]
+    assert "not uploaded are not counted, those of panda_link1, panda_link2" in geometry.warnings[0]
     assert len(geometry.warnings) == 1
     bones = skeleton(arm, 0.06).rows
     kept = geometry.links.rows[-7:]
