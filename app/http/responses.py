@@ -112,9 +112,14 @@ def _dumps(payload: object) -> bytes:
         default=_plain,
         option=orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_NON_STR_KEYS,
     )
-    if b"-0.0" in text and _NEGATIVE_ZERO.search(text) is not None:
+    if b"-0.0" in text and _ends_in_zero(text) and _NEGATIVE_ZERO.search(text) is not None:
         return _STRING_OR_ZERO.sub(_without_sign, text)
     return text
+
+
+def _ends_in_zero(text: bytes) -> bool:
+    """Whether there may be a -0.0 that is no beginning of another number: sooner than a search."""
+    return b"-0.0," in text or b"-0.0]" in text or b"-0.0}" in text
 
 
 def _without_sign(found: re.Match[bytes]) -> bytes:

@@ -44,7 +44,7 @@ MAX_OVERHEAD = 65_536
 """Bytes of chunk sizes, extensions and trailers, beside sixteen for each byte of a body."""
 MAX_PIPELINED = 64
 AT_ONCE = 24
-TURN_SECONDS = 0.002
+TURN_SECONDS = 0.004
 """Requests begun in one turn of the event loop, and the time after which no other is: milliseconds,
 so that health is seldom late."""
 SPARE_FILES = 100
@@ -143,14 +143,25 @@ class ConnectionGuard:
 
     def admits(self, loop: asyncio.AbstractEventLoop) -> bool:
         """Counts a request that begins now; returns False where it has to wait for its turn."""
-        if not self._turning:
-            self._turning = True
-            self._new_turn()
-            loop.call_soon(self._turn, loop)
+        self._take_turns(loop)
         if self._queue or not self._has_room():
             return False
         self._begun += 1
         return True
+
+    def admits_short(self, loop: asyncio.AbstractEventLoop) -> bool:
+        """As :meth:`admits`, of a request that ends where it begins: only its time counts."""
+        self._take_turns(loop)
+        if self._queue or monotonic() - self._turned >= TURN_SECONDS:
+            return False
+        self._begun = self._begun or 1
+        return True
+
+    def _take_turns(self, loop: asyncio.AbstractEventLoop) -> None:
+        if not self._turning:
+            self._turning = True
+            self._new_turn()
+            loop.call_soon(self._turn, loop)
 
     def _new_turn(self) -> None:
         self._begun, self._turned = 0, monotonic()
@@ -537,7 +548,7 @@ class GuardedProtocol(HttpToolsProtocol):
         known = short.known(data)
         if known is None or self.flow.write_paused or self.transport.is_closing():
             return False
-        if not self.guard.admits(self.loop):
+        if not self.guard.admits_short(self.loop):
             return False
         begun = perf_counter()
         found, body = known
