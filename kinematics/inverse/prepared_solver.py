@@ -250,7 +250,7 @@ def solver_of(robot: Robot, frame: str, task: Task) -> Solver:
 
 def is_compiled() -> bool:
     """Return whether this process has the machine code: :func:`solve_ik` then compiles nothing."""
-    compiled: Any = solve_at_once
+    compiled: Any = solve_one
     return bool(compiled.signatures)
 
 
@@ -259,5 +259,7 @@ def _made(robot: Robot, frame: str, name: str, rows: tuple[int, ...], own_axes: 
     solver = Solver(robot, chain_of(robot, frame), Task(name, rows, own_axes))
     if not is_compiled():
         # Compiling takes seconds, which are not to count as those of the first target.
-        solver.solve(np.eye(4), None, IKOptions(max_restarts=0, max_iterations=1))
+        once = IKOptions(max_restarts=0, max_iterations=1)
+        target, q = np.eye(4), solver.solve(np.eye(4), None, once).q[solver.chain.columns]
+        solver._search(target, q, once, perf_counter())
     return solver
