@@ -38,7 +38,7 @@ def cases() -> dict[str, tuple[str, tuple[str, ...]]]:
     for name in (*NUMERIC, *CLOSED):
         title = f"{name}: IK, a target of {POSES}, two threads"
         found[f"batch {name}"] = (title, ("batch", name))
-    for name in ("panda", "iiwa14", "ur5"):
+    for name in (*NUMERIC, "ur5"):
         found[f"one {name}"] = (f"{name}: IK, one target, median", ("one", name))
         found[f"p99 {name}"] = (f"{name}: IK, one target, 99th percentile", ("p99", name))
     return found

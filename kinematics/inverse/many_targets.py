@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.deadline import current
-from kinematics.inverse.compiled_solve import conclude_many, solve_closed
+from kinematics.inverse.compiled_solve import conclude_many
 from kinematics.inverse.criteria import GIVEN_UP, OUT_OF_STEPS
 from kinematics.inverse.lanes.targets import ACTIVE, FOUND, advance, memory_rows
+from kinematics.inverse.many_closed import solve_closed
 from kinematics.kernels import Array
 from kinematics.lanes.vector import LANES
 from robots.robot import FloatArray

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from kinematics.deadline import current
 from kinematics.inverse import criteria as kernel
 from kinematics.inverse.bounds import JointBounds
 from kinematics.inverse.closed_form import closed_form_of
-from kinematics.inverse.compiled_solve import KINDS, solve_one
+from kinematics.inverse.closed_solve import KINDS
+from kinematics.inverse.compiled_solve import solve_at_once, solve_one
 from kinematics.inverse.many_targets import Targets
 from kinematics.inverse.result import IKBatch, IKOptions, IKResult, IKStatus
 from kinematics.inverse.solver_constants import NUMERIC, SolverConstants, packed
@@ -43,6 +44,27 @@ _OF_CODE = {
     kernel.OUT_OF_STEPS: IKStatus.TIMEOUT,
 }
 _STATUS_OF_CODE = np.array([tuple(IKStatus).index(_OF_CODE[code]) for code in range(len(_OF_CODE))])
+
+
+_new, _empty = tuple.__new__, np.empty
+
+
+class _Asked(NamedTuple):
+    """What a solve of one target begins with.
+
+    Attributes:
+        options: What was asked.
+        P: What :func:`~.compiled_solve.solve_at_once` takes.
+        K: Number of the chain's unknowns.
+        whole: Whether they are all of q, in its order.
+        middle: The default seed.
+    """
+
+    options: IKOptions | None
+    P: Array
+    K: int
+    whole: bool
+    middle: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,38 +131,69 @@ class Solver:
             self._known[random_seed] = made
         return made
 
+    @cached_property
+    def _latest(self) -> list[_Asked]:
+        """What was solved with last: most ask the same again."""
+        return [_Asked(None, np.empty(0), 0, self._whole, self.middle)]
+
+    def _with_criteria(self, options: IKOptions) -> _Asked:
+        origin = self._middle_of_chain
+        P = np.concatenate((options.criteria, origin, self.constants(options.random_seed)))
+        made = _Asked(options, P, len(origin), self._whole, self.middle)
+        self._latest[0] = made
+        return made
+
     def solve(self, target: FloatArray, seed: FloatArray | None, options: IKOptions) -> IKResult:
         """Solve one target, shape (4, 4); see :func:`kinematics.inverse.solve_ik`."""
         started = perf_counter()
         if target.dtype is not _FLOATS or not target.flags.carray:
             target = writable(target)
+        asked, P, K, whole, start = self._latest[0]
+        if asked is not options:
+            _, P, K, whole, start = self._with_criteria(options)
         if seed is None:
-            start, origin = self.middle, self._middle_of_chain
+            q = _empty(K)
         else:
             start = self.bounds.inside(seed)
-            origin = start if self._whole else start[self.chain.columns]
-        K, P, criteria = len(origin), self.constants(options.random_seed), options.criteria
-        answer = np.empty(2 * K + 5)
+            q = start.copy() if whole else start[self.chain.columns]
+        steps, last, code, position, rotation = solve_at_once(P, target, q, seed is not None)
+        if code != kernel.CONVERGED:
+            if code == kernel.OUT_OF_STEPS:
+                steps, last, code, position, rotation = self._search(target, q, options, started)
+            if code == kernel.GIVEN_UP and options.time_budget <= 0:
+                code = kernel.OUT_OF_STEPS
+        if not whole:
+            values, q = q, start.copy()
+            q[self.chain.columns] = values
+        elapsed = perf_counter() - started
+        # Not by its constructor, which takes as long as a step.
+        return _new(IKResult, (_OF_CODE[code], q, start, position, rotation, steps, last, elapsed))
+
+    def _search(
+        self, target: FloatArray, q: FloatArray, options: IKOptions, started: float
+    ) -> tuple[int, int, int, float, float]:
+        """Solve a target that takes long, in view of the clock; result of :func:`solve_one`.
+
+        Args:
+            target: Shape (4, 4).
+            q: The seed, in the chain's order; filled with the answer; shape (K,).
+            options: Tolerance, restarts, time.
+            started: When, on the clock of ``perf_counter``, s.
+        """
+        P, criteria = self.constants(options.random_seed), options.criteria
+        K = len(q)
+        seed, answer = q.copy(), np.empty(2 * K + 5)
         steps, last, code, position, rotation = solve_one(
-            P, target, origin, 0, SLICE, criteria, answer
+            P, target, seed, 0, SLICE, criteria, answer
         )
         while code == kernel.OUT_OF_STEPS and perf_counter() - started < options.time_budget:
             current().check_wanted()
             more, last, code, position, rotation = solve_one(
-                P, target, origin, last + 1, SLICE, criteria, answer
+                P, target, seed, last + 1, SLICE, criteria, answer
             )
             steps += more
-        status = _OF_CODE[code]
-        if status is IKStatus.NOT_CONVERGED and options.time_budget <= 0:
-            status = IKStatus.TIMEOUT
-        if self._whole:
-            q = answer[:K]
-        else:
-            q = start.copy()
-            q[self.chain.columns] = answer[:K]
-        elapsed = perf_counter() - started
-        # Not by its constructor, which takes as long as a step.
-        return tuple.__new__(IKResult, (status, q, start, position, rotation, steps, last, elapsed))
+        q[:] = answer[:K]
+        return steps, last, code, position, rotation
 
     def solve_batch(
         self,
@@ -206,5 +259,7 @@ def _made(robot: Robot, frame: str, name: str, rows: tuple[int, ...], own_axes: 
     solver = Solver(robot, chain_of(robot, frame), Task(name, rows, own_axes))
     if not is_compiled():
         # Compiling takes seconds, which are not to count as those of the first target.
-        solver.solve(np.eye(4), None, IKOptions(max_restarts=0, max_iterations=1))
+        once = IKOptions(max_restarts=0, max_iterations=1)
+        target, q = np.eye(4), solver.solve(np.eye(4), None, once).q[solver.chain.columns]
+        solver._search(target, q, once, perf_counter())
     return solver

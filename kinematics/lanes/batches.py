@@ -66,7 +66,7 @@ def forward_many(links: Array, places: Array, Q: Array, out: Array) -> None:
     for i in range(0, len(rows) if n > 0 else 0, LANES):
         first = min(i, len(rows) - LANES)
         _values(rows, first, places, q, like)
-        _put_poses(walk(start_of(links), K, q, None, like), first, poses, like)
+        _put_poses(walk(start_of(links), K, q, None, None, like), first, poses, like)
     memory[0, 0] = 0.0  # the memory is in use until here
     if n < LANES:
         out[:] = poses[:n]
@@ -117,7 +117,7 @@ def jacobian_many(links: Array, places: Array, Q: Array, poses: Array, out: Arra
     for i in range(0, len(rows) if n > 0 else 0, LANES):
         first = min(i, len(rows) - LANES)
         _values(rows, first, places, q, like)
-        pose = walk(start_of(links), K, q, axes, like)
+        pose = walk(start_of(links), K, q, None, axes, like)
         columns(start_of(links), K, axes, pose, like)
         _put_poses(pose, first, filled, like)
         for row in range(6):

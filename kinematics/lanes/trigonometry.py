@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from kinematics.compiled import inner
 from kinematics.kernels import QUARTER_HIGH, QUARTER_LOW, QUARTER_MIDDLE
 from kinematics.lanes.vector import Vector, absolute, floor, larger, select, smaller
@@ -12,10 +14,11 @@ HALF, QUARTER, WHOLE = 1.5707963267948966, 0.7853981633974483, 3.141592653589793
 
 
 @inner
-def sine_cosine(q: Vector, quarters: float) -> tuple[Vector, Vector]:
+def sine_cosine(q: Vector, quarters: Any) -> tuple[Vector, Vector]:
     """Return sine and cosine of ``q + quarters π/2`` to 2e-16 for values up to 1e6.
 
-    The algorithm of :func:`kinematics.kernels.sines_and_cosines`; whole quarter turns are exact.
+    Quarters are one number for all lanes, or one for each. The algorithm of
+    :func:`kinematics.kernels.sines_and_cosines`; whole quarter turns are exact.
     """
     n = floor(q * 0.63661977236758134308 + 0.5)
     r = ((q - n * QUARTER_HIGH) - n * QUARTER_MIDDLE) - n * QUARTER_LOW

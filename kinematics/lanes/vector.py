@@ -1,4 +1,4 @@
-"""A compiled value of one or eight floats, its masks,.
+"""A compiled value of one, four or eight floats, and its masks.
 
 Compiled code that is written with it reads like code for one number and works on eight: LLVM's
 ``<8 x double>`` is one register with AVX-512, two with AVX, four with SSE2, and each float takes
@@ -27,8 +27,10 @@ Vector = Any
 """A vector of floats, of either width."""
 
 LANES = 8
-"""Width of a vector of several."""
-WIDTHS = (1, LANES)
+"""Width of a vector for many of the same."""
+FEW = 4
+"""Width of a vector for a few: a pass takes half the time."""
+WIDTHS = (1, FEW, LANES)
 
 _FLAGS = ("contract", "nsz")
 DOUBLE, INT32, INT64 = ir.DoubleType(), ir.IntType(32), ir.IntType(64)
@@ -246,6 +248,16 @@ def mask_of(context: Any, number: Any, like: Any) -> Any:
     return MASKS[width](types.int64, like), build
 
 
+@built
+def first_of(context: Any, vector: Any) -> Any:
+    """Return the float in the first lane."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.extract_element(args[0], INT32(0))
+
+    return types.float64(vector), build
+
+
 def _zeros(width: int) -> Any:
     def typed(context: Any) -> Any:
         def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -256,4 +268,4 @@ def _zeros(width: int) -> Any:
     return built(typed)
 
 
-one_lane, eight_lanes = _zeros(1), _zeros(LANES)
+one_lane, four_lanes, eight_lanes = _zeros(1), _zeros(FEW), _zeros(LANES)

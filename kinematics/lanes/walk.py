@@ -16,22 +16,23 @@ from kinematics.lanes.links import (
     WIDTH,
     A,
 )
-from kinematics.lanes.memory import Pointer, load, past, store
+from kinematics.lanes.memory import Pointer, load, past, spread_out, store
 from kinematics.lanes.trigonometry import sine_cosine
-from kinematics.lanes.vector import Vector, splat
+from kinematics.lanes.vector import LANES, Vector, eight_lanes, splat
 
 Pose = tuple[Vector, ...]
 """The upper three rows of a 4x4 matrix, row by row: twelve vectors."""
 
 
 @inner
-def walk(links: Pointer, K: int, q: Pointer, axes: Any, like: Vector) -> Pose:
+def walk(links: Pointer, K: int, q: Pointer, trig: Any, axes: Any, like: Vector) -> Pose:
     """Return the poses of the frame at joint values.
 
     Args:
         links: Constants of the chain; see :func:`kinematics.lanes.links.links_of`.
         K: Number of joints.
         q: Joint values, rad and m: lane memory of K rows.
+        trig: Their sines and cosines where they are known: lane memory of 2 K rows; else None.
         axes: Filled with axis and a point of the axis of each joint: lane memory of 6 K rows; None
             where they are not wanted.
         like: A vector of the width.
@@ -44,12 +45,13 @@ def walk(links: Pointer, K: int, q: Pointer, axes: Any, like: Vector) -> Pose:
     for k in range(K):
         link = past(links, (k + 1) * WIDTH)
         value = load(q, k, like)
-        if link[REVOLUTE] != 0.0:
+        if trig is not None:
+            s, c = load(trig, k, like), load(trig, K + k, like)
+        elif link[REVOLUTE] != 0.0:
             s, c = sine_cosine(value + link[ANGLE], link[QUARTERS])
-            d = splat(link[LENGTH], like)
         else:
             s, c = sine_cosine(splat(link[ANGLE], like), link[QUARTERS])
-            d = value + link[LENGTH]
+        d = splat(link[LENGTH], like) if link[REVOLUTE] != 0.0 else value + link[LENGTH]
         if axes is not None:
             store(axes, 6 * k, z0)
             store(axes, 6 * k + 1, z1)
@@ -76,6 +78,37 @@ def walk(links: Pointer, K: int, q: Pointer, axes: Any, like: Vector) -> Pose:
     x1, y1, z1, p1 = _placed(E, x1, y1, z1, p1)
     x2, y2, z2, p2 = _placed(E, x2, y2, z2, p2)
     return x0, y0, z0, p0, x1, y1, z1, p1, x2, y2, z2, p2
+
+
+@inner
+def trigonometry_of(links: Pointer, K: int, q: Pointer, memory: Pointer, trig: Pointer) -> None:
+    """Compute sines and cosines of one configuration, eight joints at once.
+
+    The operations on each are those of :func:`walk`.
+
+    Args:
+        links: Constants of the chain.
+        K: Number of joints.
+        q: Joint values, rad and m, K numbers.
+        memory: 32 numbers.
+        trig: Filled: K sines, then K cosines.
+    """
+    like = eight_lanes()
+    for first in range(0, K, LANES):
+        count = min(LANES, K - first)
+        for k in range(count):
+            link = past(links, (first + k + 1) * WIDTH)
+            angle = link[ANGLE]
+            memory[2 * k] = q[first + k] + angle if link[REVOLUTE] != 0.0 else angle
+            memory[2 * k + 1] = link[QUARTERS]
+        for k in range(count, LANES):
+            memory[2 * k] = memory[2 * k + 1] = 0.0
+        angles, quarters = spread_out(memory, 2, like), spread_out(past(memory, 1), 2, like)
+        s, c = sine_cosine(angles, quarters)
+        store(past(memory, 16), 0, s)
+        store(past(memory, 16), 1, c)
+        for k in range(count):
+            trig[first + k], trig[K + first + k] = memory[16 + k], memory[24 + k]
 
 
 @inner

@@ -117,7 +117,7 @@ def test_no_robot_task_or_obstacle_is_a_new_type():
 
 def test_read_only_and_scattered_arrays_are_no_new_types():
     warm_up()
-    watched = (batches.forward_many, batches.jacobian_many, routine.solve_one, targets.advance)
+    watched = (batches.forward_many, batches.jacobian_many, routine.solve_at_once, targets.advance)
     before = [len(function.signatures) for function in watched]
     robot = shipped_robot("panda")
     q = np.full((4, robot.dof), 0.3)

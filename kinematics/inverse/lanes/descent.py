@@ -11,8 +11,8 @@ from kinematics.inverse.lanes.error import Error, task_error
 from kinematics.inverse.lanes.problem import Problem
 from kinematics.inverse.lanes.step import counted, step
 from kinematics.lanes.memory import Pointer, load, past, store
-from kinematics.lanes.vector import Vector, bits, mask_of, select, smaller, splat
-from kinematics.lanes.walk import Pose, columns, walk
+from kinematics.lanes.vector import Vector, bits, mask_of, one_lane, select, smaller, splat
+from kinematics.lanes.walk import Pose, columns, trigonometry_of, walk
 
 # Rows of progress.
 LOWEST = 0
@@ -119,7 +119,36 @@ def measure(problem: Problem, room: Room, like: Vector) -> tuple[Pose, Error, Ve
     if problem.is_coupled:
         _joint_values(problem, room.q, room.values, like)
         values = room.values
-    pose = walk(problem.links, problem.K, values, room.axes, like)
+    return _measured(
+        problem, room, walk(problem.links, problem.K, values, None, room.axes, like), like
+    )
+
+
+@inner
+def measure_alone(
+    problem: Problem, room: Room, trig: Pointer, memory: Pointer
+) -> tuple[Pose, Error, Vector, Vector]:
+    """Do what :func:`measure` does, with the same results, in the one lane of a room.
+
+    Args:
+        problem: The chain and the task.
+        room: Of width 1.
+        trig: 2 K numbers.
+        memory: 32 numbers.
+    """
+    like, values = one_lane(), room.q
+    if problem.is_coupled:
+        _joint_values(problem, room.q, room.values, like)
+        values = room.values
+    trigonometry_of(problem.links, problem.K, values, memory, trig)
+    pose = walk(problem.links, problem.K, values, trig, room.axes, like)
+    return _measured(problem, room, pose, like)
+
+
+@inner
+def _measured(
+    problem: Problem, room: Room, pose: Pose, like: Vector
+) -> tuple[Pose, Error, Vector, Vector]:
     e = task_error(pose, room.target, problem.mask, like)
     position = e[0] * e[0] + e[1] * e[1] + e[2] * e[2]
     rotation = e[3] * e[3] + e[4] * e[4] + e[5] * e[5]

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from kinematics.compiled import inner
-from kinematics.inverse.criteria import Criteria
+from kinematics.inverse.criteria import (
+    DAMPING,
+    FLOOR,
+    STALL_RATIO,
+    STALLS,
+    Criteria,
+    reached,
+)
 from kinematics.inverse.lanes.descent import (
+    measure_alone,
+    move,
     proceed,
     put_start,
     put_target,
@@ -15,8 +26,8 @@ from kinematics.inverse.lanes.descent import (
     steps_of,
 )
 from kinematics.inverse.lanes.problem import Problem
-from kinematics.lanes.memory import Pointer, lane_memory, start_of
-from kinematics.lanes.vector import LANES, eight_lanes, one_lane
+from kinematics.lanes.memory import STACK, Pointer, lane_memory, past, stack_memory, start_of
+from kinematics.lanes.vector import FEW, first_of, four_lanes, one_lane
 
 
 @inner
@@ -35,19 +46,43 @@ def first_start(
     Returns:
         Steps, and whether it has converged.
     """
-    n, K = problem.n, problem.K
-    memory = np.empty(rows_of_room(n, K))
-    room = room_at(start_of(memory), n, K, 1)
-    put_target(room, 0, 1, G, seed, n)
-    put_start(room, 0, 1, problem, 0, seed)
-    converged = ended = 0
-    while ended == 0:
-        converged, ended = proceed(problem, criteria, room, 1, one_lane())
-    for k in range(n + 3):
-        best[k] = room.best[k]
-    steps = steps_of(room, 0, 1)
+    rows = rows_of_room(problem.n, problem.K) + 2 * problem.K + 32
+    if rows <= STACK:
+        return _first_start(problem, criteria, G, seed, best, stack_memory())
+    memory = np.empty(rows)
+    steps, converged = _first_start(problem, criteria, G, seed, best, start_of(memory))
     memory[0] = 0.0  # the memory is in use until here
-    return steps, converged != 0
+    return steps, converged
+
+
+@inner
+def _first_start(
+    problem: Problem, criteria: Criteria, G: Pointer, seed: Pointer, best: Pointer, memory: Pointer
+) -> tuple[int, bool]:
+    """Do what :func:`~.descent.proceed` does in a lane, with floats where there is one."""
+    n = problem.n
+    trig = past(memory, 32)
+    room = room_at(past(trig, 2 * problem.K), n, problem.K, 1)
+    put_target(room, 0, 1, G, seed, n)
+    for k in range(n):
+        room.q[k] = best[k] = seed[k]
+    best[n] = lowest = math.inf
+    stalled = steps = 0
+    while True:
+        pose, e, positions, rotations = measure_alone(problem, room, trig, memory)
+        energies = 0.5 * (positions + rotations)
+        position, rotation, energy = first_of(positions), first_of(rotations), first_of(energies)
+        converged = reached(criteria, position, rotation)
+        if converged or energy < best[n]:
+            for k in range(n):
+                best[k] = room.q[k]
+            best[n], best[n + 1], best[n + 2] = energy, position, rotation
+        stalled = 0 if energy < STALL_RATIO * lowest else stalled + 1
+        if converged or stalled >= STALLS or steps >= criteria.steps:
+            return steps, converged
+        move(problem, room, pose, e, DAMPING * energies + FLOOR, 1, one_lane())
+        lowest = min(energy, lowest)
+        steps += 1
 
 
 @inner
@@ -61,7 +96,7 @@ def later_starts(
     budget: int,
     best: Pointer,
 ) -> tuple[int, int, bool]:
-    """Work at starts first … last, eight at once, until one converges or the budget is spent.
+    """Work at starts first … last, four at once, until one converges or the budget is spent.
 
     The first one in their order that converges is the answer, as if they were tried one after the
     other: a later one that is quicker waits for those before it.
@@ -80,30 +115,30 @@ def later_starts(
         Steps of the starts up to the one that counts, its number, and whether it has converged.
     """
     n, K = problem.n, problem.K
-    memory = lane_memory(rows_of_room(n, K), LANES)
-    room = room_at(start_of(memory), n, K, LANES)
-    for lane in range(LANES):
-        put_target(room, lane, LANES, G, seed, n)
-        put_start(room, lane, LANES, problem, 0, seed)
-    numbers = np.zeros(LANES, np.int64)
+    memory = lane_memory(rows_of_room(n, K), FEW)
+    room = room_at(start_of(memory), n, K, FEW)
+    for lane in range(FEW):
+        put_target(room, lane, FEW, G, seed, n)
+        put_start(room, lane, FEW, problem, 0, seed)
+    numbers = np.zeros(FEW, np.int64)
     used = np.zeros(last - first + 1, np.int64)
     begun, spent, found, active = first, 0, -1, 0
     while True:
-        for lane in range(LANES):
+        for lane in range(FEW):
             if begun > last or spent + begun - first >= budget:
                 break
             if (active >> lane) & 1 == 0:
-                put_start(room, lane, LANES, problem, begun, seed)
+                put_start(room, lane, FEW, problem, begun, seed)
                 numbers[lane] = begun
                 active |= 1 << lane
                 begun += 1
         if active == 0:
             break
-        converged, ended = proceed(problem, criteria, room, active, eight_lanes())
-        for lane in range(LANES):
+        converged, ended = proceed(problem, criteria, room, active, four_lanes())
+        for lane in range(FEW):
             if (ended >> lane) & 1 == 0 or numbers[lane] > last:
                 continue
-            steps = steps_of(room, lane, LANES)
+            steps = steps_of(room, lane, FEW)
             used[numbers[lane] - first] = steps
             spent += steps
             active &= ~(1 << lane)
@@ -111,16 +146,16 @@ def later_starts(
                 found = numbers[lane]
                 last = found - 1
                 for k in range(n + 3):
-                    best[k] = room.best[k * LANES + lane]
-                for other in range(LANES):
+                    best[k] = room.best[k * FEW + lane]
+                for other in range(FEW):
                     if numbers[other] > last:
                         active &= ~(1 << other)
     steps = spent
     if found >= 0:
         steps = int(used[: found - first + 1].sum())
-    for lane in range(LANES if found < 0 else 0):
-        if room.best[n * LANES + lane] < best[n]:
+    for lane in range(FEW if found < 0 else 0):
+        if room.best[n * FEW + lane] < best[n]:
             for k in range(n + 3):
-                best[k] = room.best[k * LANES + lane]
+                best[k] = room.best[k * FEW + lane]
     memory[0, 0] = 0.0  # the memory is in use until here
     return steps, int(found) if found >= 0 else begun - 1, found >= 0

@@ -112,6 +112,75 @@ def test_a_batch_answers_as_single_targets_do(name, task):
         )
 
 
+def long_arm(count=27):
+    """More joints than the memory of a quick start has room for."""
+    joints = "".join(
+        f'<link name="l{k}"/><joint name="j{k}" type="revolute"><parent link="l{k - 1}"/>'
+        f'<child link="l{k}"/><origin xyz="0 0 0.1" rpy="{k % 3} 0 0"/>'
+        f'<axis xyz="0 {k % 2} {(k + 1) % 2}"/>{LIMIT}</joint>'
+        for k in range(1, count + 1)
+    )
+    return robot_from_urdf(f'<robot name="long"><link name="l0"/>{joints}</robot>')
+
+
+def test_more_joints_than_the_stack_has_room_for():
+    robot = long_arm()
+    T = targets_of(robot, 12)[:3]
+    batch = solve_ik_batch(robot, T)
+    for i, target in enumerate(T):
+        one = solve_ik(robot, target)
+        assert one.status is batch.statuses[i] is IKStatus.CONVERGED
+        np.testing.assert_allclose(batch.q[i], one.q, rtol=0, atol=1e-9)
+        away = fk(robot, one.q)[robot.tip_frame] - target
+        assert np.abs(away).max() < 2e-6
+
+
+def test_a_target_that_takes_many_starts_is_answered_as_in_a_batch():
+    """Longer than the first part of a solve, which then begins anew."""
+    robot, options = shipped_robot("panda"), IKOptions(max_restarts=150, time_budget=20.0)
+    low, high = JointBounds.of(robot).ranges(1.0)
+    q = np.random.default_rng(0).uniform(low, high, (2000, robot.dof))
+    T = fk(robot, q)[robot.tip_frame]
+    T[:4, 2, 3] += 5.0
+    T[4:8, :3, :3] = T[4:8, :3, :3] @ np.diag([-1.0, 1.0, -1.0])
+    batch = solve_ik_batch(robot, T, options=options)
+    long = np.flatnonzero(batch.iterations > 256)
+    assert len(long) >= 3
+    for seed in (None, batch.seed.copy()):
+        for i in (*long[:12], *range(8)):
+            one = solve_ik(robot, T[i], seed=seed, options=options)
+            assert one.status is batch.statuses[i]
+            assert one.restarts == batch.restarts[i]
+            np.testing.assert_allclose(batch.q[i], one.q, rtol=0, atol=1e-9)
+            np.testing.assert_array_equal(one.seed, batch.seed)
+
+
+def test_what_was_asked_before_does_not_count():
+    """Seeds, tolerances and random seeds in turns, of whole robots and of parts of them."""
+    robot = shipped_robot("panda")
+    frames = [None, "frame_5"]
+    T, seed = targets_of(robot, 12), JointBounds.of(robot).middle() + 0.2
+    asked = [
+        (frame, options, start)
+        for frame in frames
+        for options in (IKOptions(), IKOptions(random_seed=3), IKOptions(max_iterations=4))
+        for start in (None, seed)
+    ]
+    fresh = [
+        (*each, solve_ik_batch(robot, T[:1], frame=each[0], options=each[1], seed=each[2]))
+        for each in asked
+    ]
+    for _ in range(2):
+        for frame, options, start, batch in fresh:
+            one = solve_ik(robot, T[0], frame=frame, options=options, seed=start)
+            assert one.status is batch.statuses[0]
+            np.testing.assert_allclose(one.q, batch.q[0], rtol=0, atol=1e-9)
+            np.testing.assert_array_equal(one.seed, batch.seed)
+            again = solve_ik(robot, T[1], frame=frame, options=options, seed=start)
+            assert not np.shares_memory(one.q, again.q)
+    np.testing.assert_array_equal(seed, JointBounds.of(robot).middle() + 0.2)
+
+
 @pytest.mark.parametrize("name", ["panda", "planar_8r", "coupled"])
 def test_an_answer_does_not_depend_on_the_targets_beside_it(name):
     robot = arm_of(name)

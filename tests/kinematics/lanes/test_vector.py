@@ -14,16 +14,22 @@ from kinematics.lanes.memory import (
     past,
     scatter,
     scatter_four,
+    spread_out,
+    stack_memory,
     start_of,
     store,
 )
 from kinematics.lanes.trigonometry import angle, angle_over_sine, sine_cosine
 from kinematics.lanes.vector import (
+    FEW,
     LANES,
+    WIDTHS,
     absolute,
     bits,
     eight_lanes,
+    first_of,
     floor,
+    four_lanes,
     larger,
     mask_of,
     one_lane,
@@ -98,7 +104,7 @@ def expected(x, y):
     return np.stack(rows, axis=1).astype(float)
 
 
-@pytest.mark.parametrize("width", [1, LANES])
+@pytest.mark.parametrize("width", WIDTHS)
 def test_every_lane_is_a_float(width):
     rng = np.random.default_rng(0)
     x = rng.normal(size=(400, LANES)) * 10.0 ** rng.integers(-8, 8, (400, LANES))
@@ -106,13 +112,18 @@ def test_every_lane_is_a_float(width):
     y = np.roll(x, 3, axis=0)
     x, y = x.reshape(-1, width), y.reshape(-1, width)
     out = np.empty((len(x) * ROWS, width))
-    (on_one if width == 1 else on_eight)(x, y, out)
+    {1: on_one, FEW: on_four, LANES: on_eight}[width](x, y, out)
     np.testing.assert_array_equal(out.reshape(len(x), ROWS, width), expected(x, y))
 
 
 @jit
 def on_one(x, y, out):
     every_operation(x, y, out, one_lane())
+
+
+@jit
+def on_four(x, y, out):
+    every_operation(x, y, out, four_lanes())
 
 
 @jit
@@ -205,6 +216,35 @@ def test_lanes_are_read_and_written_across_rows():
     wanted[1:9, 2:6], wanted[1:9, 0] = A[2:10, :4], A[2:10, 1]
     np.testing.assert_array_equal(room, A[2:10, :4].T)
     np.testing.assert_array_equal(out, wanted)
+
+
+@jit
+def spread(x, step, out, like):
+    memory, M = stack_memory(), start_of(out)
+    for i in range(len(x)):
+        memory[i] = x[i]
+    found = spread_out(past(memory, 1), step, like)
+    store(M, 0, found)
+    return first_of(found)
+
+
+@jit
+def spread_over_four(x, step, out):
+    return spread(x, step, out, four_lanes())
+
+
+@jit
+def spread_over_eight(x, step, out):
+    return spread(x, step, out, eight_lanes())
+
+
+@pytest.mark.parametrize("step", [1, 2, 5])
+def test_numbers_are_read_at_a_distance(step):
+    x = np.random.default_rng(3).normal(size=60)
+    for read, width in ((spread_over_four, FEW), (spread_over_eight, LANES)):
+        out = np.empty((1, width))
+        assert read(x, step, out) == x[1]
+        np.testing.assert_array_equal(out[0], x[1 : 1 + step * width : step])
 
 
 @jit
