@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from dh_to_urdf import DHError, table_to_urdf
 from dh_to_urdf.couplings import moving_joints, uncoupled
@@ -15,7 +16,7 @@ from robots.urdf import read_urdf
 
 
 def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None) -> SerialChain:
-    """Return the chain between two frames of a robot.
+    """Return the chain between two frames of a robot, with the doubts about a URDF as warnings.
 
     Args:
         robot: The robot.
@@ -31,7 +32,8 @@ def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None
             robot.frame_id(name, role)
     base, tip, table = base or robot.base_frame, tip or robot.tip_frame, robot.table
     if table is None or not table.is_coupled:
-        return _chain(robot.urdf, base, tip)
+        told = robot.doubts if table is None else ()
+        return _told(_chain(robot.urdf, base, tip), told)
     chain = _chain(table_to_urdf(uncoupled(table)), base, tip)
     return _read(lambda: depending(chain, moving_joints(table)[0]))
 
@@ -40,6 +42,8 @@ def chain_of_urdf(
     text: str | bytes, base: str | None = None, tip: str | None = None
 ) -> SerialChain:
     """Return the chain between two links of a URDF, which is checked in full before.
+
+    Its warnings tell what of the file is doubtful, was forgiven or is left out.
 
     Args:
         text: The URDF.
@@ -55,7 +59,15 @@ def chain_of_urdf(
     for role, name in (("base", base), ("tip", tip)):
         if name is not None and name not in description.links:
             raise UnknownFrame(name, description.links, role)
-    return _chain(description.canonical, base or description.root, tip or description.default_tip())
+    chain = _chain(
+        description.canonical, base or description.root, tip or description.default_tip()
+    )
+    return _told(chain, description.warnings)
+
+
+def _told(chain: SerialChain, warnings: tuple[str, ...]) -> SerialChain:
+    """Return a chain with these warnings before its own."""
+    return replace(chain, warnings=tuple(dict.fromkeys((*warnings, *chain.warnings))))
 
 
 def _chain(text: str, base: str, tip: str) -> SerialChain:

@@ -20,6 +20,7 @@ from app.dependencies import Services, services_of
 from app.fields.doubts import RequestDoubts
 from app.fields.field import Reading
 from app.http.bodies import read_body
+from app.http.compression import compressed, needs_coding
 from app.http.csv_table import CsvForm
 from app.http.handlers import domain_problem
 from app.http.language import language_headers, language_of
@@ -159,7 +160,7 @@ class Computation:
             KinematicsError: It does not fit.
         """
         asking = self._asking(request, stored, services.settings, body is None)
-        if asking.wanted == NDJSON:
+        if asking.wanted == NDJSON or needs_coding(request):
             return None
         decoded = (
             self.form.from_query(asking.query, asking.reading)
@@ -263,7 +264,7 @@ class Computation:
         if asking.wanted != NDJSON and TRIED not in request.scope:
             response = self._short(asked, form, context)
             if response is not None:
-                return response
+                return compressed(response, request)
         return await work.answered(lambda: asked, 0)
 
 
@@ -412,7 +413,7 @@ class _Work:
 
     def _written(self, asked: msgspec.Struct) -> Response:
         answer = self.operation.run(self.robot, asked, self.context)
-        return _written(answer, self.form, self.context)
+        return compressed(_written(answer, self.form, self.context), self.request)
 
     async def _streamed(
         self, asked: msgspec.Struct, admission: Admission, reservation: Reservation

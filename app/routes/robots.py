@@ -14,10 +14,12 @@ from app.access.control import key_of
 from app.dependencies import RobotDep, ServicesDep
 from app.documents import (
     BINARY,
+    DECODED_TYPES,
     PAR_TYPES,
     PASTED_TYPES,
     SPREADSHEET_TYPES,
     id_from_name,
+    memory_beside,
     robot_from_body,
 )
 from app.http.bodies import read_body
@@ -175,6 +177,12 @@ def robot_view(stored: StoredRobot, units: Units) -> dict[str, Any]:
     """What the API says of a robot."""
     robot = stored.robot
 
+    rates = [
+        key
+        for key in ("acceleration", "jerk")
+        if any(getattr(joint, key) is not None for joint in robot.joints)
+    ]
+
     def out(value: float | None, is_revolute: bool) -> float | None:
         if value is None or not is_revolute:
             return value
@@ -198,11 +206,7 @@ def robot_view(stored: StoredRobot, units: Units) -> dict[str, Any]:
                 "upper": out(joint.upper, joint.type.is_revolute),
                 "velocity": out(joint.velocity, joint.type.is_revolute),
                 "effort": joint.effort,
-                **{
-                    key: out(getattr(joint, key), joint.type.is_revolute)
-                    for key in ("acceleration", "jerk")
-                    if any(getattr(one, key) is not None for one in robot.joints)
-                },
+                **{key: out(getattr(joint, key), joint.type.is_revolute) for key in rates},
             }
             for joint in robot.joints
         ],
@@ -393,10 +397,15 @@ def build_router(max_body: int) -> APIRouter:
         openapi_extra=documents,
     )
     async def create_robot(request: Request, services: ServicesDep) -> Response:
-        wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
+        wanted, body = (
+            wanted_type(request, JSON, TEXT),
+            await read_body(request, max_body, DECODED_TYPES),
+        )
         overwrite = flag_of(request, OVERWRITE)
         robot = await services.loaded(
-            lambda: robot_from_body(request, body, default_name=None, also=(OVERWRITE,)), len(body)
+            lambda: robot_from_body(request, body, default_name=None, also=(OVERWRITE,)),
+            len(body),
+            memory_beside(request),
         )
         name = request.query_params.get("name", robot.name)
         robot_id = id_from_name(name)
@@ -437,7 +446,10 @@ def build_router(max_body: int) -> APIRouter:
     ) -> Response:
         store = services.store_of(request)
         store.check_id(robot_id)
-        wanted, body = wanted_type(request, JSON, TEXT), await read_body(request, max_body)
+        wanted, body = (
+            wanted_type(request, JSON, TEXT),
+            await read_body(request, max_body, DECODED_TYPES),
+        )
         unless = _if_none_match(request)
         writer = services.writer_of(request, overwrite=flag_of(request, OVERWRITE))
 
@@ -459,7 +471,7 @@ def build_router(max_body: int) -> APIRouter:
             except RobotExists:
                 raise RevisionMismatch(robot_id, "another") from None
 
-        robot = await services.loaded(read, len(body))
+        robot = await services.loaded(read, len(body), memory_beside(request))
         stored, created = await services.stored(put)
         return await _uploaded(request, services, stored, wanted, created=created)
 
