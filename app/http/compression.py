@@ -62,7 +62,9 @@ def compressed(response: Response, request: Request) -> Response:
         response.headers["vary"] = headers["vary"]
         return response
     del headers["content-length"]
-    parts = response.parts if isinstance(response, PartsResponse) else [bytes(response.body)]
+    parts: list[bytes | memoryview] = [response.body]
+    if isinstance(response, PartsResponse):
+        parts = response.parts
     headers["content-encoding"] = "gzip"
     kind = headers.pop("content-type")
     return PartsResponse(_gzip(parts), response.status_code, headers, kind)

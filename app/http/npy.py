@@ -92,6 +92,6 @@ def npy_parts(array: NDArray[Any]) -> list[bytes | memoryview]:
     stream = io.BytesIO()
     head = np.lib.format.header_data_from_array_1_0(whole)
     np.lib.format.write_array_header_1_0(stream, head)
-    content = memoryview(whole.reshape(-1).view(np.uint8))
+    content = whole.reshape(-1).view(np.uint8).data
     starts = range(0, len(content), PART)
     return [stream.getvalue(), *(content[start : start + PART] for start in starts)]

@@ -101,7 +101,7 @@ def test_every_text_is_compressed_and_nothing_else(server):
         assert headers["content-encoding"] == "gzip"
         assert gzip.decompress(content) == plain
     file = io.BytesIO()
-    np.save(file, np.repeat(ROWS, 10, axis=0))
+    np.save(file, np.repeat(ROWS, 20, axis=0))
     headers, content = asked(
         server,
         file.getvalue(),
@@ -109,7 +109,10 @@ def test_every_text_is_compressed_and_nothing_else(server):
     )
     assert len(content) > COMPRESSED
     assert headers["content-encoding"] is None
-    assert np.load(io.BytesIO(content)).shape == (5000, 4, 4)
+    poses = np.load(io.BytesIO(content))
+    one = json.loads(asked(server, json.dumps({"q": ROWS[-1]}).encode(), {})[1])
+    np.testing.assert_allclose(poses[-1], one["poses"]["tool"]["matrix"], atol=1e-12)
+    assert poses.shape == (10_000, 4, 4)
 
 
 def test_lines_are_sent_as_they_are_computed(server):
