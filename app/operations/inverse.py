@@ -20,7 +20,7 @@ from app.fields.joints import Seed
 from app.fields.names import Frame, TargetTaskSpace, one_of
 from app.fields.numbers import within_query
 from app.fields.targets import OptionalTarget, TargetList
-from app.http.negotiation import NDJSON, NPY
+from app.http.negotiation import NDJSON
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.branches import BranchEndView, branch_end_view
 from app.operations.joint_values import joint_values_view, joints_shown
@@ -354,8 +354,9 @@ def _many(
 ) -> Answer:
     """Return the answer for many targets."""
     q = context.units.joints_out(robot, batch.q)
-    statuses = [status.value for status in batch.statuses]
-    missed = [k for k, one in enumerate(batch.statuses) if one is not IKStatus.CONVERGED]
+    names = np.array([status.value for status in IKStatus])
+    statuses: list[str] = names[batch.codes].tolist()
+    missed = np.flatnonzero(names[batch.codes] != IKStatus.CONVERGED.value).tolist()
     answer: IKAnswer = {
         "units": context.units.named,
         "status": statuses,
@@ -378,7 +379,6 @@ def _many(
         "x-not-converged": ",".join(listed),
     }
     errors = batch.position_error, batch.orientation_error
-    records = _records(q, statuses, *errors) if context.form == NPY else None
     return Answer(
         answer,
         q,
@@ -393,7 +393,7 @@ def _many(
             batch.restarts,
             batch.elapsed,
         ),
-        records=records,
+        records=lambda: _records(q, statuses, *errors),
     )
 
 
@@ -621,10 +621,7 @@ def _single(
             answer["reachable"] = [
                 reachable_view(robot, one, context.units) for one in why.reachable
             ]
-    records = None
-    if context.form == NPY:
-        errors = np.array([result.position_error]), np.array([result.orientation_error])
-        records = _records(q[None], [result.status.value], *errors)
+    errors = np.array([result.position_error]), np.array([result.orientation_error])
     return Answer(
         answer,
         q,
@@ -635,7 +632,7 @@ def _single(
             result.q[None],
             *(np.atleast_1d(value) for value in result[3:]),
         ),
-        records=records,
+        records=lambda: _records(q[None], [result.status.value], *errors),
     )
 
 

@@ -348,7 +348,7 @@ def _written(answer: Answer, form: _Form, context: Context, *, short: bool = Fal
         answer.text if wanted == TEXT and answer.text is not None else answer.payload,
         wanted,
         spoken,
-        array=answer.records if form.statuses else answer.array,
+        array=answer.records() if form.statuses and answer.records else answer.array,
         sheet=answer.sheet() if wanted == CSV and answer.sheet is not None else None,
         headers=answer.headers,
         short=short,
