@@ -151,26 +151,27 @@ class Services:
         ):
             return await admission.run(call)
 
-    async def loaded(self, call: Callable[[], T], size: int = 0) -> T:
+    async def loaded(self, call: Callable[[], T], size: int = 0, beside: int = 0) -> T:
         """Reads robots in a thread: a pool of its own, not held up by computations.
 
         Args:
             call: What reads.
             size: Bytes of a document that it reads.
+            beside: Bytes that this takes whatever the size of the document.
 
         Raises:
             RequestProblem: 503, too many are at work or wait; 413, there is too little memory.
         """
-        async with self._read(size):
+        async with self._read(size, beside):
             return await self.load.run(call)
 
     @asynccontextmanager
-    async def _read(self, size: int) -> AsyncIterator[None]:
+    async def _read(self, size: int, beside: int = 0) -> AsyncIterator[None]:
         """Holds the memory that reading a document takes."""
         reservation = self.memory.reservation(size)
         try:
-            if size > SMALL_BODY:
-                await reservation.grow(document_need(size))
+            if size > SMALL_BODY or beside:
+                await reservation.grow(document_need(size, beside))
             yield
         finally:
             reservation.end()

@@ -28,6 +28,7 @@ from dh_to_urdf.encodings import decoded
 from dh_to_urdf.errors import Fault
 from dh_to_urdf.messages import say
 from dh_to_urdf.par.text import MAX_PAR_LENGTH
+from dh_to_urdf.pasted.workbooks import WORKBOOK_BYTES
 from robots.errors import InvalidURDF, RobotTooLarge, UnknownFrame
 from robots.robot import Robot, robot_from_table, robot_from_urdf
 
@@ -50,6 +51,8 @@ SPREADSHEET_TYPES = (
     "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
     "application/vnd.oasis.opendocument.spreadsheet",
 )
+DECODED_TYPES = (*CSV_TYPES, *PAR_TYPES, *PASTED_TYPES)
+"""Texts that may be in another encoding than UTF-8, which ``charset`` names."""
 BINARY = {"type": "string", "format": "binary"}
 """Schema of a body of bytes."""
 ARCHIVE_TYPES = ("application/zip", "application/x-zip-compressed")
@@ -126,6 +129,11 @@ def robot_from_body(
     default_name = query.get("name", default_name)
     read = read_json if kind in JSON_TYPES else read_yaml
     return robot_from_table(read(body, default_name))
+
+
+def memory_beside(request: Request) -> int:
+    """Return the bytes that reading the robot of a request takes whatever its size."""
+    return WORKBOOK_BYTES if media_type(request) in SPREADSHEET_TYPES else 0
 
 
 def _charset(request: Request) -> str | None:

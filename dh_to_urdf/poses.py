@@ -100,7 +100,7 @@ def rigid_transforms(matrices: Matrix, *, printed: bool = False) -> Matrix:
         good = np.isfinite(T).all(axis=(1, 2)) & (
             deviation <= (4.0 * PRINTED if printed else ROUNDING)
         )
-        good &= (T[:, 3] == [0.0, 0.0, 0.0, 1.0]).all(axis=1) & (np.linalg.det(R) > 0)
+        good &= (T[:, 3] == [0.0, 0.0, 0.0, 1.0]).all(axis=1) & (_determinants(R) > 0)
     if not good.all():
         first = int(np.flatnonzero(~good)[0])
         rigid_transform(T[first], printed=printed)
@@ -114,6 +114,17 @@ def rigid_transforms(matrices: Matrix, *, printed: bool = False) -> Matrix:
             rigid_transform(T[np.flatnonzero(mend)[far][0]], printed=printed)
         T[mend, :3, :3] = near
     return T
+
+
+def _determinants(R: Matrix) -> Matrix:
+    """Return the determinants of matrices, (n, 3, 3) -> (n,), without factorisations."""
+    a, b, c = R[:, 0], R[:, 1], R[:, 2]
+    found: Matrix = (
+        a[:, 0] * (b[:, 1] * c[:, 2] - b[:, 2] * c[:, 1])
+        + a[:, 1] * (b[:, 2] * c[:, 0] - b[:, 0] * c[:, 2])
+        + a[:, 2] * (b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0])
+    )
+    return found
 
 
 def is_mended(matrix: ArrayLike) -> bool:

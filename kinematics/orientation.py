@@ -227,7 +227,7 @@ def quaternion_xyzw(R: FloatArray) -> FloatArray:
     shape, flat = R.shape[:-2], R.reshape(-1, 3, 3)
     quaternions = np.empty((len(flat), 4))
     for k in range(0, len(flat), CHUNK):
-        part = Rotation.from_matrix(flat[k : k + CHUNK])
+        part = Rotation.from_matrix(flat[k : k + CHUNK], assume_valid=True)
         quaternions[k : k + CHUNK] = part.as_quat(canonical=True)
     return quaternions.reshape(*shape, 4)
 

@@ -17,7 +17,7 @@ from robots.urdf import read_urdf
 
 
 def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None) -> SerialChain:
-    """Return the chain between two frames of a robot.
+    """Return the chain between two frames of a robot, with the doubts about a URDF as warnings.
 
     Args:
         robot: The robot.
@@ -35,7 +35,9 @@ def chain_of_robot(robot: Robot, base: str | None = None, tip: str | None = None
     stands = None if base else mounting.base
     base, tip, table = base or mounting.base_frame, tip or robot.tip_frame, robot.table
     if table is None or not table.is_coupled:
-        return _mounted(_chain(robot.urdf, base, tip), stands, mounting.tool)
+        told = robot.doubts if table is None else ()
+        chain = _told(_chain(robot.urdf, base, tip), told)
+        return _mounted(chain, stands, mounting.tool)
     chain = _chain(table_to_urdf(uncoupled(table)), base, tip)
     chain = _read(lambda: depending(chain, moving_joints(table)[0]))
     return _mounted(chain, stands, mounting.tool)
@@ -45,6 +47,8 @@ def chain_of_urdf(
     text: str | bytes, base: str | None = None, tip: str | None = None
 ) -> SerialChain:
     """Return the chain between two links of a URDF, which is checked in full before.
+
+    Its warnings tell what of the file is doubtful, was forgiven or is left out.
 
     Args:
         text: The URDF.
@@ -60,7 +64,15 @@ def chain_of_urdf(
     for role, name in (("base", base), ("tip", tip)):
         if name is not None and name not in description.links:
             raise UnknownFrame(name, description.links, role)
-    return _chain(description.canonical, base or description.root, tip or description.default_tip())
+    chain = _chain(
+        description.canonical, base or description.root, tip or description.default_tip()
+    )
+    return _told(chain, description.warnings)
+
+
+def _told(chain: SerialChain, warnings: tuple[str, ...]) -> SerialChain:
+    """Return a chain with these warnings before its own."""
+    return replace(chain, warnings=tuple(dict.fromkeys((*warnings, *chain.warnings))))
 
 
 def _mounted(chain: SerialChain, base: Matrix | None, tool: Matrix | None) -> SerialChain:

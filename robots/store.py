@@ -267,11 +267,13 @@ class RobotStore:
                 raise RobotExists(robot_id)
             seen = current if current is not None else self._shared_revision(robot_id, exact=exact)
             check_revision(robot_id, seen, if_match, if_none_match)
-            if current not in (None, DAMAGED) and not if_match:
+            # Only who spares others asks who has stored it: that reads and builds the robot.
+            if writer.spares and current not in (None, DAMAGED) and not if_match:
+                maker = self._uploads.maker(robot_id)
                 if current != robot.revision:
-                    writer.check(robot_id, self._uploads.maker(robot_id))
-                elif writer.spares:
-                    maker = self._uploads.maker(robot_id)
+                    writer.check(robot_id, maker)
+                    maker = writer.name
+                else:
                     content = encode(robot, maker, meshes)
             transaction.write(robot_id, content, total)
         return StoredRobot(robot_id, robot, False, robot.name, maker=maker), current is None
@@ -381,7 +383,7 @@ class RobotStore:
             current = self._uploads.revision(robot_id, exact=exact)
             if current is not None:
                 check_revision(robot_id, current, if_match, if_none_match)
-                if current != DAMAGED and not if_match:
+                if writer.spares and current != DAMAGED and not if_match:
                     writer.check(robot_id, self._uploads.maker(robot_id), "delete")
                 transaction.remove(robot_id)
         self._uploads.forget(robot_id)

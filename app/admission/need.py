@@ -56,6 +56,12 @@ def body_need(size: int) -> Need:
     return Need(READING, size, of=say("bytes in a body"), argument="")
 
 
-def document_need(size: int) -> Need:
-    """Return what reading a document of a robot needs besides its bytes."""
-    return Need(READING_DOCUMENT, size, of=say("bytes in a document"), argument="")
+def document_need(size: int, beside: int = 0) -> Need:
+    """Return what reading a document of a robot needs besides its bytes.
+
+    Args:
+        size: Its bytes.
+        beside: Bytes that it takes whatever its size, such as those of a process that reads it.
+    """
+    of = say("bytes in a document")
+    return Need(READING_DOCUMENT, size, fixed=beside, of=of, argument="")

@@ -6,6 +6,7 @@ import re
 
 from fastapi import Request
 
+from app.http.negotiation import media_type
 from app.http.problems import (
     MALFORMED_BODY,
     TOO_LARGE,
@@ -19,8 +20,13 @@ _CODED = re.compile(rb"gzip|compress|deflate|br|zstd", re.IGNORECASE)
 _UTF8 = re.compile(rb"charset\s*=\s*\"?(utf-?8|us-ascii)\b", re.IGNORECASE)
 
 
-async def read_body(request: Request, limit: int) -> bytes:
+async def read_body(request: Request, limit: int, decoded: tuple[str, ...] = ()) -> bytes:
     """The body, up to a limit.
+
+    Args:
+        request: The request.
+        limit: Most bytes.
+        decoded: Media types whose reader decodes what ``charset`` names; others are UTF-8.
 
     Raises:
         RequestProblem: 413, as soon as the limit is passed; 400 and 415 for headers that leave
@@ -38,7 +44,8 @@ async def read_body(request: Request, limit: int) -> bytes:
             types += 1
             if types > 1:
                 raise RequestProblem(MALFORMED_BODY, say("the header Content-Type stands twice"))
-            if b"charset" in value.lower() and not _UTF8.search(value):
+            is_other = b"charset" in value.lower() and not _UTF8.search(value)
+            if is_other and media_type(request) not in decoded:
                 raise RequestProblem(
                     UNSUPPORTED_TYPE, say("the body has another charset; send UTF-8 and say so")
                 )

@@ -17,6 +17,8 @@ from robots.robot import FloatArray
 MAX_HEADER = 4096
 """Bytes; a header of numbers takes 128."""
 MAX_VALUES = 16_000_000
+PART = 1_000_000
+"""Bytes of a large file that are sent at once."""
 _KEYS = re.compile(rb"""['"](?:descr|fortran_order|shape)['"]\s*:""")
 
 
@@ -81,8 +83,15 @@ def decode_npy(body: bytes, pointer: str = "") -> FloatArray:
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def npy_bytes(array: NDArray[Any]) -> bytes:
-    """An npy file of numbers, or of rows with named fields."""
+def npy_parts(array: NDArray[Any]) -> list[bytes | memoryview]:
+    """An npy file of numbers, or of rows with named fields: its head, and the array's own memory.
+
+    The array must not be changed until they are sent.
+    """
+    whole = np.ascontiguousarray(array)
     stream = io.BytesIO()
-    np.lib.format.write_array(stream, np.ascontiguousarray(array), allow_pickle=False)
-    return stream.getvalue()
+    head = np.lib.format.header_data_from_array_1_0(whole)
+    np.lib.format.write_array_header_1_0(stream, head)
+    content = whole.reshape(-1).view(np.uint8).data
+    starts = range(0, len(content), PART)
+    return [stream.getvalue(), *(content[start : start + PART] for start in starts)]

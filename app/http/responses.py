@@ -16,7 +16,7 @@ from starlette.types import Receive, Scope, Send
 from app.http.csv_table import CsvForm, csv_parts
 from app.http.language import language_headers
 from app.http.negotiation import CSV, JSON, NPY, TEXT
-from app.http.npy import npy_bytes
+from app.http.npy import PART, npy_parts
 from app.http.problems import (
     NOT_ACCEPTABLE,
     RequestProblem,
@@ -91,11 +91,15 @@ class PartsResponse(Response):
     """A body in parts that are never joined: a copy of megabytes would hold up other requests."""
 
     def __init__(
-        self, parts: list[bytes], status: int, headers: Mapping[str, str], kind: str = JSON
+        self,
+        parts: Sequence[bytes | memoryview],
+        status: int,
+        headers: Mapping[str, str],
+        kind: str = JSON,
     ) -> None:
         length = {"content-length": str(sum(map(len, parts)))}
         super().__init__(None, status, {**headers, **length}, kind)
-        self.parts = parts
+        self.parts = [*parts]
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:  # noqa: ARG002
         """Sends the parts one by one."""
@@ -194,12 +198,11 @@ def respond(
     if wanted == NPY:
         if array is None:
             raise RequestProblem(NOT_ACCEPTABLE, say("this answer has no npy form; ask for JSON"))
-        return Response(
-            npy_bytes(array),
-            status,
-            {**(headers or {}), **told_in_header(payload.get("warnings", ()), language)},
-            NPY,
-        )
+        told = told_in_header(payload.get("warnings", ()), language)
+        headers, file = {**(headers or {}), **told}, npy_parts(array)
+        if array.nbytes > PART:
+            return PartsResponse(file, status, headers, NPY)
+        return Response(b"".join(file), status, headers, NPY)
     headers = language_headers(language, headers)
     if wanted == TEXT:
         content = render_text(payload, digits, language).encode()

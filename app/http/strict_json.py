@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Hashable
 from functools import cache
+from itertools import chain
 from typing import Any, TypeVar, cast
 
 import msgspec
@@ -263,8 +264,8 @@ def decode_rows(text: bytes, pointer: str, columns: int, most: int) -> FloatArra
                 say("not rows of numbers; give lists of numbers"),
                 f"{pointer}/{done}",
             ) from None
-        odd = next((k for k, row in enumerate(rows) if len(row) != columns), None)
-        if odd is not None:
+        if set(map(len, rows)) - {columns}:
+            odd = next(k for k, row in enumerate(rows) if len(row) != columns)
             raise RowLengthError(done + odd, rows[odd])
         done += len(rows)
         if done > most:
@@ -274,7 +275,8 @@ def decode_rows(text: bytes, pointer: str, columns: int, most: int) -> FloatArra
                 say("{name} holds over {most} rows; give 1 to {most}", name=name, most=most),
                 pointer,
             )
-        pieces.append(np.array(rows, dtype=np.float64).reshape(-1, columns))
+        numbers = np.fromiter(chain.from_iterable(rows), np.float64, len(rows) * columns)
+        pieces.append(numbers.reshape(-1, columns))
         start = cut.end() if cut else end
     return np.concatenate(pieces) if pieces else np.empty((0, columns))
 

@@ -21,7 +21,7 @@ from app.fields.lengths import LENGTH
 from app.fields.names import Frame, TargetTaskSpace, one_of
 from app.fields.numbers import within_query
 from app.fields.targets import OptionalTarget, TargetList
-from app.http.negotiation import NDJSON, NPY
+from app.http.negotiation import NDJSON
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.branches import BranchEndView, branch_end_view
 from app.operations.joint_values import joint_values_view, joints_shown
@@ -355,8 +355,9 @@ def _many(
 ) -> Answer:
     """Return the answer for many targets."""
     q = context.units.joints_out(robot, batch.q)
-    statuses = [status.value for status in batch.statuses]
-    missed = [k for k, one in enumerate(batch.statuses) if one is not IKStatus.CONVERGED]
+    names = np.array([status.value for status in IKStatus])
+    statuses: list[str] = names[batch.codes].tolist()
+    missed = np.flatnonzero(names[batch.codes] != IKStatus.CONVERGED.value).tolist()
     answer: IKAnswer = {
         "units": context.units.named,
         "status": statuses,
@@ -379,9 +380,6 @@ def _many(
         "x-not-converged": ",".join(listed),
     }
     errors = batch.position_error, batch.orientation_error
-    records = None
-    if context.form == NPY:
-        records = _records(q, statuses, context.units.lengths_out(errors[0]), errors[1])
     return Answer(
         answer,
         q,
@@ -396,7 +394,9 @@ def _many(
             batch.restarts,
             batch.elapsed,
         ),
-        records=records,
+        records=lambda: _records(
+            q, statuses, context.units.lengths_out(errors[0]), errors[1]
+        ),
     )
 
 
@@ -625,11 +625,8 @@ def _single(
             answer["reachable"] = [
                 reachable_view(robot, one, context.units) for one in why.reachable
             ]
-    records = None
-    if context.form == NPY:
-        miss = context.units.length_out(result.position_error)
-        errors = np.array([miss]), np.array([result.orientation_error])
-        records = _records(q[None], [result.status.value], *errors)
+    miss = context.units.length_out(result.position_error)
+    errors = np.array([miss]), np.array([result.orientation_error])
     return Answer(
         answer,
         q,
@@ -640,7 +637,7 @@ def _single(
             result.q[None],
             *(np.atleast_1d(value) for value in result[3:]),
         ),
-        records=records,
+        records=lambda: _records(q[None], [result.status.value], *errors),
     )
 
 

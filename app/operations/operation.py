@@ -94,7 +94,7 @@ class Answer(msgspec.Struct, frozen=True):
         sheet: Makes the table that CSV holds.
         latex: Writes what LaTeX holds, with so many decimals; where there is none, the table.
         picture: Draws it as SVG, from which PNG is made.
-        records: What npy holds where each row comes with its status: rows with named fields.
+        records: Makes what npy holds where each row comes with its status: rows with named fields.
     """
 
     payload: Mapping[str, Any]
@@ -105,7 +105,7 @@ class Answer(msgspec.Struct, frozen=True):
     sheet: SheetSource | None = None
     latex: Callable[[int | None], str] | None = None
     picture: Callable[[], str] | None = None
-    records: NDArray[Any] | None = None
+    records: Callable[[], NDArray[Any]] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,7 @@ from app.fields.doubts import RequestDoubts
 from app.fields.field import Reading
 from app.fields.lengths import in_metres
 from app.http.bodies import read_body
+from app.http.compression import compressed
 from app.http.csv_table import CsvForm
 from app.http.handlers import domain_problem
 from app.http.language import language_headers, language_of
@@ -318,7 +319,7 @@ class Computation:
         if terms.wanted != NDJSON and TRIED not in request.scope:
             response = self._short(asked, form)
             if response is not None:
-                return response
+                return compressed(response, request)
         return await work.answered(lambda: asked, 0)
 
 
@@ -436,7 +437,7 @@ def _written(answer: Answer, form: Form, context: Context, *, short: bool = Fals
         answer.text if wanted == TEXT and answer.text is not None else answer.payload,
         wanted,
         spoken,
-        array=answer.records if form.statuses else answer.array,
+        array=answer.records() if form.statuses and answer.records else answer.array,
         sheet=answer.sheet() if wanted == CSV and answer.sheet is not None else None,
         headers=answer.headers,
         short=short,
@@ -499,7 +500,7 @@ class _Work:
 
     def _written(self, asked: _Asked) -> Response:
         answer = self.operation.run(asked.robot, asked.request, asked.context)
-        return _written(answer, self.form, asked.context)
+        return compressed(_written(answer, self.form, asked.context), self.request)
 
     async def _streamed(
         self, asked: _Asked, admission: Admission, reservation: Reservation

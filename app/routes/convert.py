@@ -5,7 +5,15 @@ from __future__ import annotations
 from fastapi import APIRouter, Request, Response
 
 from app.dependencies import ServicesDep
-from app.documents import BINARY, SPREADSHEET_TYPES, TABLES, XML_TYPES, robot_from_body
+from app.documents import (
+    BINARY,
+    DECODED_TYPES,
+    SPREADSHEET_TYPES,
+    TABLES,
+    XML_TYPES,
+    memory_beside,
+    robot_from_body,
+)
 from app.http.bodies import read_body
 from app.http.language import language_of
 from app.http.negotiation import media_type, unsupported
@@ -45,8 +53,10 @@ def build_router(max_body: int) -> APIRouter:
     async def dh_to_urdf(request: Request, services: ServicesDep) -> Response:
         if media_type(request) in XML_TYPES:
             raise unsupported(media_type(request), TABLES)
-        body = await read_body(request, max_body)
-        robot = await services.loaded(lambda: robot_from_body(request, body, "robot"), len(body))
+        body = await read_body(request, max_body, DECODED_TYPES)
+        robot = await services.loaded(
+            lambda: robot_from_body(request, body, "robot"), len(body), memory_beside(request)
+        )
         told = told_in_header(robot.warnings, language_of(request))
         return Response(robot.urdf, headers=told, media_type="application/xml")
 

@@ -16,10 +16,12 @@ from app.dependencies import RobotDep, ServicesDep
 from app.documents import (
     ARCHIVE_TYPES,
     BINARY,
+    DECODED_TYPES,
     PAR_TYPES,
     PASTED_TYPES,
     SPREADSHEET_TYPES,
     id_from_name,
+    memory_beside,
     robot_from_body,
 )
 from app.http.bodies import read_body
@@ -181,6 +183,12 @@ def robot_view(stored: StoredRobot, units: Units) -> dict[str, Any]:
     """What the API says of a robot."""
     robot = stored.robot
 
+    rates = [
+        key
+        for key in ("acceleration", "jerk")
+        if any(getattr(joint, key) is not None for joint in robot.joints)
+    ]
+
     def out(value: float | None, is_revolute: bool) -> float | None:
         if value is None or not is_revolute:
             return value
@@ -204,11 +212,7 @@ def robot_view(stored: StoredRobot, units: Units) -> dict[str, Any]:
                 "upper": out(joint.upper, joint.type.is_revolute),
                 "velocity": out(joint.velocity, joint.type.is_revolute),
                 "effort": joint.effort,
-                **{
-                    key: out(getattr(joint, key), joint.type.is_revolute)
-                    for key in ("acceleration", "jerk")
-                    if any(getattr(one, key) is not None for one in robot.joints)
-                },
+                **{key: out(getattr(joint, key), joint.type.is_revolute) for key in rates},
             }
             for joint in robot.joints
         ],
@@ -523,9 +527,11 @@ async def _document(
 ) -> ArchivedRobot:
     """Returns the robot of a body: a document by itself, or an archive with its meshes."""
     if media_type(request) not in ARCHIVE_TYPES:
-        body = await read_body(request, max_body)
+        body = await read_body(request, max_body, DECODED_TYPES)
         robot = await services.loaded(
-            lambda: robot_from_body(request, body, default_name, also=(OVERWRITE,)), len(body)
+            lambda: robot_from_body(request, body, default_name, also=(OVERWRITE,)),
+            len(body),
+            memory_beside(request),
         )
         return ArchivedRobot(robot, {}, ())
     check_query(

@@ -9,7 +9,14 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from app.dependencies import RobotDep, ServicesDep
-from app.documents import BINARY, SPREADSHEET_TYPES, XML_TYPES, robot_from_body
+from app.documents import (
+    BINARY,
+    DECODED_TYPES,
+    SPREADSHEET_TYPES,
+    XML_TYPES,
+    memory_beside,
+    robot_from_body,
+)
 from app.http.bodies import read_body
 from app.http.csv_table import CsvForm
 from app.http.language import language_headers, language_of
@@ -193,7 +200,7 @@ def build_router(max_body: int) -> APIRouter:
         """The same q, limits and FK; a tree in khalil is cut down to the chain to ``tip``."""
         convention = _convention(request.query_params.get("to"), "to")
         form = _form_of(request)
-        body = await read_body(request, max_body)
+        body = await read_body(request, max_body, DECODED_TYPES)
         tip = request.query_params.get("tip")
 
         def convert() -> Response:
@@ -205,7 +212,7 @@ def build_router(max_body: int) -> APIRouter:
                 )
             return _written(to_convention(table, convention, tip), form)
 
-        return await services.loaded(convert, len(body))
+        return await services.loaded(convert, len(body), memory_beside(request))
 
     return router
 

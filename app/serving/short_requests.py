@@ -20,6 +20,7 @@ from fastapi import Request
 from app.access.headers import SafeHeaders
 from app.access.hosts import AllowedHosts, allowed_hosts
 from app.access.wiring import is_open
+from app.http.compression import needs_coding
 from app.http.negotiation import NDJSON
 from app.http.problems import RequestProblem
 from app.middleware.request_id import RequestIds
@@ -197,7 +198,7 @@ class ShortRequests:
             form = form_of(request, terms.wanted)
         except RequestProblem:  # the ordinary way meets it again, and says what is wrong
             return None
-        if terms.wanted == NDJSON:
+        if terms.wanted == NDJSON or needs_coding(request):
             return None
         given = headers.get(b"x-request-id", b"")
         size = 0 if length is None else int(length)

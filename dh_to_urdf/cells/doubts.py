@@ -8,7 +8,7 @@ was read and how to write what was probably meant.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from statistics import median
@@ -100,6 +100,28 @@ IN_TABLE = Remedies(
 )
 
 
+@dataclass(frozen=True, slots=True)
+class Length:
+    """A length that was looked at.
+
+    Attributes:
+        value: Its magnitude, m.
+        what: What it is of.
+        written: The number as it stands in the document.
+        in_mm: Whether it was read in mm.
+    """
+
+    value: float
+    what: str
+    written: float
+    in_mm: bool
+
+    @property
+    def text(self) -> str:
+        """Return the length in words, without unit."""
+        return say("{what} is {written:g}", what=self.what, written=self.written)
+
+
 @dataclass
 class Doubts:
     """Collects doubtful values; one sentence a kind, the first of its values in full.
@@ -107,12 +129,12 @@ class Doubts:
     Attributes:
         remedies: What to write instead.
         found: Descriptions of the values, by kind.
-        lengths: Lengths, m, each with its description and whether it was read in mm.
+        lengths: The lengths that were looked at.
     """
 
     remedies: Remedies = IN_TABLE
     found: dict[Kind, list[str]] = field(default_factory=dict)
-    lengths: list[tuple[float, str, bool]] = field(default_factory=list)
+    lengths: list[Length] = field(default_factory=list)
 
     def add(self, kind: Kind, value: str) -> None:
         """Note a value, such as "alpha of joint j1 is 90 rad, 14 turns"."""
@@ -157,9 +179,7 @@ class Doubts:
                 self.add(Kind.MILLIMETRES, say("{what} is {value:g} m", what=what, value=value))
         elif not limit and value:
             written = value * 1000 if in_mm else value
-            self.lengths.append(
-                (abs(value), say("{what} is {written:g}", what=what, written=written), in_mm)
-            )
+            self.lengths.append(Length(abs(value), what, written, in_mm))
 
     def sentences(self) -> tuple[str, ...]:
         """Return a sentence for each kind that was found."""
@@ -195,19 +215,20 @@ def as_radians(angle: float) -> str:
     return say("{angle:g} degrees, the digits of {parts}° in rad", angle=angle, parts=parts * 15)
 
 
-def _of_lengths(lengths: Iterable[tuple[float, str, bool]]) -> Iterable[tuple[Kind, list[str]]]:
-    in_m = [(value, text) for value, text, in_mm in lengths if not in_mm]
-    in_mm = [(value * 1000, text) for value, text, in_mm in lengths if in_mm]
-    values = [value for value, _ in in_m]
+def _of_lengths(lengths: Sequence[Length]) -> Iterable[tuple[Kind, list[str]]]:
+    in_m = [one for one in lengths if not one.in_mm]
+    in_mm = [one for one in lengths if one.in_mm]
+    values = [one.value for one in in_m]
 
     def is_long(value: float) -> bool:
+        if value > LONG or value <= ODD:
+            return value > LONG
         others = [one for one in values if one != value]
-        odd = bool(others) and value > ODD and value > ODD_RATIO * median(others)
-        return value > LONG or odd
+        return bool(others) and value > ODD_RATIO * median(others)
 
-    yield Kind.MILLIMETRES, [say("{text} m", text=text) for value, text in in_m if is_long(value)]
-    if in_mm and max(value for value, _ in in_mm) < SHORT and not in_m:
-        yield Kind.METRES, [say("{text} mm", text=text) for _, text in in_mm]
+    yield Kind.MILLIMETRES, [say("{text} m", text=one.text) for one in in_m if is_long(one.value)]
+    if in_mm and max(one.value * 1000 for one in in_mm) < SHORT and not in_m:
+        yield Kind.METRES, [say("{text} mm", text=one.text) for one in in_mm]
 
 
 Note = Callable[[int, Cell], None]

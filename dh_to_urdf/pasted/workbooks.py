@@ -20,12 +20,16 @@ from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.grids import Line
 from dh_to_urdf.pasted.headings import COLUMN_QUANTITIES, MAX_COLUMNS, is_heading, read_heading
 from dh_to_urdf.pasted.raw_table import RawTable, table_from_lines
+from dh_to_urdf.pasted.workbook_process import MAX_TEXT, MEMORY
 from dh_to_urdf.table import Convention
 
 MAX_UNPACKED: Final = 20_000_000
 """Bytes of a workbook when it is unpacked."""
 MAX_PARTS: Final = 1_000
 """Files in a workbook."""
+WORKBOOK_BYTES: Final = MEMORY + 14 * MAX_TEXT
+"""Memory for reading a workbook: that of the process, and here the texts of all cells, each an
+object. Cells of two characters, the smallest that are no constants, take 13 for one of the text."""
 SECONDS: Final = 20.0
 """Time that reading a workbook may take."""
 _READER: Final = Path(__file__).with_name("workbook_process.py")

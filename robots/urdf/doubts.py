@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dh_to_urdf.cells.doubts import Doubts, Remedies
+from dh_to_urdf.cells.doubts import Doubts, Remedies, is_like_degree_limit, is_like_degrees
 from dh_to_urdf.errors import quoted
 from dh_to_urdf.messages import chained, say
 from robots.urdf.description import URDFJoint
@@ -30,7 +30,8 @@ def doubts_of(joints: Sequence[URDFJoint]) -> tuple[str, ...]:
     for joint in joints:
         where = say("joint {joint}", joint=quoted(joint.name, 64))
         for name, angle in zip(("roll", "pitch", "yaw"), joint.origin.rpy, strict=True):
-            doubts.angle(angle, say("{name} of {where}", name=name, where=where))
+            if is_like_degrees(angle):
+                doubts.angle(angle, say("{name} of {where}", name=name, where=where))
         for name, length in zip("xyz", joint.origin.xyz, strict=True):
             doubts.length(length, say("{name} of {where}", name=name, where=where))
         for name, limit in (("lower", joint.lower), ("upper", joint.upper)):
@@ -40,7 +41,7 @@ def doubts_of(joints: Sequence[URDFJoint]) -> tuple[str, ...]:
                 doubts.length(
                     limit, say("{name} limit of {where}", name=name, where=where), limit=True
                 )
-            else:
+            elif is_like_degree_limit(limit):
                 doubts.angle(
                     limit, say("{name} limit of {where}", name=name, where=where), limit=True
                 )

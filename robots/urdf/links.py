@@ -37,6 +37,7 @@ _SIZES = {
     "capsule": {"radius": 1, "length": 1},
 }
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_LINK, _MATERIAL, _INERTIAL = say("a <link>"), say("a <material>"), say("<inertial>")
 _ROUNDING = 1e-9
 """Negative moments of inertia down to this part, or kg m², count as rounding."""
 
@@ -77,7 +78,7 @@ class LinkReader:
                 return
             twin = etree.Element("material")
             try:
-                name = name_of(element, say("a <material>"))
+                name = name_of(element, _MATERIAL)
                 twin.set("name", name)
                 self._color(element, twin)
             except InvalidURDF as error:
@@ -91,9 +92,7 @@ class LinkReader:
 
     def read(self, element: Element) -> str:
         """Read a link and return its name."""
-        name = self.faults.read(
-            element, element.get("name", ""), lambda: name_of(element, say("a <link>"))
-        )
+        name = self.faults.read(element, element.get("name", ""), lambda: name_of(element, _LINK))
         where = say("link {name!r}", name=name)
         twin = etree.SubElement(self.robot, "link", name=name)
         inertials = element.findall("inertial")
@@ -151,33 +150,34 @@ class LinkReader:
         )
 
     def _inertial(self, element: Element, name: str) -> Element:
-        inside = say("<inertial>")
         mass, inertia = element.find("mass"), element.find("inertia")
         if mass is None or inertia is None:
             raise InvalidURDF(
-                say("{where} is incomplete: it needs <mass> and <inertia>", where=inside)
+                say("{where} is incomplete: it needs <mass> and <inertia>", where=_INERTIAL)
             )
         tags = [str(child.tag) for child in element]
         for tag in ("origin", "mass", "inertia"):
             if tags.count(tag) > 1:
-                raise InvalidURDF(say("{where} has two <{tag}>; keep one", where=inside, tag=tag))
-        origin = origin_of(element, inside, quaternions=self.quaternions)
-        value = number(mass, "value", inside)
+                raise InvalidURDF(
+                    say("{where} has two <{tag}>; keep one", where=_INERTIAL, tag=tag)
+                )
+        origin = origin_of(element, _INERTIAL, quaternions=self.quaternions)
+        value = number(mass, "value", _INERTIAL)
         if value < 0:
             raise InvalidURDF(
                 say(
                     "{where}: mass {value:g} is negative; give the mass in kg",
-                    where=inside,
+                    where=_INERTIAL,
                     value=value,
                 )
             )
-        moments = tuple(number(inertia, key, inside) for key in _MOMENTS)
+        moments = tuple(number(inertia, key, _INERTIAL) for key in _MOMENTS)
         xx, xy, xz, yy, yz, zz = moments
         if min(xx, yy, zz) < -_ROUNDING:
             raise InvalidURDF(
                 say(
                     "{where}: a moment of inertia (ixx, iyy or izz) is negative; give it in kg m²",
-                    where=inside,
+                    where=_INERTIAL,
                 )
             )
         principal = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -292,7 +292,7 @@ class LinkReader:
             if not material.get("name"):
                 return
             try:
-                name = checked_name(material.get("name", ""), say("a <material>"))
+                name = checked_name(material.get("name", ""), _MATERIAL)
                 twin = etree.Element("material", name=name)
                 self._color(material, twin)
             except InvalidURDF as error:
@@ -306,7 +306,7 @@ class LinkReader:
     def _color(self, element: Element, material: Element) -> None:
         color = element.find("color")
         if color is not None:
-            rgba = numbers(color, "rgba", 4, say("a <material>"), "1 1 1 1")
+            rgba = numbers(color, "rgba", 4, _MATERIAL, "1 1 1 1")
             etree.SubElement(material, "color", rgba=text_of(rgba))
 
 

@@ -293,8 +293,8 @@ def _refuse_xacro(robot: etree._Element, joints: tuple[etree._Element, ...]) -> 
             ):
                 message = say(
                     "the file holds <xacro:{shown}>: xacro is never evaluated by the service;"
-                    " expand the file where its packages are: denavit push robot.urdf.xacro,"
-                    " or xacro robot.urdf.xacro > robot.urdf",
+                    " expand the file on your machine, where its packages are: denavit push"
+                    " robot.urdf.xacro, or xacro robot.urdf.xacro > robot.urdf",
                     shown=shown_tag(child),
                 )
                 raise InvalidURDF.of([fault_at(child, message)])

@@ -128,36 +128,51 @@ def numbers(
         InvalidURDF: Missing, another count, no finite numbers, or beyond the bound.
     """
     text = element.get(key, default)
+    words = _words(text, count)
+    if len(words) == count and all(map(_is_number, words)):
+        values = tuple(map(float, words))
+        if max(map(abs, values)) <= bound:
+            return values
+    # A large document has thousands of numbers: words are found for those at fault only.
     what = say("{where}: {key} of <{tag}>", where=where, key=key, tag=element.tag)
+    raise InvalidURDF(_refusal(text, count, what, bound))
+
+
+def _words(text: str | None, count: int) -> list[str]:
+    """Return what stands between blanks; nothing of a text that is too long to be numbers."""
+    if text is None or len(text) > count * (MAX_NUMBER + 8):
+        return []
+    return _BLANKS.split(text.strip(" \t\r\n"))
+
+
+def _is_number(word: str) -> bool:
+    return len(word) <= MAX_NUMBER and _NUMBER.fullmatch(word) is not None
+
+
+def _refusal(text: str | None, count: int, what: str, bound: float) -> str:
+    """Return why a text is not so many numbers within a bound."""
     if text is None:
-        raise InvalidURDF(say("{what} is missing; give it", what=what))
-    words = _BLANKS.split(text.strip(" \t\r\n")) if len(text) <= count * (MAX_NUMBER + 8) else []
+        return say("{what} is missing; give it", what=what)
+    words = _words(text, count)
     if len(words) != count or not words[0]:
         counted = (
             "1 number" if count == 1 else say("{count} numbers separated by blanks", count=count)
         )
-        raise InvalidURDF(
-            say("{what} is {text}; give {counted}", what=what, text=quoted(text), counted=counted)
+        return say(
+            "{what} is {text}; give {counted}", what=what, text=quoted(text), counted=counted
         )
     for word in words:
-        if len(word) > MAX_NUMBER or _NUMBER.fullmatch(word) is None:
+        if not _is_number(word):
             remedy = say("write a decimal point") if "," in word else say("give a finite number")
             if word.startswith(("${", "$(")):
                 remedy = remedy + say(" (this is xacro: expand it with denavit push, or xacro)")
-            raise InvalidURDF(
-                say("{what} has {word}; {remedy}", what=what, word=quoted(word), remedy=remedy)
-            )
-    values = tuple(float(word) for word in words)
-    if max(map(abs, values)) > bound:
-        raise InvalidURDF(
-            say(
-                "{what} is {text}, beyond ±{bound:g}; check the unit",
-                what=what,
-                text=quoted(text),
-                bound=bound,
-            )
-        )
-    return values
+            return say("{what} has {word}; {remedy}", what=what, word=quoted(word), remedy=remedy)
+    return say(
+        "{what} is {text}, beyond ±{bound:g}; check the unit",
+        what=what,
+        text=quoted(text),
+        bound=bound,
+    )
 
 
 def origin_of(element: Element, where: str, *, quaternions: bool = False) -> Origin:

@@ -342,7 +342,7 @@ def test_a_urdf_that_cannot_be_used_leaves_the_page_as_it_is(text, message, open
     page = visit.page
     before = [visit.matrix("pose"), joint_values(page), page.url]
     page.locator("input[type=file]").set_input_files(str(file))
-    page.locator(".toast", has_text=message).wait_for()
+    page.locator(".toast, dialog", has_text=message).wait_for()
     page.wait_for_timeout(500)
     assert [visit.matrix("pose"), joint_values(page), page.url] == before
     assert not page.locator("body.stale").count()

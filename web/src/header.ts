@@ -27,7 +27,8 @@ export function headerView(page: Page, choices: Choices): HTMLElement {
   const file = h('input', {
     type: 'file',
     hidden: true,
-    accept: '.urdf,.zip,.xml,.yaml,.yml,.json,.csv,.par,.txt,.md,.tex,.m,.py,.tsv',
+    accept:
+      '.urdf,.zip,.xml,.yaml,.yml,.json,.csv,.par,.txt,.md,.tex,.m,.py,.tsv,.html,.xlsx,.ods,text/*',
     onchange: () => {
       const chosen = file.files?.[0];
       if (chosen)

@@ -48,7 +48,9 @@ export function keepModel({ store, tell }: Page): void {
             if (store.state.source === source && classes.contains('stale')) load();
           }, RETRY);
         } else if (error instanceof api.Refusal) {
-          const { status, errors } = error;
+          const { status, more } = error;
+          const rest = more ? [{ pointer: '', message: t.moreFaults(more) }] : [];
+          const errors = [...error.errors, ...rest];
           const words = reasonOf(error);
           const isOfTable = errors.length > 0 && status !== 401;
           store.set({ errors: isOfTable ? errors : [{ pointer: '', message: words }] });

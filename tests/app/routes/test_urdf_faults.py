@@ -58,6 +58,27 @@ def test_a_fault_that_kinematics_need_not_mind_is_a_warning(client, name):
         assert any(words in warning for warning in uploaded.json()["warnings"])
     finally:
         client.delete("/v1/robots/field")
+    table = client.post(
+        "/v1/urdf-to-dh?convention=standard", content=PLAIN.replace(old, new, 1), headers=XML
+    )
+    assert table.status_code == 200, table.text
+    assert any(words in warning for warning in table.json()["warnings"])
+
+
+def test_tables_of_a_urdf_tell_what_is_doubtful_in_it(client):
+    """In the forms that hold no warnings they are in a header."""
+    text = PLAIN.replace('rpy="0 0 0"', 'rpy="90 0 0"')
+    words = "roll of joint 'j' is 90 rad, which is 14 turns"
+    given = client.post("/v1/urdf-to-dh?convention=standard", content=text, headers=XML)
+    assert [one for one in given.json()["warnings"] if words in one]
+    csv = client.post("/v1/urdf-to-dh?convention=standard&format=csv", content=text, headers=XML)
+    assert words in csv.headers["x-warnings"]
+    client.put("/v1/robots/field", content=text, headers=XML)
+    try:
+        stored = client.get("/v1/robots/field/dh?convention=standard").json()["warnings"]
+        assert [one for one in stored if words in one]
+    finally:
+        client.delete("/v1/robots/field")
 
 
 def test_one_answer_tells_every_fault_with_line_and_element(client):
@@ -96,6 +117,7 @@ def test_xacro_is_never_evaluated_and_said_so(client):
         assert answer.status_code == 422
         (error,) = answer.json()["errors"]
         assert "xacro is never evaluated by the service" in error["message"]
+        assert "on your machine" in error["message"]
         assert "denavit push" in error["message"]
 
 

@@ -8,7 +8,7 @@ export interface Call<Answer = unknown> {
   readonly query: Readonly<Record<string, string>>;
   /** An object is sent as JSON. */
   readonly body?: unknown;
-  /** Content-Type of a body that is text or a file. */
+  /** Content-Type of a body that is a text or a file. */
   readonly type?: string;
   readonly accept?: string;
   /** Carries the type of the answer; never set. */

@@ -30,9 +30,9 @@ export interface PasteOptions {
   readonly columns: string;
 }
 
-/** A table pasted as Markdown, LaTeX, MATLAB, Python or columns. */
+/** A table pasted as Markdown, LaTeX, MATLAB, Python or columns, or a workbook with one. */
 export const readPasted = (
-  pasted: string,
+  pasted: string | Blob,
   { convention, angle, length, values, columns }: PasteOptions,
 ): Call<TableDocument> => ({
   method: 'POST',
@@ -47,7 +47,7 @@ export const readPasted = (
     ...(columns ? { columns } : {}),
   },
   body: pasted,
-  type: 'text/plain',
+  type: typeof pasted === 'string' ? 'text/plain' : pasted.type,
 });
 
 /** Store the robot of a zip with its meshes; refused where the name is taken. */

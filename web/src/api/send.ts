@@ -13,6 +13,8 @@ export interface FieldError {
   readonly message: string;
   /** Line of a URDF, from 1. */
   readonly line?: number;
+  /** Element of a URDF. */
+  readonly xpath?: string;
 }
 
 /** The service refused: its problem document (RFC 9457). */
@@ -23,6 +25,8 @@ export class Refusal extends Error {
     readonly errors: readonly FieldError[],
     /** The last part of the problem's type, '' where it is none. */
     readonly kind = '',
+    /** How many errors there are besides those that are listed. */
+    readonly more = 0,
   ) {
     super(detail);
   }
@@ -109,12 +113,14 @@ async function refusal(response: Response): Promise<Refusal> {
       type?: string;
       detail?: string;
       errors?: FieldError[];
+      more_errors?: number;
     };
     return new Refusal(
       response.status,
       problem.detail ?? response.statusText,
       problem.errors ?? [],
       problem.type?.split('/').pop(),
+      problem.more_errors,
     );
   } catch {
     return new Refusal(response.status, response.statusText, []);

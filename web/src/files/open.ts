@@ -8,6 +8,7 @@ import type { Page } from '../page';
 import { resolve } from '../resolve';
 import { editable } from '../table/exchange';
 import { shownTable } from '../table/shown';
+import { faultsDialog } from './faults';
 
 /** Media types of the files whose endings say what they are. */
 const TYPES: Record<string, string> = {
@@ -17,20 +18,32 @@ const TYPES: Record<string, string> = {
   csv: 'text/csv',
   par: 'text/x-symoro',
 };
+/** Workbooks, by their endings. */
+const WORKBOOKS: Record<string, string> = {
+  xlsx: 'application/vnd.openxmlformats-officedocument.spreadsheetml.sheet',
+  ods: 'application/vnd.oasis.opendocument.spreadsheet',
+};
 const URDF = /^\s*(<\?xml[^>]*>\s*)?(<!--[\s\S]*?-->\s*)*<robot\b/;
 /** Kind of a refusal because a robot of that name is stored already. */
 const TAKEN = 'robot-exists';
 const CONVENTION = /["']?convention["']?\s*:\s*["']?([\w-]+)/i;
 
-/** Open a URDF, or a table in any of its formats. */
+/** Open a URDF, a workbook, or a table in any of its formats. */
 export async function openFile(page: Page, file: File): Promise<void> {
   const [, name = 'robot', suffix = ''] = /^(.*?)\.?([^.]*)$/.exec(file.name) ?? [];
   const ending = suffix.toLowerCase();
   const type = TYPES[ending];
+  const workbook = WORKBOOKS[ending];
+  if (workbook) {
+    const { pasteDialog } = await import('../table/paste');
+    pasteDialog(page, new File([file], file.name, { type: workbook }), true);
+    return;
+  }
   try {
     if (ending === 'zip') return await openArchive(page, name, file);
-    const text = await file.text();
-    if (ending === 'urdf' || ending === 'xml' || URDF.test(text)) await openURDF(page, name, text);
+    const text = textOf(await file.arrayBuffer());
+    if (ending === 'urdf' || ending === 'xml' || URDF.test(text))
+      await openURDF(page, file.name, name, text);
     else if (type) await openTable(page, name, text, type);
     else {
       const { pasteDialog } = await import('../table/paste');
@@ -52,10 +65,40 @@ async function openArchive({ history, tell }: Page, name: string, file: File): P
   }
 }
 
-async function openURDF({ store, history }: Page, name: string, urdf: string): Promise<void> {
+/**
+ * The text of a file: UTF-8, UTF-16 with its mark, what an XML declaration says, or Windows-1252.
+ *
+ * The declaration of an encoding is left out, as the text is sent in UTF-8.
+ */
+function textOf(content: ArrayBuffer): string {
+  const start = new Uint8Array(content.slice(0, 200));
+  const declared = /^\s*<\?xml[^>]*?\sencoding=["']([\w-]+)/.exec(
+    String.fromCharCode(...start),
+  )?.[1];
+  const marked = start[0] === 0xff && start[1] === 0xfe ? 'utf-16le' : null;
+  const turned = start[0] === 0xfe && start[1] === 0xff ? 'utf-16be' : null;
+  for (const encoding of [marked ?? turned ?? declared ?? 'utf-8', 'utf-8']) {
+    try {
+      const text = new TextDecoder(encoding, { fatal: true }).decode(content);
+      return text.replace(/^(\s*<\?xml[^>]*?)\s+encoding=("[^"]*"|'[^']*')/, '$1');
+    } catch {
+      // Not in this encoding, or one that the browser does not know: the next is tried.
+    }
+  }
+  return new TextDecoder('windows-1252').decode(content);
+}
+
+async function openURDF(page: Page, file: string, name: string, urdf: string): Promise<void> {
+  const { store, history } = page;
   const source = { kind: 'urdf', name, urdf } as const;
-  // A file that cannot be used leaves the page as it is.
-  await resolve(source, store.state.angle, new AbortController().signal);
+  try {
+    // A file that cannot be used leaves the page as it is.
+    await resolve(source, store.state.angle, new AbortController().signal);
+  } catch (error) {
+    if (!(error instanceof Refusal) || !error.errors.some((one) => one.line)) throw error;
+    faultsDialog(file, urdf, error);
+    return;
+  }
   history.change({ ...NEW_ROBOT, source }, 'open');
 }
 

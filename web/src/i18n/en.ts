@@ -45,6 +45,7 @@ export const en = {
   problems: 'What is wrong with the table',
   goToCell: 'Go to the cell',
   lineOfFile: (line: number) => `line ${line}`,
+  moreFaults: (count: number) => `and ${count} more`,
   noTable:
     'This robot is a tree or has loops: no single table describes it. Its joints and numbers are all there.',
   row: 'Row',

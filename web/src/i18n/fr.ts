@@ -44,6 +44,7 @@ export const fr: First = {
   problems: 'Ce qui ne va pas dans le tableau',
   goToCell: 'Aller à la cellule',
   lineOfFile: (line: number) => `ligne ${line}`,
+  moreFaults: (count: number) => `et ${count} de plus`,
   noTable:
     'Ce robot est un arbre ou a des boucles : un seul tableau ne le décrit pas. Ses articulations et ses nombres sont tous là.',
   row: 'Ligne',

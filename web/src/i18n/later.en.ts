@@ -20,6 +20,9 @@ export const later = {
   keyUnknown: 'The service does not know this key.',
   keyOdd: 'A key has letters, digits and signs without blanks, such as dnv_…',
   close: 'Close',
+  faultsTitle: (file: string) => `${file} cannot be used`,
+  faultsHelp: 'Nothing else on the page has changed. Mend the file and open it again.',
+  readWorkbook: (file: string) => `Read the workbook ${file}`,
   pasteTitle: 'Paste a table',
   pasteHelp:
     'Columns from a spreadsheet, Markdown, LaTeX, MATLAB or Python, with a heading such as: theta d a alpha.',

@@ -22,6 +22,9 @@ export const later: Later = {
   keyOdd: 'Une clé est faite de lettres, de chiffres et de signes sans espaces, comme dnv_…',
   name: 'Nom',
   close: 'Fermer',
+  faultsTitle: (file: string) => `${file} est inutilisable`,
+  faultsHelp: 'Rien d’autre n’a changé dans la page. Corrigez le fichier, puis rouvrez-le.',
+  readWorkbook: (file: string) => `Lire le classeur ${file}`,
   pasteTitle: 'Coller un tableau',
   pasteHelp:
     'Colonnes d’un tableur, Markdown, LaTeX, MATLAB ou Python, avec un en-tête comme : theta d a alpha.',

@@ -1,4 +1,4 @@
-/** A table pasted from a spreadsheet, Markdown, LaTeX, MATLAB or Python; the service reads it. */
+/** A table from a spreadsheet, Markdown, LaTeX, MATLAB or Python; the service reads it. */
 import * as api from '../api';
 import { readPasted } from '../api/files';
 import { dialog } from '../dialog';
@@ -12,8 +12,12 @@ import { shownTable } from './shown';
 const EXAMPLE =
   '| i | α_i | a_i | d_i | θ_i       |\n|---|-----|-----|-----|-----------|\n| 1 | 90° | 0   | 0,4 | θ_1       |\n| 2 | 0   | 0.3 | 0   | θ_2 - π/2 |';
 
-/** @param atOnce Whether to read the text without waiting for the button. */
-export function pasteDialog({ store, history }: Page, pasted: string, atOnce: boolean): void {
+/**
+ * @param given A text, or a workbook with its media type.
+ * @param atOnce Whether to read it without waiting for the button.
+ */
+export function pasteDialog({ store, history }: Page, given: string | File, atOnce: boolean): void {
+  const workbook = typeof given === 'string' ? null : given;
   const now = shownTable(store.state);
   const text = h('textarea', {
     rows: 10,
@@ -21,7 +25,7 @@ export function pasteDialog({ store, history }: Page, pasted: string, atOnce: bo
     'aria-label': t.pastedText,
     placeholder: EXAMPLE,
   });
-  text.value = pasted;
+  text.value = typeof given === 'string' ? given : '';
   const convention = select(
     t.convention,
     (['standard', 'modified', 'khalil'] as const).map((one) => [one, t.conventions[one]]),
@@ -55,7 +59,7 @@ export function pasteDialog({ store, history }: Page, pasted: string, atOnce: bo
     problem.textContent = '';
     try {
       const table = await api.json(
-        readPasted(text.value, {
+        readPasted(workbook ?? text.value, {
           convention: convention.value as api.Convention,
           angle: angle.value as api.AngleUnit | '',
           length: length.value as api.LengthUnit,
@@ -71,9 +75,8 @@ export function pasteDialog({ store, history }: Page, pasted: string, atOnce: bo
   }
 
   const window = dialog(
-    t.pasteTitle,
-    h('p', { class: 'note' }, t.pasteHelp),
-    text,
+    workbook ? t.readWorkbook(workbook.name) : t.pasteTitle,
+    ...(workbook ? [] : [h('p', { class: 'note' }, t.pasteHelp), text]),
     h(
       'div',
       { class: 'line' },
@@ -94,6 +97,6 @@ export function pasteDialog({ store, history }: Page, pasted: string, atOnce: bo
       button(t.readTable, () => void read(), { class: 'main' }),
     ),
   );
-  text.focus();
+  if (!workbook) text.focus();
   if (atOnce) void read();
 }
