@@ -394,9 +394,7 @@ def _many(
             batch.restarts,
             batch.elapsed,
         ),
-        records=lambda: _records(
-            q, statuses, context.units.lengths_out(errors[0]), errors[1]
-        ),
+        records=lambda: _records(q, statuses, context.units.lengths_out(errors[0]), errors[1]),
     )
 
 
