@@ -84,9 +84,13 @@ def normalised(
     return Answer(status, kept, None, text_digest(text)), text
 
 
+LATER = ("Accept-Language", "Accept-Encoding", "")
+"""What answers depend on since languages and content codings were added."""
+
+
 def _without_language(headers: Mapping[str, str]) -> dict[str, str]:
     """Headers without the language among what an answer varies by."""
-    kept = [one for one in headers.get("vary", "").split(", ") if one != "Accept-Language"]
+    kept = [one for one in headers.get("vary", "").split(", ") if one not in LATER]
     rest = {name: value for name, value in headers.items() if name != "vary"}
     return {**rest, "vary": ", ".join(kept)} if any(kept) else rest
 
