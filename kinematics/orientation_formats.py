@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from dh_to_urdf.messages import say
 from kinematics.orientation import (
+    DEGENERATE,
     euler_angles,
     quaternion_xyzw,
     rotation_from_euler,
@@ -98,9 +99,14 @@ class OrientationFormat:
         return np.asarray(quaternions[..., [3, 0, 1, 2]])
 
     def is_degenerate(self, R: FloatArray) -> NDArray[np.bool_]:
-        """Return where other values give the same rotation to rounding; (…, 3, 3) -> (…)."""
+        """Return where other values give the same rotation to rounding; (…, 3, 3) -> (…).
+
+        Of a half turn the rotation vector may point either way.
+        """
         if self.kind == "euler":
             return euler_angles(R, self.sequence).degenerate
+        if self.kind == "vector":
+            return np.asarray(quaternion_xyzw(R)[..., 3] < DEGENERATE)
         return np.zeros(R.shape[:-2], dtype=bool)
 
 

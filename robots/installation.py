@@ -180,6 +180,8 @@ def _limited(
         for one, before in zip(every, robot.moving, strict=True)
         if (sentence := _wider(one, before))
     )
+    if any(bounds.get("jerk") is not None for bounds in limits.values()):
+        wider = (*wider, say("limits of jerk are kept by no computation"))
     if robot.coupled is None:
         return every, None, wider
     relations = tuple(

@@ -25,7 +25,7 @@ IN_REQUEST = Remedies(
     say("then angle=deg"),
     say("then leave angle=deg out"),
     say("then length=mm"),
-    say("lengths are in m"),
+    say("then leave length=mm out"),
 )
 TOUCH = 1e-9
 """Excess of a limit, rad or m, that is rounding."""
@@ -37,6 +37,10 @@ FARTHEST = 1e9
 """Coordinates beyond this, m, are taken as this, so that no square overflows."""
 ROUNDED = 1e-7
 """Difference of a matrix from the nearest rotation that is worth a word."""
+TRAVELS = 20.0
+"""A slide beyond so many times its travel looks like millimetres."""
+NEAR = 1e-3
+"""Distances of targets in mm, relative to the robot's span, that look like m."""
 SLIDE = 50.0
 """A slide beyond this, m, looks like millimetres."""
 
@@ -101,8 +105,17 @@ class RequestDoubts:
             elif is_like_degrees(value):
                 self._add(Kind.DEGREES, say("{what} has {value}", what=what, value=in_turns(value)))
 
-    def place(self, points: FloatArray, what: str, far: float = FAR) -> None:
-        """Look at places in the axes of the robot's base, m, shape (3,) or (n, 3)."""
+    def place(
+        self, points: FloatArray, what: str, far: float = FAR, *, may_be_near: bool = True
+    ) -> None:
+        """Look at places in the axes of the robot's base, m.
+
+        Args:
+            points: Shape (3,) or (n, 3).
+            what: What they are of.
+            far: Distance, relative to the robot's span, beyond which they look like mm.
+            may_be_near: Whether they may be within a thousandth of it.
+        """
         most = far * self.robot.span
         if not 0.0 < most < math.inf:
             return
@@ -111,7 +124,19 @@ class RequestDoubts:
         else:
             near = np.minimum(np.abs(points), FARTHEST)
             distance = float(np.sqrt(np.square(near).sum(axis=-1)).max(initial=0.0))
-        if distance > most:
+        span = self.robot.span
+        if self.units.millimetres and not may_be_near and 0.0 < distance < NEAR * span:
+            reach = say("the robot spans {span:.3g} mm", span=1000 * span)
+            self._add(
+                Kind.METRES,
+                say(
+                    "{what} is {distance:.4g} mm away, and {reach}",
+                    what=what,
+                    distance=1000 * distance,
+                    reach=reach,
+                ),
+            )
+        if distance > most and not self.units.millimetres:
             reach = say("the robot spans {span:.3g} m", span=self.robot.span)
             self._add(
                 Kind.MILLIMETRES,
@@ -172,7 +197,9 @@ class RequestDoubts:
                         Kind.DEGREES, say("{place} is {worst}", place=place, worst=in_turns(worst))
                     )
                     continue
-            elif _is_millimetres(worst, float(lower[k]), float(upper[k])):
+            elif not self.units.millimetres and _is_millimetres(
+                worst, float(lower[k]), float(upper[k])
+            ):
                 self._add(Kind.MILLIMETRES, say("{place} is {worst:g} m", place=place, worst=worst))
                 continue
             if outside.any():
@@ -191,7 +218,8 @@ class RequestDoubts:
         turns = self.robot.is_revolute[k]
         row = int(np.argmax(outside))
         numbers = np.array([column[row], self.robot.lower[k], self.robot.upper[k]])
-        value, low, high = self.units.angles_out(numbers) if turns else numbers
+        out = self.units.angles_out if turns else self.units.lengths_out
+        value, low, high = out(numbers)
         unit = self.units.named["angle" if turns else "length"]
         where = say(" in row {row}", row=row) if rows > 1 else ""
         return say(
@@ -216,4 +244,6 @@ def _is_degrees(angle: float, outside: bool) -> bool:
 def _is_millimetres(length: float, lower: float, upper: float) -> bool:
     """Return whether the value of a slide, m, looks like one in mm."""
     within = lower <= length / 1000 <= upper
-    return within and abs(length) > (2 * (upper - lower) if upper - lower < math.inf else SLIDE)
+    return within and abs(length) > (
+        TRAVELS * (upper - lower) if upper - lower < math.inf else SLIDE
+    )

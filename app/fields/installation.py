@@ -28,6 +28,8 @@ from robots.installation import BOUNDS, moving_joint
 from robots.robot import FloatArray
 
 _FORMS = ("quaternion_xyzw", "rpy", *FORMATS)
+NONE = {"lower": None, "upper": None}
+"""What null in the place of a joint's limits stands for."""
 MAX_LIMITS = 200
 """Joints that one request may limit."""
 MAX_NUMBER = 1e300
@@ -48,7 +50,7 @@ _BOUND = {"type": ["number", "null"]}
 _LIMITS = {
     "type": "object",
     "additionalProperties": {
-        "type": "object",
+        "type": ["object", "null"],
         "properties": {
             "lower": _BOUND,
             "upper": _BOUND,
@@ -135,8 +137,9 @@ class LimitsField(Field):
             )
             raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
         found: dict[str, dict[str, float | None]] = {}
-        for name, bounds in value.items():
+        for name, given in value.items():
             joint = moving_joint(reading.robot, name)
+            bounds = NONE if given is None else given
             _check_bounds(name, bounds, location)
             units = reading.units
             inward = units.angle_in if joint.type.is_revolute else units.length_in
@@ -179,12 +182,16 @@ def _limits(name: str, value: str, reading: Reading) -> dict[str, Any]:
     found: dict[str, dict[str, float]] = {}
     for part in value.split(",")[: MAX_LIMITS + 1]:
         joint, *ends = part.rsplit(":", 2)
-        if len(ends) != 2:
+        known = {one.name for one in reading.robot.moving}
+        if len(ends) != 2 or (":" in joint and joint.strip() not in known):
             message = say(
                 "{name} is {value!r}; write it as j1:-1:1,j2::2", name=name, value=value[:32]
             )
             raise RequestProblem(INVALID_REQUEST, message, f"/{name}")
         joint = joint.strip()
+        if joint in found:
+            message = say("{name} has joint {joint} twice; keep one", name=name, joint=joint)
+            raise RequestProblem(INVALID_REQUEST, message, f"/{name}")
         turns = moving_joint(reading.robot, joint).type.is_revolute
         quantity = Quantity.ANGLE if turns else Quantity.LENGTH
         found[joint] = {

@@ -43,6 +43,8 @@ _OF_FORMS = {
     (("position", "phi"), 2): "xy_phi",
 }
 """The task that a target without orientation gives."""
+PLACED_ON_THE_ROBOT = ("tool", "base")
+"""Placements that may well be shorter than a thousandth of the robot."""
 LOOKED_AT = 100
 """Targets of a list that are looked at for angles in another unit."""
 _SEQUENCE = msgspec.Meta(extra_json_schema=SEQUENCE_SCHEMA)
@@ -55,14 +57,9 @@ class EulerField(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     angles: Annotated[list[float], coordinates(3)]
 
 
-class Orientations(msgspec.Struct, kw_only=True):
-    """A matrix, or one orientation in one of the ways that it is written."""
+class OrientationFields(msgspec.Struct, kw_only=True):
+    """One orientation in one of the ways that it is written."""
 
-    matrix: Annotated[
-        list[list[float]] | None,
-        msgspec.Meta(extra_json_schema={k: v for k, v in _MATRIX.items() if k != "type"}),
-        PLACED,
-    ] = None
     quaternion_xyzw: Annotated[list[float] | None, coordinates(4)] = None
     rpy: Annotated[list[float] | None, coordinates(3)] = None
     euler: EulerField | None = None
@@ -77,6 +74,19 @@ class Orientations(msgspec.Struct, kw_only=True):
     kawasaki_oat: Annotated[list[float] | None, coordinates(3)] = None
     denso_rxryrz: Annotated[list[float] | None, coordinates(3)] = None
     comau_euler: Annotated[list[float] | None, coordinates(3)] = None
+
+
+ORIENTATION_FIELDS = OrientationFields.__struct_fields__
+
+
+class Orientations(OrientationFields, kw_only=True):
+    """A matrix, or one orientation in one of the ways that it is written."""
+
+    matrix: Annotated[
+        list[list[float]] | None,
+        msgspec.Meta(extra_json_schema={k: v for k, v in _MATRIX.items() if k != "type"}),
+        PLACED,
+    ] = None
 
 
 class Target(Orientations, forbid_unknown_fields=True, kw_only=True):
@@ -143,7 +153,10 @@ def target_pose(
         what = say("the matrix of {location}", location=_named(location))
         doubts.mended(mended([target.matrix], pose[None]), what)
     if target.position is not None or target.matrix is not None:
-        doubts.place(pose[:3, 3], say("the {location}", location=_named(location)))
+        near = location[0] in PLACED_ON_THE_ROBOT
+        doubts.place(
+            pose[:3, 3], say("the {location}", location=_named(location)), may_be_near=near
+        )
     return pose
 
 
@@ -313,7 +326,7 @@ class ManyTargets(Field):
             targets = Targets(matrix=array, location=location, many=True, by_field=True)
             poses = target_poses(targets, task)
             reading.doubts.mended(mended(array, poses), say("a target's matrix"))
-            reading.doubts.place(poses[:, :3, 3], say("a target"))
+            reading.doubts.place(poses[:, :3, 3], say("a target"), may_be_near=False)
             return poses if value.ndim == 3 else poses[0]
         task = _task(reading, [value] if isinstance(value, TargetBatch) else value)
         if isinstance(value, TargetBatch):
@@ -328,7 +341,7 @@ class ManyTargets(Field):
             if rows:
                 given = [value[k].matrix for k in rows]
                 reading.doubts.mended(mended(given, poses[rows]), say("a target's matrix"))
-        reading.doubts.place(poses[:, :3, 3], say("a target"))
+        reading.doubts.place(poses[:, :3, 3], say("a target"), may_be_near=False)
         return poses
 
 

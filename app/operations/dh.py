@@ -54,16 +54,17 @@ def _run(robot: Robot, request: DHMatricesRequest, context: Context) -> Answer:
         )
     q, units = request.q, context.units
     check_size(q, 32 * len(robot.table.rows))
-    matrices = dh_matrices(robot.table, q)
+    found = dh_matrices(robot.table, q)
+    matrices = DHMatrices(*(units.poses_out(T) for T in (found.A, found.T0, found.T)))
     answer: DHMatricesAnswer = {
         "units": context.units.named,
         "convention": robot.table.convention.value,
         "joints": [row.name for row in robot.table.rows],
-        "A": units.poses_out(matrices.A),
-        "T0": units.poses_out(matrices.T0),
+        "A": matrices.A,
+        "T0": matrices.T0,
         "base": units.poses_out(robot.table.base),
         "tool": units.poses_out(robot.table.tool),
-        "T": units.poses_out(matrices.T),
+        "T": matrices.T,
         "warnings": context.warnings,
     }
     return Answer(

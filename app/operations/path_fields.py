@@ -19,7 +19,13 @@ from app.fields.lengths import LENGTH
 from app.fields.names import TASK_META, Frame, TaskSpace, one_of
 from app.fields.numbers import within_query
 from app.fields.per_joint import PerJoint
-from app.fields.targets import EulerField, PathEnd, Target, target_pose
+from app.fields.targets import (
+    ORIENTATION_FIELDS,
+    OrientationFields,
+    PathEnd,
+    Target,
+    target_pose,
+)
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.operations.operation import Context
 from app.operations.path_links import GEOMETRIES, read_geometry, read_radius
@@ -97,14 +103,11 @@ class HalfSpaceField(msgspec.Struct, tag="half_space", forbid_unknown_fields=Tru
     offset: Annotated[float, LENGTH] = 0.0
 
 
-class BoxField(msgspec.Struct, tag="box", forbid_unknown_fields=True, kw_only=True):
+class BoxField(OrientationFields, tag="box", forbid_unknown_fields=True, kw_only=True):
     """A box with edges of a size, m, turned by one orientation."""
 
     center: Annotated[list[float], LENGTH]
     size: Annotated[list[float], LENGTH]
-    rpy: list[float] | None = None
-    quaternion_xyzw: list[float] | None = None
-    euler: EulerField | None = None
 
 
 ObstacleField: TypeAlias = (
@@ -413,8 +416,9 @@ def _solid(field: ObstacleField, index: int, context: Context) -> solids.Obstacl
     if isinstance(field, HalfSpaceField):
         return solids.HalfSpace(field.normal, field.offset)
     rotation = None
-    if (field.rpy, field.quaternion_xyzw, field.euler) != (None, None, None):
-        target = Target(rpy=field.rpy, quaternion_xyzw=field.quaternion_xyzw, euler=field.euler)
+    turned = {name: one for name in ORIENTATION_FIELDS if (one := getattr(field, name)) is not None}
+    if turned:
+        target = Target(**turned)
         place = ("obstacles", index)
         rotation = target_pose(target, TASKS["orientation"], context.doubts, place)[:3, :3]
     return solids.Box(field.center, field.size, rotation)

@@ -11,6 +11,7 @@ from app.admission.need import Need
 from app.fields import texts
 from app.fields.field import LEFT_OUT
 from app.fields.joints import Configuration
+from app.fields.lengths import LENGTH
 from app.fields.names import Frame, TaskSpace
 from app.fields.numbers import RankTolerance, within_query
 from app.operations.operation import (
@@ -73,6 +74,7 @@ class SingularityRequest(msgspec.Struct, kw_only=True):
             "Length by which m/s are divided, m; default the arm's own.",
             texts.length,
         ),
+        LENGTH,
     ] = None
 
 

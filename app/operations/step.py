@@ -80,7 +80,7 @@ class StepAnswer(TypedDict):
 
     ``delta_q`` is ``task_motion`` plus ``null_motion``, in the units of the answer, as z and q are.
     The matrices are in rad and m. ``residuals`` is what is missing of delta_x, of each task, in
-    m and rad, in the linear model.
+    rad and the unit of lengths, in the linear model.
     """
 
     units: AnswerUnits
@@ -116,15 +116,17 @@ def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
             say("give at most {max_secondary} secondary tasks", max_secondary=MAX_SECONDARY),
             argument="secondary",
         )
+    secondary = [_secondary(robot, one, k, context) for k, one in enumerate(request.secondary)]
     found = differential_step(
         robot,
         q,
         StepTask(_motion(request.delta_x, task, context), task, frame),
         z=request.z,
-        secondary=[_secondary(robot, one, k, context) for k, one in enumerate(request.secondary)],
+        secondary=secondary,
         damping=request.damping,
     )
     delta = context.units.joints_out(robot, found.delta_q)
+    others = [one.task for one in secondary]
     answer: StepAnswer = {
         "units": context.units.named,
         "task": task.name,
@@ -135,8 +137,11 @@ def _run(robot: Robot, request: StepRequest, context: Context) -> Answer:
         "norm": float(np.linalg.norm(delta)),
         "task_motion": context.units.joints_out(robot, found.task_motion),
         "null_motion": context.units.joints_out(robot, found.null_motion),
-        "achieved": found.achieved,
-        "residuals": list(found.residuals),
+        "achieved": _lengths_out(found.achieved, task, context),
+        "residuals": [
+            _lengths_out(one, of, context)
+            for one, of in zip(found.residuals, (task, *others), strict=True)
+        ],
         "rank": found.rank,
         "singular_values": found.singular_values,
         "damping": request.damping,
@@ -153,6 +158,12 @@ def _secondary(robot: Robot, one: SecondaryStep, k: int, context: Context) -> St
     frame = robot.tip_frame if one.frame is None else one.frame
     robot.frame_id(frame, "secondary", (k, "frame"))
     return StepTask(_motion(one.delta_x, task, context), task, frame)
+
+
+def _lengths_out(motion: FloatArray, task: Task, context: Context) -> FloatArray:
+    """Return a motion with its lengths in the unit of the answer, and its angles in rad."""
+    angular = np.array([row >= 3 for row in task.rows])
+    return np.where(angular, motion, context.units.lengths_out(motion))
 
 
 def _motion(values: list[float], task: Task, context: Context) -> FloatArray:

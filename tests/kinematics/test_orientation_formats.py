@@ -70,6 +70,8 @@ def test_where_values_are_not_unique():
     assert not FORMATS["kawasaki_oat"].is_degenerate(quarter)
     assert FORMATS["kawasaki_oat"].is_degenerate(np.eye(3))
     assert not FORMATS["ur_rotation_vector"].is_degenerate(np.eye(3))
+    half = Rotation.from_rotvec([np.pi, 0, 0]).as_matrix()
+    assert FORMATS["ur_rotation_vector"].is_degenerate(half)
 
 
 def test_a_quaternion_of_another_norm_is_none():

@@ -287,6 +287,37 @@ def test_a_joint_may_be_held_by_its_limits(client):
     assert given["q"][0] == pytest.approx(0.35, abs=1e-9)
 
 
+def test_null_is_no_limits(client):
+    body = {"q": [9.0, 0, 0, 0, 0, 0], "limits": {"j1": None}}
+    given = client.post("/v1/robots/puma560/fk", json=body).json()
+    assert not any("outside" in one for one in given["warnings"])
+
+
+def test_a_slide_beyond_its_limits_is_told_so_and_not_taken_for_mm(client):
+    body = {
+        "q": [0, 0, 0, -1, 0, 1, 0, 0.03],
+        "limits": {"panda_finger_joint1": {"upper": 0.01}},
+    }
+    given = client.post("/v1/robots/panda_urdf/fk", json=body).json()
+    assert any("0.03 m, outside its limits 0 to 0.01" in one for one in given["warnings"])
+
+
+def test_limits_of_jerk_are_told_to_be_unused(client):
+    body = {"q": [0] * 6, "limits": {"j1": {"jerk": 5}}}
+    given = client.post("/v1/robots/puma560/fk", json=body).json()
+    assert any("jerk" in one for one in given["warnings"])
+
+
+@pytest.mark.parametrize(
+    ("limits", "part"), [("j1:-1:1,j1:0:1", "twice"), ("j1:-1:1:2", "write it as"), ("j1", "write")]
+)
+def test_limits_of_a_query_are_read_strictly(client, limits, part):
+    params = {"q": "0,0,0,0,0,0", "limits": limits}
+    answer = client.get("/v1/robots/puma560/fk", params=params)
+    assert answer.status_code == 422
+    assert part in answer.json()["errors"][0]["message"]
+
+
 def test_nothing_is_stored(client):
     before = client.get("/v1/robots/puma560").json()
     body = {"q": [0] * 6, "tool": {"xyz": [0, 0, 1]}, "limits": {"j1": {"upper": 0.1}}}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import io
+import re
 
 import numpy as np
 import pytest
@@ -33,6 +34,8 @@ JOINTS |= {"velocity", "acceleration"}
 LENGTHS = {"position", "position_error", "position_miss", "points", "low", "high", "clearance"}
 LENGTHS |= {"clearance_swept", "max_position_error", "end_position_error", "min_clearance"}
 LENGTHS |= {"min_clearance_swept"}
+ROWS = {"twist", "achieved"}
+"""Three lengths and three angles, or their rates."""
 MATRICES = {"matrix", "A", "T0", "T", "base", "tool"}
 MIXED = {"norm", "distance", "sum_dq", "largest_step", "limit_margin", "null_motions", "drift"}
 """Norms of joint values and directions, in whatever units these have."""
@@ -53,8 +56,10 @@ def in_mm(answer, key=""):
         q = np.array(answer)
         q[..., SLIDE] *= 1000
         return q.tolist()
-    if key == "twist":
+    if key in ROWS:
         return (np.array(answer) * [1000, 1000, 1000, 1, 1, 1]).tolist()
+    if key == "residuals":
+        return [in_mm(one, "achieved") for one in answer]
     if isinstance(answer, list):
         return [in_mm(one) for one in answer]
     return answer
@@ -207,6 +212,44 @@ def test_a_default_in_metres_stays_the_same_length(client):
     path = {"q": IN_MM, "target": {"position": [300, 500, 800]}, "task": "position", "samples": 5}
     given = client.post("/v1/path", json={"robot": ARM, **path}, params={"length": "mm"}).json()
     assert given["success"], given["message"]
+
+
+@pytest.mark.parametrize("q", [Q, [Q, Q]])
+def test_every_form_of_link_matrices_is_in_mm(client, q):
+    """Text, LaTeX and npy say what JSON says."""
+    body = {"robot": ARM, "q": in_mm({"q": q})["q"]}
+
+    def asked(form: str):
+        params = {"length": "mm", "format": form}
+        answer = client.post("/v1/dh-matrices", json=body, params=params)
+        assert answer.status_code == 200, answer.text
+        return answer
+
+    answer = asked("json").json()
+    assert np.abs(np.array(answer["A"])[..., 0, 2, 3]).max() == pytest.approx(400)
+    T = np.load(io.BytesIO(asked("npy").content))
+    assert np.abs(T - np.array(answer["T"])).max() < 1e-9
+    for form in ("text", "latex"):
+        assert re.search(r"\b400\b", asked(form).text)
+
+
+def test_warnings_are_in_mm(client):
+    body = {"robot": ARM, "q": [*IN_MM[:2], 2000.0, *IN_MM[3:]]}
+    warnings = client.post("/v1/fk", json=body, params={"length": "mm"}).json()["warnings"]
+    assert "q of joint j3 is 2000 mm, outside its limits 100 to 900" in " ".join(warnings)
+    body = {"robot": ARM, "target": {"position": [90_000, 200, 500]}, "task": "position"}
+    warnings = client.post("/v1/ik", json=body, params={"length": "mm"}).json()["warnings"]
+    assert not any("length=mm" in one for one in warnings)
+    body = {"robot": ARM, "target": {"position": [0.4, 0.2, 0.5]}, "task": "position"}
+    warnings = client.post("/v1/ik", json=body, params={"length": "mm"}).json()["warnings"]
+    assert any("metres? then leave length=mm out" in one for one in warnings), warnings
+
+
+def test_a_characteristic_length_is_one(client):
+    body = {"robot": ARM, "q": IN_MM, "characteristic_length": 500}
+    given = client.post("/v1/singularity", json=body, params={"length": "mm"}).json()
+    body = {"robot": ARM, "q": Q, "characteristic_length": 0.5}
+    close(given["dexterity"], client.post("/v1/singularity", json=body).json()["dexterity"])
 
 
 def test_csv_has_headings_in_mm(client):

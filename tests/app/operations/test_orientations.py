@@ -57,6 +57,17 @@ def test_values_that_are_not_unique_are_marked(client):
     assert pose["orientation_degenerate"] is True
 
 
+def test_a_box_is_turned_as_makers_write_it(client):
+    """The clearance is that of the box turned by rpy."""
+    body = {"q": Q, "circle": {"center": [0.3, 0.1, 0.5]}, "task": "position", "samples": 5}
+    box = {"type": "box", "center": [0.9, 0, 0.2], "size": [0.4, 0.1, 0.1]}
+    found = [
+        client.post(f"{ADDRESS}/path", json={**body, "obstacles": [{**box, **turned}]}).json()
+        for turned in ({"rpy": [0.3, 0.2, 0.1]}, {"kuka_abc": [0.1, 0.2, 0.3]})
+    ]
+    assert found[0]["clearance"] == pytest.approx(found[1]["clearance"], abs=1e-12)
+
+
 def test_a_sheet_has_columns_of_them(client):
     params = {"q": "0,0,0,0,0.3,0", "orientation": "abb_quaternion", "format": "csv"}
     heading, row = client.get(f"{ADDRESS}/fk", params=params).text.splitlines()

@@ -555,8 +555,6 @@ export interface components {
          */
         Target: {
             /** @default null */
-            matrix?: number[][] | null;
-            /** @default null */
             quaternion_xyzw?: number[] | null;
             /** @default null */
             rpy?: number[] | null;
@@ -584,6 +582,8 @@ export interface components {
             denso_rxryrz?: number[] | null;
             /** @default null */
             comau_euler?: number[] | null;
+            /** @default null */
+            matrix?: number[][] | null;
             /** @default null */
             position?: number[] | null;
             /** @default null */
@@ -607,8 +607,6 @@ export interface components {
          */
         Placement: {
             /** @default null */
-            matrix?: number[][] | null;
-            /** @default null */
             quaternion_xyzw?: number[] | null;
             /** @default null */
             rpy?: number[] | null;
@@ -636,6 +634,8 @@ export interface components {
             denso_rxryrz?: number[] | null;
             /** @default null */
             comau_euler?: number[] | null;
+            /** @default null */
+            matrix?: number[][] | null;
             /** @default null */
             position?: number[] | null;
             /** @default null */
@@ -2033,14 +2033,36 @@ export interface components {
         BoxField: {
             /** @enum {unknown} */
             type: "box";
-            center: number[];
-            size: number[];
-            /** @default null */
-            rpy?: number[] | null;
             /** @default null */
             quaternion_xyzw?: number[] | null;
             /** @default null */
+            rpy?: number[] | null;
+            /** @default null */
             euler?: components["schemas"]["EulerField"] | null;
+            /** @default null */
+            rotation_vector?: number[] | null;
+            /** @default null */
+            quaternion_wxyz?: number[] | null;
+            /** @default null */
+            kuka_abc?: number[] | null;
+            /** @default null */
+            fanuc_wpr?: number[] | null;
+            /** @default null */
+            abb_quaternion?: number[] | null;
+            /** @default null */
+            ur_rotation_vector?: number[] | null;
+            /** @default null */
+            staubli_rxryrz?: number[] | null;
+            /** @default null */
+            yaskawa_rxryrz?: number[] | null;
+            /** @default null */
+            kawasaki_oat?: number[] | null;
+            /** @default null */
+            denso_rxryrz?: number[] | null;
+            /** @default null */
+            comau_euler?: number[] | null;
+            center: number[];
+            size: number[];
         };
         /**
          * RetimeField
@@ -4059,7 +4081,7 @@ export interface components {
          *
          *         ``delta_q`` is ``task_motion`` plus ``null_motion``, in the units of the answer, as z and q are.
          *         The matrices are in rad and m. ``residuals`` is what is missing of delta_x, of each task, in
-         *         m and rad, in the linear model.
+         *         rad and the unit of lengths, in the linear model.
          */
         StepAnswer: {
             achieved: number[];
