@@ -10,7 +10,7 @@ import msgspec
 
 from app.fields import texts
 from app.fields.bounds import coordinates
-from app.fields.field import Field, Parameter, Reading, declared
+from app.fields.field import LEFT_OUT, Field, Parameter, Reading, declared
 from app.fields.lengths import LENGTH, PLACED
 from app.fields.targets import Orientations, Target, target_pose
 from app.http.pointers import json_pointer
@@ -244,4 +244,4 @@ class InstallationFields(msgspec.Struct, kw_only=True):
 
     base: BasePlacement = None
     tool: ToolPlacement = None
-    limits: JointLimits = msgspec.field(default_factory=dict)
+    limits: JointLimits = LEFT_OUT

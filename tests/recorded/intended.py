@@ -78,6 +78,12 @@ _WITH_DECIMAL = {one.name for one in OPERATIONS if "decimal" in one.parameters}
 _PLACE = re.compile(r"targets[./]\w+[./]\w+(?:[./]sequence)?")
 
 
+_LATER_NAMES = re.compile(
+    r"(query parameter [^\"\n]* is unknown; did you mean (\w+))"
+    r"(?: or (?:quaternion_wxyz|(?:tool|base)_\w+))+\?"
+)
+
+
 def _without_decimal(known: str) -> str:
     """A list of known names without ``decimal``, or with one name less where it is cut."""
     if ", decimal" in known:
@@ -644,6 +650,11 @@ INTENDED: list[Intended] = [
         "CSV has the commas of ?decimal=, a parameter more where lists of them are cut",
         lambda asked, answer: answer.status == 422 and asked.operation in _WITH_DECIMAL,
         lambda old, text: _PARAMETERS.sub(lambda known: _without_decimal(known[0]), text),
+    ),
+    Intended(
+        "placements and makers' orientations are parameters too, and suggested where alike",
+        lambda asked, answer: answer.status == 422,
+        lambda old, text: _LATER_NAMES.sub(r"\1?", text),
     ),
     Intended(
         "a matrix that mirrors is refused in words of its own",

@@ -97,7 +97,7 @@ def estimate(case: Case) -> int:
         assert operation.npy_field is not None
         decoded = form.from_npy(operation.npy_field, decode_npy(case.body), query, reading)
     else:
-        decoded = form.from_json(case.body)
+        decoded = form.from_json(case.body, units)
     accept = operation.forms[0] if case.accept == "*/*" else case.accept
     symbolic = SymbolicWorkers()
     context = Context(units, settings, doubts, accept, symbolic)

@@ -209,8 +209,12 @@ def stopped() -> tuple[dict[str, list[tuple]], list[tuple[bool, bool, bool]], li
     with socket.socket() as bound:
         bound.bind(("127.0.0.1", 0))
         server = Stopping(uvicorn.Config(app, log_config=None, ws="none"))
-        with pytest.raises(KeyboardInterrupt):  # uvicorn raises the signal again
-            server.run([bound])
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        try:
+            with pytest.raises(KeyboardInterrupt):  # uvicorn raises the signal again
+                server.run([bound])
+        finally:
+            signal.signal(signal.SIGINT, before)
     flags.append((server.started, server.should_exit, server.force_exit))
     events.append(callable(server.lifespan.shutdown))
     return calls, flags, events

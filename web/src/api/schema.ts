@@ -541,7 +541,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -743,7 +743,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -770,7 +770,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -795,7 +795,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -832,7 +832,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -867,7 +867,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -905,7 +905,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -941,7 +941,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -1011,7 +1011,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -1139,7 +1139,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -1194,7 +1194,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -1247,7 +1247,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -1295,7 +1295,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -1341,7 +1341,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -1383,7 +1383,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -1423,7 +1423,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -1463,7 +1463,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -1501,7 +1501,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -1556,7 +1556,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -1609,7 +1609,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -1651,7 +1651,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -1691,7 +1691,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -1735,7 +1735,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -1777,7 +1777,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -1930,7 +1930,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -2246,7 +2246,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -2395,7 +2395,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -2568,7 +2568,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -2621,7 +2621,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -2672,7 +2672,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -2719,7 +2719,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -2764,7 +2764,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -2806,7 +2806,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -2846,7 +2846,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -2902,7 +2902,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -2970,7 +2970,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -3118,7 +3118,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -3158,7 +3158,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -3196,7 +3196,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -3232,7 +3232,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
@@ -3284,7 +3284,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
         };
@@ -3334,7 +3334,7 @@ export interface components {
             tool?: number[][] | components["schemas"]["Placement"] | null;
             /**
              * @description Limits by joint name, {"j1": {"lower": -1, "upper": 1}}, in the place of the robot's own (lower, upper, velocity, acceleration, jerk; null: none), in the units of the request. For this request only.
-             * @default {}
+             * @default null
              */
             limits?: Record<string, never> | null;
             /** @description A D-H table, {"urdf": text, "tip": …}, or the id of a stored robot. */
