@@ -226,10 +226,11 @@ SOLUTIONS = Operation(
     description="Every q that reaches a pose: in closed form, complete, for arms of three joints"
     " that place a point, alone or before a spherical wrist, 6R arms with three parallel axes,"
     " planar arms of two and three joints, and SCARA; algebraic, complete, for any other arm with"
-    " no more joints than the task has rows. An arm with one joint more has curves of solutions:"
-    " self_motion tells each, with its ends, and solutions on it are listed; those of 7R arms with"
-    " spherical shoulder and wrist by swivel angle. For others by search. As npy: q of each, shape"
-    " (n, dof). As csv and latex: one row a solution.",
+    " no more joints than the task has rows, where the task has the whole orientation, a direction,"
+    " no orientation, or one angle of joints that turn about that axis alone. An arm with"
+    " one joint more has curves of solutions: self_motion tells each, with its ends, and solutions"
+    " on it are listed; those of 7R arms with spherical shoulder and wrist by swivel angle. For"
+    " others by search. As npy: q of each, shape (n, dof). As csv and latex: one row a solution.",
     request=IKSolutionsRequest,
     answer=IKSolutionsAnswer,
     memory=_memory,

@@ -30,10 +30,12 @@ class BranchBeyondView(TypedDict):
 class ForbiddenView(TypedDict):
     """What forbids a target: its position, its orientation, or the limits, and by how much.
 
-    ``position_miss``, in the unit of the answer, and ``orientation_miss``, rad: with ``by``
-    position or orientation, what is missed; proved to be missed at the least where ``proven`` and
-    alone, else the smallest that a search found while the other is reached. ``branches``, where
-    limits forbid it: the solution of each that is least beyond them.
+    ``proven``: that the target is out of reach is proved; it says nothing of the misses.
+    ``position_miss``, in the unit of the answer, and ``orientation_miss``, rad: what is proved to
+    be missed at the least where ``status`` of ``ik`` is unreachable by length or axes alone, and
+    ``explanation`` tells the bound; else the smallest that a search found while the other is
+    reached within the limits, never more than ``reachable`` shows. ``branches``, where limits
+    forbid it: the solution of each that is least beyond them.
     """
 
     by: Literal["position", "orientation", "limits", "unknown"]

@@ -22,6 +22,7 @@ from kinematics.inverse.elimination.finishing import TOUCHES, WITHIN
 from kinematics.inverse.elimination.roots import ROOTS
 from kinematics.inverse.result import Tolerance
 from kinematics.inverse.self_motion.families import Family, Representative, swivel_family
+from kinematics.inverse.single_angle import as_orientation
 from kinematics.inverse.solutions import IKSolution, IKSolutions
 from kinematics.inverse.task_error import TaskChain, task_chain
 from kinematics.inverse.windings import (
@@ -216,8 +217,8 @@ def algebraic_solutions(
 ) -> IKSolutions | None:
     """Return the solutions of the polynomial equations; see ``exact_solutions``.
 
-    None where there are more joints than equations, no target is general, or coupled joints do
-    not tell q.
+    None where there are more joints than equations, no target is general, coupled joints do not
+    tell q, or nothing was found and nothing is proved.
     """
     if chain.is_coupled and chain.inverse is None:
         return None
@@ -227,8 +228,8 @@ def algebraic_solutions(
         if at_once is not None:
             return at_once
     given = chain.values(start[chain.columns])
-    answer = square_solutions(mechanism, task, target, given)
-    if answer is None:
+    answer = _square(mechanism, task, target, given)
+    if answer is None or not (answer.solutions or answer.is_complete):
         return None
     values = np.array([one.q for one in answer.solutions]).reshape(-1, chain.length)
     measured = np.array(
@@ -248,6 +249,24 @@ def algebraic_solutions(
     )
     description = _equations(chain, answer)
     return ordered(IKSolutions("algebraic", answer.is_complete, description, start, collected))
+
+
+def _square(
+    chain: Chain, task: Task, target: FloatArray, given: FloatArray
+) -> RealSolutions | None:
+    """Return the solutions of a chain of free joints, measured in the task; None as above."""
+    if chain.length >= len(task.rows) or len(task.rotations) != 1 or task.own_axes:
+        return square_solutions(chain, task, target, given)
+    # Joints that are added turn the frame about other axes too, where one angle is no polynomial.
+    whole = as_orientation(chain, task, target)
+    answer = None if whole is None else square_solutions(chain, *whole, given)
+    if answer is None:
+        return None
+    measured = []
+    for one in answer.solutions:
+        position, orientation = task_errors(chain, target, task, one.q)
+        measured.append(replace(one, position_error=position, orientation_error=orientation))
+    return replace(answer, solutions=tuple(measured))
 
 
 def _at_once(

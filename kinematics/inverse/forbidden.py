@@ -77,11 +77,14 @@ class Forbidden:
 
     Attributes:
         by: What does.
-        proven: Whether that is proved, else it is the result of a search.
-        position_miss: Distance that is missed at the least, where the position forbids it, m; where
-            the orientation does, the smallest at which the orientation was found to be reached.
-        orientation_miss: Angle that is missed at the least, or the smallest at which the position
-            was found to be reached, rad.
+        proven: Whether it is proved that the target is out of reach, else a search did not reach
+            it. It says nothing of the misses.
+        position_miss: m. Where the position forbids it: the distance that is proved to be missed
+            at the least by an arm that is too short, else the smallest that a search found. Where
+            the orientation does: the smallest at which a search found the orientation reached.
+        orientation_miss: rad. The angle that is proved to be missed at the least where the axes
+            cannot turn the frame so, wherever it is; else the smallest that a search found while
+            the position is reached, within the limits, which is no bound.
         branches: The branches that limits forbid; each at the solution that is least beyond them.
     """
 

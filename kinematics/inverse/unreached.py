@@ -77,23 +77,48 @@ def why_unreached(
     )
     if not parts:
         return why
-    best, forbidden = parts[0], why.forbidden
-    by_search = forbidden is not None and forbidden.position_miss is not None
-    if by_search and forbidden is not None and forbidden.orientation_miss is not None:
-        least = min(forbidden.orientation_miss, best.orientation_error)
-        forbidden = replace(forbidden, orientation_miss=least)
-    return Reasons((*why.sentences, *_least(best)), why.proven, forbidden, parts)
+    forbidden = why.forbidden
+    if forbidden is not None:
+        forbidden = _agreed(forbidden, parts, is_bound=why.proven)
+    least = _least(parts[0], None if why.proven else forbidden)
+    return Reasons((*why.sentences, *least), why.proven, forbidden, parts)
 
 
-def _least(best: Reachable) -> tuple[str, ...]:
+def _agreed(forbidden: Forbidden, parts: tuple[Reachable, ...], is_bound: bool) -> Forbidden | None:
+    """Return what forbids a target, by no more than the parts miss that are reached.
+
+    Bounds that are proved are below these but for rounding; what a search found need not be.
+    """
+    best, position, orientation = parts[0], forbidden.position_miss, forbidden.orientation_miss
+    if is_bound:
+        if position is not None:
+            position = min(position, *(one.position_error for one in parts))
+        if orientation is not None:
+            orientation = min(orientation, *(one.orientation_error for one in parts))
+    elif not best.given_up:
+        return None
+    elif GivenUp.POSITION in best.given_up:
+        if forbidden.by is Forbids.POSITION and position is not None:
+            position = min(position, best.position_error)
+    elif forbidden.by is Forbids.POSITION:
+        return Forbidden(Forbids.ORIENTATION, False, orientation_miss=best.orientation_error)
+    elif orientation is not None:
+        orientation = min(orientation, best.orientation_error)
+    return replace(forbidden, position_miss=position, orientation_miss=orientation)
+
+
+def _least(best: Reachable, searched: Forbidden | None) -> tuple[str, ...]:
     """Say how near a search came to the orientation at the position."""
     if GivenUp.POSITION in best.given_up or not best.given_up:
         return ()
+    least = best.orientation_error
+    if searched is not None and searched.orientation_miss is not None:
+        least = min(least, searched.orientation_miss)
     return (
         say(
             "within the limits, the least by which the orientation was found to be missed at the"
             " position is {least:.6g}°",
-            least=np.rad2deg(best.orientation_error),
+            least=np.rad2deg(least),
         ),
     )
 

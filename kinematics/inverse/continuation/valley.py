@@ -68,8 +68,10 @@ def valley_through(chain: TaskChain, target: FloatArray, q: FloatArray) -> Valle
         q: In the valley or beside it, shape (K,).
 
     Returns:
-        None where q is in no valley.
+        None where q is in no valley; one joint alone has none, as no other direction is wide.
     """
+    if len(q) < 2:
+        return None
     start = _held(chain, target, q, None)
     if start is None or not start.is_narrow:
         return None

@@ -311,3 +311,20 @@ def test_what_of_a_pose_is_within_reach(client, operation):
         pose = client.get(f"/v1/robots/so101/fk?q={q}&angle=deg").json()["poses"]
         position = pose["gripper_frame_link"]["position"]
         np.testing.assert_allclose(position, [0.2, 0.1, 0.2], atol=1e-7)
+
+
+def test_arms_of_one_and_two_joints_beyond_their_reach_and_with_an_angle(client):
+    slide = {"type": "P", "alpha": 0, "a": 0, "theta": 0, "limits": {"lower": 0, "upper": 1}}
+    robot = {"convention": "standard", "joints": [slide]}
+    body = {"robot": robot, "target": {"position": [0, 0, 2.5]}, "task": "z"}
+    answer = client.post("/v1/ik", json=body)
+    assert answer.status_code == 200, answer.text
+    assert answer.json()["status"] == "unreachable"
+    pose = client.get("/v1/robots/planar_2r/fk?q=0.5,0.3").json()["poses"]["tool"]["position"]
+    url = "/v1/robots/planar_2r/ik/solutions"
+    one = {"target": {"position": [1, 0, 0]}, "task": "x", "frame": "frame_1"}
+    assert client.post(url, json=one).status_code == 200
+    both = {"target": {"position": pose, "phi": 0.8}, "task": "xy_phi"}
+    answer = client.post(url, json=both).json()
+    assert answer["complete"]
+    assert [each["q"] for each in answer["solutions"]] == [pytest.approx([0.5, 0.3], abs=1e-9)]

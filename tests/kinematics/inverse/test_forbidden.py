@@ -81,3 +81,19 @@ def test_an_orientation_at_the_edge_of_reach_is_missed_by_what_a_search_found():
     else:
         assert found.by is Forbids.POSITION
         assert found.position_miss > 0.0
+
+
+def test_a_miss_is_no_more_than_that_of_what_is_reached():
+    robot, target = shipped_robot("kinova"), np.eye(4)
+    target[:3] = [
+        [0.22602006100851724, 0.9737143999273007, -0.02819928006037917, 0.00043351449144485993],
+        [-0.9227364558682165, 0.20472955423214145, -0.32656276982484184, -0.06751177572848224],
+        [-0.31220564542216406, 0.09983024089987055, 0.9447547607545591, 1.2569340563561557],
+    ]
+    told = why_unreached(robot, target, task=POSE, options=IKOptions())
+    best = told.reachable[0]
+    assert told.forbidden.by is Forbids.ORIENTATION
+    assert best.position_error < 1e-9
+    assert told.forbidden.orientation_miss <= best.orientation_error
+    degrees = f"{np.rad2deg(told.forbidden.orientation_miss):.6g}°"
+    assert any(degrees in str(one) for one in told.sentences)
