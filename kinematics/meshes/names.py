@@ -34,7 +34,7 @@ class MeshNames:
         self.members: dict[str, str] = {}
         self.missing: dict[str, None] = {}
         self.ambiguous: dict[str, tuple[str, ...]] = {}
-        self._several: tuple[str, ...] = ()
+        self._several: list[str] = []
         self._folder = posixpath.dirname(urdf)
         self._files = {path: path for path in files}
         lowered: dict[str, list[str]] = defaultdict(list)
@@ -47,11 +47,11 @@ class MeshNames:
 
     def __call__(self, filename: str) -> str | None:
         """Return the name under which a mesh is kept."""
-        self._several = ()
+        self._several = []
         path = self.file_of(filename)
         if path is None:
             if self._several and ".." not in filename.replace("\\", "/").split("/"):
-                self.ambiguous[filename] = self._several
+                self.ambiguous[filename] = tuple(self._several)
             else:
                 self.missing[filename] = None
             return portable_name(filename)
@@ -113,7 +113,7 @@ class MeshNames:
         if len(found) == 1:
             yield found[0]
         elif found:
-            self._several = self._several or tuple(found)
+            self._several = self._several or found
 
 
 def _within(folder: str, name: str) -> str:
