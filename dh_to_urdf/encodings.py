@@ -1,14 +1,17 @@
-"""Bytes of texts -> texts: UTF-8, UTF-16 with its mark, or Windows-1252, which is told."""
+"""Bytes of texts -> texts: UTF-8, or UTF-16 or Windows-1252, which is told."""
 
 from __future__ import annotations
 
 import codecs
 import re
+from contextlib import suppress
 
 from dh_to_urdf.errors import DHError
 from dh_to_urdf.messages import say
 
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f]")
+MOSTLY = 0.7
+"""Share of bytes of zero at one place of each character, in texts of wide characters."""
 _TEXT_ENCODINGS = re.compile(
     r"(?:utf-?(?:8|16|32)(?:-?(?:le|be|sig))?|us-ascii|ascii|iso-?8859-?\d{1,2}|latin-?\d{1,2}|l\d"
     r"|(?:windows-?|cp-?)\d{3,4}|mac-?(?:roman|greek|cyrillic)|koi8-[ru]|gb(?:k|2312|18030)|big5"
@@ -43,11 +46,14 @@ def decoded(
         return text.lstrip("\ufeff"), []
     if encoding is not None and encoding.lower() not in ("utf-8", "utf8"):
         return _named(text, encoding), []
-    if text.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        try:
-            return text.decode("utf-16"), []
-        except UnicodeDecodeError:
-            pass
+    codec = _wide_codec(text)
+    if codec == "utf-32":
+        raise DHError.single((), say("the text is in UTF-32, which is not read; save it as UTF-8"))
+    if codec:
+        with suppress(UnicodeDecodeError):
+            return text.decode(codec).lstrip("\ufeff"), [
+                say("the text was read as UTF-16, which was detected; save it as UTF-8")
+            ]
     try:
         return text.decode("utf-8-sig"), []
     except UnicodeDecodeError as error:
@@ -71,6 +77,26 @@ def decoded(
             " name its encoding, such as charset=iso-8859-1 in Content-Type"
         )
     ]
+
+
+def _wide_codec(text: bytes) -> str:
+    """Return the codec of a text of wide characters; empty for others.
+
+    Where no mark tells it: texts of tables are ASCII in the main, of whose characters UTF-16 makes
+    one byte of zero and another, and UTF-32 three of zero.
+    """
+    if text.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
+        return "utf-32"
+    if text.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    zeros = [text[k::4].count(0) / max(1, len(text[k::4])) for k in range(4)]
+    if len(text) % 4 == 0 and (min(zeros[:3]) > MOSTLY or min(zeros[1:]) > MOSTLY):
+        return "utf-32"
+    if len(text) % 2 == 0 and min(zeros[1::2]) > MOSTLY and max(zeros[::2]) < 1 - MOSTLY:
+        return "utf-16-le"
+    if len(text) % 2 == 0 and min(zeros[::2]) > MOSTLY and max(zeros[1::2]) < 1 - MOSTLY:
+        return "utf-16-be"
+    return ""
 
 
 def _named(text: bytes, encoding: str) -> str:

@@ -244,11 +244,13 @@ class RevisionMismatch(RobotError):
         robot_id: The robot.
         current: The stored revision; ``DAMAGED`` where it cannot be told, None where no robot has
             the id.
+        mesh: The mesh of the robot whose revision ``current`` is; None where it is the robot's.
     """
 
-    def __init__(self, robot_id: str, current: str | None) -> None:
+    def __init__(self, robot_id: str, current: str | None, mesh: str | None = None) -> None:
         self.robot_id = robot_id
         self.current = current
+        self.mesh = mesh
         if current == DAMAGED:
             state = say("is damaged")
         else:
@@ -257,7 +259,16 @@ class RevisionMismatch(RobotError):
                 if current
                 else say("does not exist")
             )
-        super().__init__(say("robot {robot_id!r} {state}", robot_id=robot_id, state=state))
+        if mesh is None:
+            message = say("robot {robot_id!r} {state}", robot_id=robot_id, state=state)
+        else:
+            message = say(
+                "mesh {mesh!r} of robot {robot_id!r} {state}",
+                mesh=mesh,
+                robot_id=robot_id,
+                state=state,
+            )
+        super().__init__(message)
 
 
 class InvalidMesh(RobotError):

@@ -40,3 +40,35 @@ def check_revision(
         raise RevisionMismatch(robot_id, current)
     if found and (current in if_none_match or ANY in if_none_match):
         raise RevisionMismatch(robot_id, current)
+
+
+def check_mesh(
+    robot_id: str,
+    revision: str,
+    mesh: tuple[str, str | None],
+    if_match: tuple[str, ...],
+    if_none_match: tuple[str, ...],
+) -> None:
+    """Refuse a change of a mesh whose conditions do not hold.
+
+    Args:
+        robot_id: The robot.
+        revision: Its stored revision, which changes with each of its meshes.
+        mesh: Name of the mesh, and its stored digest; None where there is none.
+        if_match: Revisions of the robot or digests of the mesh, one of which must be stored; empty:
+            no condition.
+        if_none_match: The same, none of which may be stored.
+
+    Raises:
+        RevisionMismatch: A condition does not hold.
+    """
+    name, digest = mesh
+    current = {revision} if digest is None else {revision, digest, ANY}
+    if if_match and current.isdisjoint(if_match):
+        if named_revisions(if_match):
+            raise RevisionMismatch(robot_id, revision)
+        raise RevisionMismatch(robot_id, digest, mesh=name)
+    if revision in if_none_match:
+        raise RevisionMismatch(robot_id, revision)
+    if not current.isdisjoint(if_none_match):
+        raise RevisionMismatch(robot_id, digest, mesh=name)

@@ -27,7 +27,7 @@ from robots.errors import (
     SharedRobot,
     StorageError,
 )
-from robots.revisions import check_revision, named_revisions
+from robots.revisions import check_mesh, check_revision, named_revisions
 from robots.robot import Robot, robot_with_meshes
 from robots.shapes import mesh_users
 from robots.shipped import is_shipped, shipped_file, shipped_ids, shipped_robot
@@ -286,6 +286,7 @@ class RobotStore:
         *,
         writer: Writer = ANYBODY,
         if_match: tuple[str, ...] = (),
+        if_none_match: tuple[str, ...] = (),
     ) -> tuple[StoredRobot, bool]:
         """Store or remove a mesh of an uploaded robot, durably; its other meshes stay.
 
@@ -294,7 +295,9 @@ class RobotStore:
             name: Name of the mesh, as its URDF has it, without ``package://``.
             mesh: The mesh and its file; None removes it.
             writer: Who does it; the robot of another is changed only where ``if_match`` holds.
-            if_match: Revisions one of which must be stored now; empty: no matter.
+            if_match: Revisions of the robot or digests of the mesh, one of which must be stored
+                now; ``ANY`` for any mesh of this name; empty: no matter.
+            if_none_match: The same, none of which may be stored now.
 
         Returns:
             The robot as it is stored, and True where it had no such mesh.
@@ -305,7 +308,7 @@ class RobotStore:
             RobotNotFound: No robot has this id.
             MeshNotFound: The robot's URDF names no such mesh, or it has none to remove.
             AnothersRobot: Another has stored the robot, and there is no ``if_match``.
-            RevisionMismatch: ``if_match`` does not hold.
+            RevisionMismatch: ``if_match`` or ``if_none_match`` does not hold.
             MeshesTooLarge: The meshes would take more than is kept with one robot.
             QuotaReached: It would exceed a quota.
             StorageError: The disk does not take it; what was stored before is intact.
@@ -323,7 +326,8 @@ class RobotStore:
                 shared = self._is_shared(robot_id)
                 raise SharedRobot(robot_id) if shared else self._not_found(robot_id)
             robot = stored.robot
-            check_revision(robot_id, robot.revision, if_match, ())
+            digest = next((one.digest for one in robot.meshes if one.name == name), None)
+            check_mesh(robot_id, robot.revision, (name, digest), if_match, if_none_match)
             if not if_match:
                 writer.check(robot_id, stored.maker)
             files = self._uploads.mesh_files(robot_id, robot)

@@ -99,6 +99,10 @@ MISDIRECTED = ProblemType("misdirected", 421, say("The service does not go by th
 TOO_MANY = ProblemType("too-many-requests", 429, say("Too many requests"))
 NOT_FOUND = ProblemType("not-found", 404, say("There is nothing here"))
 METHOD_NOT_ALLOWED = ProblemType("method-not-allowed", 405, say("The method is not possible here"))
+# Of requests that no route sees, since they are not read as a whole:
+UNREADABLE = ProblemType("malformed-request", 400, say("The request cannot be read"))
+TOO_SLOW = ProblemType("request-timeout", 408, say("The request took too long to arrive"))
+HEAD_TOO_LARGE = ProblemType("head-too-large", 431, say("The head of the request is too large"))
 
 GENERIC_TYPES = (
     INVALID_REQUEST,
@@ -120,6 +124,9 @@ GENERIC_TYPES = (
     MISDIRECTED,
     TOO_MANY,
     BUSY,
+    UNREADABLE,
+    TOO_SLOW,
+    HEAD_TOO_LARGE,
 )
 """Types of problems that no exception of a package below stands for."""
 

@@ -14,6 +14,7 @@ from app.access.control import key_of
 from app.dependencies import RobotDep, Services, ServicesDep
 from app.documents import BINARY
 from app.http.bodies import read_body
+from app.http.conditions import if_match_of, if_none_match_of
 from app.http.language import language_of
 from app.http.negotiation import JSON, TEXT, wanted_type
 from app.http.query import check_query, flag_of
@@ -135,18 +136,24 @@ async def read_mesh(
 async def put_mesh(
     request: Request, stored: RobotDep, name: Annotated[str, _NAME], services: ServicesDep
 ) -> Response:
-    """STL, OBJ, PLY, glTF or COLLADA, for a mesh that the robot's URDF names."""
+    """STL, OBJ, PLY, glTF or COLLADA, for a mesh that the robot's URDF names.
+
+    If-Match and If-None-Match take the ETag of the mesh or of the robot.
+    """
     check_query(request, OVERWRITE, common=("format", "lang"))
     wanted = wanted_type(request, JSON, TEXT)
     if stored.shipped:
         raise ReadOnlyRobot(stored.id)
     full = found_name(stored.id, name, await services.loaded(lambda: mesh_users(stored.robot)))
     writer, store = _writer(request, services), services.store_of(request)
+    if_match, unless = if_match_of(request), if_none_match_of(request)
     body = await read_body(request, services.settings.max_mesh_bytes)
     mesh = await services.mesh_read(lambda: services.meshes.mesh(full, body), request, len(body))
 
     def put() -> tuple[dict[str, Any], bool]:
-        changed, is_new = store.change_mesh(stored.id, full, mesh, writer=writer)
+        changed, is_new = store.change_mesh(
+            stored.id, full, mesh, writer=writer, if_match=if_match, if_none_match=unless
+        )
         robot = changed.robot
         line = uploaded_line(stored.id, robot, mesh[0], mesh_users(robot)[full])
         return line, is_new
@@ -169,7 +176,12 @@ async def delete_mesh(
         raise ReadOnlyRobot(stored.id)
     full = found_name(stored.id, name, [mesh.name for mesh in stored.robot.meshes])
     writer, store = _writer(request, services), services.store_of(request)
-    await services.stored(lambda: store.change_mesh(stored.id, full, None, writer=writer))
+    if_match, unless = if_match_of(request), if_none_match_of(request)
+    await services.stored(
+        lambda: store.change_mesh(
+            stored.id, full, None, writer=writer, if_match=if_match, if_none_match=unless
+        )
+    )
     return Response(status_code=204)
 
 

@@ -25,6 +25,7 @@ from app.documents import (
     robot_from_body,
 )
 from app.http.bodies import read_body
+from app.http.conditions import if_match_of, if_none_match_of
 from app.http.language import language_of
 from app.http.negotiation import JSON, TEXT, media_type, wanted_type
 from app.http.problems import INVALID_REQUEST, RequestProblem
@@ -274,26 +275,6 @@ def not_modified(request: Request, tag: str) -> Response | None:
     )
 
 
-def _if_match(request: Request) -> tuple[str, ...]:
-    """The revisions that a request insists on; empty for any or none."""
-    return tuple(_revision(tag) for tag in _tags(request, "if-match"))
-
-
-def _if_none_match(request: Request) -> tuple[str, ...]:
-    """The revisions that a request must not meet; empty for none."""
-    return tuple(_revision(tag.removeprefix("W/")) for tag in _tags(request, "if-none-match"))
-
-
-def _tags(request: Request, header: str) -> list[str]:
-    return [item.strip() for line in request.headers.getlist(header) for item in line.split(",")]
-
-
-def _revision(tag: str) -> str:
-    # A star in quotes is a tag that no robot has; without them, it would stand for any.
-    quoted = len(tag) > 1 and tag[0] == tag[-1] == '"' and tag != '"*"'
-    return tag[1:-1] if quoted else tag
-
-
 def build_router(max_body: int) -> APIRouter:
     """Routes of robots.
 
@@ -448,7 +429,7 @@ def build_router(max_body: int) -> APIRouter:
     ) -> Response:
         store = services.store_of(request)
         store.check_id(robot_id)
-        wanted, unless = wanted_type(request, JSON, TEXT), _if_none_match(request)
+        wanted, unless = wanted_type(request, JSON, TEXT), if_none_match_of(request)
         writer = services.writer_of(request, overwrite=flag_of(request, OVERWRITE))
         read = await _document(request, services, max_body, default_name=robot_id)
         _check_name(request, read.robot, robot_id)
@@ -461,7 +442,7 @@ def build_router(max_body: int) -> APIRouter:
                     meshes=read.files,
                     writer=writer,
                     create_only=ANY in unless,
-                    if_match=_if_match(request),
+                    if_match=if_match_of(request),
                     if_none_match=unless,
                 )
             except RobotExists:
@@ -482,7 +463,7 @@ def build_router(max_body: int) -> APIRouter:
         request: Request, robot_id: Annotated[str, Path()], services: ServicesDep
     ) -> Response:
         check_query(request, OVERWRITE)
-        if_match, unless = _if_match(request), _if_none_match(request)
+        if_match, unless = if_match_of(request), if_none_match_of(request)
         store = services.store_of(request)
         # Without keys nobody is known, and who asks for a deletion means no other change.
         overwrite = flag_of(request, OVERWRITE) or key_of(request.scope) is None

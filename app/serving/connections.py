@@ -30,6 +30,7 @@ from uvicorn.protocols.http.httptools_impl import (
     RequestResponseCycle,
 )
 
+from app.http.problems import HEAD_TOO_LARGE, TOO_MANY, TOO_SLOW, UNREADABLE, ProblemType
 from app.routes.compute import TRIED
 from app.serving.short_requests import Declined, ShortAnswer, ShortRequest, ShortRequests
 
@@ -43,6 +44,10 @@ MAX_HEADERS = 100
 MAX_OVERHEAD = 65_536
 """Bytes of chunk sizes, extensions and trailers, beside sixteen for each byte of a body."""
 MAX_PIPELINED = 64
+UNANSWERED = (
+    f"more than {MAX_PIPELINED} requests wait for their answers on this connection; read the"
+    " answers first, then send the others on a new connection"
+)
 AT_ONCE = 24
 TURN_SECONDS = 0.004
 """Requests begun in one turn of the event loop, and the time after which no other is: milliseconds,
@@ -240,7 +245,7 @@ class GuardedProtocol(HttpToolsProtocol):
         self._unread_since: float | None = None
         self._unread = -1
         self._raw = self._payload = self._head = self._count = 0
-        self._refusal = (400, "malformed-request", UNREAD)
+        self._refusal: tuple[ProblemType, str] = (UNREADABLE, UNREAD)
         self._head_end = b""
         self._running: RequestResponseCycle | None = None
         self._held: _Held | None = None
@@ -285,7 +290,7 @@ class GuardedProtocol(HttpToolsProtocol):
         if self.phase is Phase.HEAD and self._raw > MAX_HEAD_BYTES:
             self._refuse_head()
         elif self.phase is Phase.BODY and self._raw > 16 * self._payload + MAX_OVERHEAD:
-            self._refusal = (400, "malformed-request", "the body has more framing than content")
+            self._refusal = (UNREADABLE, "the body has more framing than content")
             self.send_400_response("")
 
     def _without_upgrade(self, data: bytes) -> bytes:
@@ -325,7 +330,8 @@ class GuardedProtocol(HttpToolsProtocol):
     def on_headers_complete(self) -> None:
         """The head is there; the body is awaited."""
         if len(self.pipeline) >= MAX_PIPELINED:
-            raise ValueError("too many requests are pipelined")
+            self._refusal = (TOO_MANY, UNANSWERED)
+            raise ValueError(UNANSWERED)
         super().on_headers_complete()
         self._enter(Phase.BODY, self.guard.limits.body_seconds)
         self._raw = self._payload = 0
@@ -399,11 +405,11 @@ class GuardedProtocol(HttpToolsProtocol):
             return
         waited = now - self.since
         if self.phase is Phase.HEAD and waited > self._allowed:
-            self._refusal = (408, "request-timeout", "the head of the request took too long")
+            self._refusal = (TOO_SLOW, "the head of the request took too long")
             self._too_slow()
         elif self.phase is Phase.BODY and not self.flow.read_paused:
             if waited > self._allowed + self._payload / BYTES_A_SECOND:
-                self._refusal = (408, "request-timeout", "the body of the request took too long")
+                self._refusal = (TOO_SLOW, "the body of the request took too long")
                 self._too_slow()
         elif self.phase is Phase.LINGER and waited > LINGER:
             self.cut_off()
@@ -454,14 +460,15 @@ class GuardedProtocol(HttpToolsProtocol):
         """Sends the refusal, and no more after it."""
         if self.transport.is_closing():
             return
-        status, slug, detail = self._refusal
+        type_, detail = self._refusal
+        status, slug = type_.status, type_.slug
         request_id = secrets.token_hex(8)
         fields = {"request_id": request_id, "status": status, "problem": slug}
         LOG.info("request not read", extra={"fields": fields})
         body = orjson.dumps(
             {
                 "type": f"{self.root_path}/problems/{slug}",
-                "title": "The request is not read",
+                "title": str(type_.title),
                 "status": status,
                 "detail": detail,
                 "errors": [{"pointer": "", "message": detail}],
@@ -587,12 +594,11 @@ class GuardedProtocol(HttpToolsProtocol):
         self._head += size
         if self._head > MAX_HEAD_BYTES or self._count > MAX_HEADERS:
             self._refusal = (
-                431,
-                "head-too-large",
+                HEAD_TOO_LARGE,
                 f"the head is larger than {MAX_HEAD_BYTES} bytes or {MAX_HEADERS} headers; large"
                 " requests go into the body",
             )
-            raise ValueError(self._refusal[2])
+            raise ValueError(self._refusal[1])
 
     def _refuse_head(self) -> None:
         try:

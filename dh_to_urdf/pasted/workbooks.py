@@ -12,15 +12,17 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Final
 
-from dh_to_urdf.errors import DHError
+from dh_to_urdf.errors import MAX_FAULTS, DHError, Fault, printable, quoted
 from dh_to_urdf.messages import say
 from dh_to_urdf.pasted.grids import Line
 from dh_to_urdf.pasted.headings import COLUMN_QUANTITIES, MAX_COLUMNS, is_heading, read_heading
 from dh_to_urdf.pasted.raw_table import RawTable, table_from_lines
-from dh_to_urdf.pasted.workbook_process import MAX_TEXT, MEMORY
+from dh_to_urdf.pasted.workbook_process import FORMULA, MAX_TEXT, MEMORY, Unread
 from dh_to_urdf.table import Convention
 
 MAX_UNPACKED: Final = 20_000_000
@@ -33,6 +35,23 @@ object. Cells of two characters, the smallest that are no constants, take 13 for
 SECONDS: Final = 20.0
 """Time that reading a workbook may take."""
 _READER: Final = Path(__file__).with_name("workbook_process.py")
+
+
+@dataclass(frozen=True, slots=True)
+class _Sheet:
+    """A sheet of a workbook.
+
+    Attributes:
+        name: As people gave it.
+        visible: Whether it is shown.
+        rows: Its cells, as texts.
+        unread: Cells that have no value, though they are not empty, by row and column from 0.
+    """
+
+    name: str
+    visible: bool
+    rows: list[list[str]]
+    unread: dict[tuple[int, int], Unread]
 
 
 def table_from_workbook(
@@ -49,11 +68,18 @@ def table_from_workbook(
         DHError: No workbook, one that is too large, or no sheet or several with a table.
     """
     _check_size(content)
-    found = []
-    for name, rows in _sheets(content):
-        lines, notes = _lines(rows, None if columns is None else len(columns))
-        if lines:
-            found.append((name, lines, notes))
+    sheets = _sheets(content)
+    width = None if columns is None else len(columns)
+    found: list[tuple[list[Line], str]] = []
+    for visible in (True, False):
+        # Who sees one table only does not know of a hidden one, which is seldom meant.
+        if not found:
+            read = (_lines(sheet, width) for sheet in sheets if sheet.visible is visible)
+            found = [(lines, notes) for lines, notes in read if lines]
+    if not found:
+        faults = [fault for sheet in sheets for fault in _faults(sheet, set(), None)]
+        if faults:
+            raise DHError(faults)
     if len(found) != 1:
         raise DHError.single(
             (),
@@ -63,7 +89,7 @@ def table_from_workbook(
                 count=len(found),
             ),
         )
-    _, lines, notes = found[0]
+    lines, notes = found[0]
     raw = table_from_lines(lines, convention, columns)
     raw.notes = notes
     return raw
@@ -91,7 +117,7 @@ def _check_size(content: bytes) -> None:
         )
 
 
-def _sheets(content: bytes) -> list[tuple[str, list[list[str]]]]:
+def _sheets(content: bytes) -> list[_Sheet]:
     """Return the cells of each sheet, as texts."""
     try:
         done = subprocess.run(
@@ -112,13 +138,72 @@ def _sheets(content: bytes) -> list[tuple[str, list[list[str]]]]:
                 " as a workbook of its own, or paste its cells"
             ),
         )
-    sheets: list[tuple[str, list[list[str]]]] = json.loads(done.stdout)
-    return sheets
+    return [_sheet(*sheet) for sheet in json.loads(done.stdout)]
 
 
-def _lines(rows: list[list[str]], width: int | None) -> tuple[list[Line], str]:
-    """Return the table of a sheet, and the words beside it; no lines for a sheet without one."""
-    numbered = [(k, row) for k, row in enumerate(rows, start=1) if any(row)]
+def _sheet(
+    name: str, visible: bool, rows: list[list[str]], unread: list[tuple[int, int, str, str]]
+) -> _Sheet:
+    """Return a sheet in which the cells without a value hold what they have, so none is empty."""
+    cells = {(row, column): Unread(row, column, kind, text) for row, column, kind, text in unread}
+    for (row, column), cell in cells.items():
+        while len(rows) <= row:
+            rows.append([])
+        rows[row] += [""] * (column + 1 - len(rows[row]))
+        rows[row][column] = cell.text or "?"
+    return _Sheet(name, visible, rows, cells)
+
+
+def _faults(sheet: _Sheet, table: set[int], last: int | None) -> list[Fault]:
+    """Return what is wrong with the cells of a sheet that have no value.
+
+    An error is none of the table's where it stands in another row; a formula may be a title that
+    says the units.
+
+    Args:
+        sheet: The sheet.
+        table: Numbers of the rows of the table.
+        last: Columns of the table; None where there is no table, and each cell counts.
+    """
+    counted = (cell for cell in sheet.unread.values() if last is None or _counts(cell, table, last))
+    return [Fault((), _complaint(sheet.name, cell)) for cell in islice(counted, MAX_FAULTS + 1)]
+
+
+def _counts(cell: Unread, table: set[int], last: int) -> bool:
+    return cell.kind == FORMULA or (cell.row + 1 in table and cell.column < last)
+
+
+def _complaint(sheet: str, cell: Unread) -> str:
+    place = f"{_letters(cell.column)}{cell.row + 1}"
+    if cell.kind == FORMULA:
+        return say(
+            "cell {cell} of sheet {sheet} holds the formula {formula} without its value; open the"
+            " workbook in a spreadsheet program and save it, which writes the values",
+            cell=place,
+            sheet=quoted(sheet),
+            formula=printable(cell.text),
+        )
+    return say(
+        "cell {cell} of sheet {sheet} is the error {error}; mend its formula, or write the value",
+        cell=place,
+        sheet=quoted(sheet),
+        error=printable(cell.text) or "?",
+    )
+
+
+def _letters(column: int) -> str:
+    """Return the name of a column, from 0: A, B, …, Z, AA."""
+    before, letter = divmod(column, 26)
+    return (_letters(before - 1) if before else "") + chr(65 + letter)
+
+
+def _lines(sheet: _Sheet, width: int | None) -> tuple[list[Line], str]:
+    """Return the table of a sheet, and the words beside it; no lines for a sheet without one.
+
+    Raises:
+        DHError: Cells without a value, or rows of numbers apart.
+    """
+    numbered = [(k, row) for k, row in enumerate(sheet.rows, start=1) if any(row)]
     start = next((k for k, (_, row) in enumerate(numbered) if _is_head(row, width)), None)
     if start is None and width is None:
         keys = [_first_key(row) for _, row in numbered]
@@ -139,6 +224,9 @@ def _lines(rows: list[list[str]], width: int | None) -> tuple[list[Line], str]:
     wide = max(len(line.cells) for line in lines)
     lines = [Line(line.number, line.cells + ("",) * (wide - len(line.cells))) for line in lines]
     used = {line.number for line in lines}
+    faults = _faults(sheet, used, first + wide)
+    if faults:
+        raise DHError(faults)
     rest = [row for number, row in numbered if number not in used]
     for row in rest:
         if sum(any(c.isdigit() for c in cell) and len(cell) < 30 for cell in row) > 2:

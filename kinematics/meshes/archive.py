@@ -12,8 +12,9 @@ import zipfile
 import zlib
 from dataclasses import dataclass, field
 
+from dh_to_urdf.errors import quoted
 from dh_to_urdf.messages import plural, say
-from kinematics.meshes.refusals import MeshRefused, shown_name
+from kinematics.meshes.refusals import MOST_SHOWN, MeshRefused, shown_name
 
 MAX_MEMBERS = 10_000
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
@@ -85,7 +86,8 @@ class Archive:
         return content
 
     def _listed(self, opened: zipfile.ZipFile) -> Archive:
-        outside = links = odd = 0
+        outside = links = 0
+        odd: list[str] = []
         for info in opened.infolist():
             if info.is_dir():
                 continue
@@ -98,7 +100,7 @@ class Archive:
             elif mode and not stat.S_ISREG(mode) and stat.S_IFMT(mode):
                 links += 1
             elif info.compress_type not in _METHODS:
-                odd += 1
+                odd.append(path)
             elif _is_apples(path):
                 continue
             elif path in self.names:
@@ -113,7 +115,7 @@ class Archive:
         self._note(outside, links, odd)
         return self
 
-    def _note(self, outside: int, links: int, odd: int) -> None:
+    def _note(self, outside: int, links: int, odd: list[str]) -> None:
         if outside:
             self.notes.append(
                 plural(
@@ -134,9 +136,11 @@ class Archive:
         if odd:
             self.notes.append(
                 plural(
-                    "an entry that is packed by another method than deflate is passed over",
-                    "{count} entries that are packed by other methods than deflate are passed over",
-                    count=odd,
+                    "an entry is packed by a method that is not read: {names}; pack it by deflate",
+                    "{count} entries are packed by a method that is not read, such as {names}; pack"
+                    " them by deflate",
+                    count=len(odd),
+                    names=", ".join(quoted(shown_name(name), 2 * MOST_SHOWN) for name in odd[:3]),
                 )
             )
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 from dh_to_urdf.errors import quoted
 from dh_to_urdf.messages import plural, say
@@ -56,7 +57,7 @@ def archived_robot(
             say("mesh {name}: {warning}", name=_shown(mesh.name), warning=one)
             for one in doubts_of_mesh(robot, mesh)
         ]
-    missing = _missing(tuple(names.missing))
+    missing = (*_missing(tuple(names.missing)), *_ambiguous(names.ambiguous))
     files = {mesh.name: content for mesh, content in found}
     return ArchivedRobot(robot, files, (*archive.listing.notes, *missing, *notes))
 
@@ -82,6 +83,10 @@ def chosen_urdf(listing: Listing, wanted: str | None) -> str:
                 )
             )
         return exact[0]
+    if not urdfs and listing.notes:
+        raise InvalidArchive(
+            say("the archive has no .urdf that is read: {note}", note=listing.notes[-1])
+        )
     if not urdfs:
         raise InvalidArchive(say("the archive has no .urdf; expand a xacro file first"))
     if len(urdfs) > 1:
@@ -125,6 +130,18 @@ def _missing(names: Sequence[str]) -> tuple[str, ...]:
             names=_listed(names),
         ),
     )
+
+
+def _ambiguous(names: Mapping[str, Sequence[str]]) -> list[str]:
+    return [
+        say(
+            "mesh {name} is ambiguous: the archive has {files}; write the path of the one that is"
+            " meant in the URDF",
+            name=_shown(name),
+            files=_listed(files),
+        )
+        for name, files in islice(names.items(), NAMED)
+    ]
 
 
 def _shown(name: str) -> str:

@@ -26,12 +26,15 @@ class MeshNames:
 
     Attributes:
         members: The file of the archive for each name of a mesh.
-        missing: Names in the URDF for which the archive has no file, or several.
+        missing: Names in the URDF for which the archive has no file.
+        ambiguous: Names in the URDF that may mean several files, and these.
     """
 
     def __init__(self, urdf: str, files: Iterable[str]) -> None:
         self.members: dict[str, str] = {}
         self.missing: dict[str, None] = {}
+        self.ambiguous: dict[str, tuple[str, ...]] = {}
+        self._several: list[str] = []
         self._folder = posixpath.dirname(urdf)
         self._files = {path: path for path in files}
         lowered: dict[str, list[str]] = defaultdict(list)
@@ -44,9 +47,13 @@ class MeshNames:
 
     def __call__(self, filename: str) -> str | None:
         """Return the name under which a mesh is kept."""
+        self._several = []
         path = self.file_of(filename)
         if path is None:
-            self.missing[filename] = None
+            if self._several and ".." not in filename.replace("\\", "/").split("/"):
+                self.ambiguous[filename] = tuple(self._several)
+            else:
+                self.missing[filename] = None
             return portable_name(filename)
         kept = portable_name(filename) or portable_name(path)
         if kept is None:
@@ -105,6 +112,8 @@ class MeshNames:
         ]
         if len(found) == 1:
             yield found[0]
+        elif found:
+            self._several = self._several or found
 
 
 def _within(folder: str, name: str) -> str:

@@ -27,6 +27,11 @@ _POSITIONS = re.compile(
 _SOURCES = re.compile(
     rb"<source\b[^>]*\bid\s*=\s*[\"']([^\"']*)[\"'][^>]*>\s*<float_array\b[^>]*>([^<]*)"
 )
+_TEXT_STL = re.compile(rb"solid\b[^\n]*\n\s*facet\s+normal\b")
+_NO_OBJ = re.compile(rb"\0|^\s*(?:solid|facet)\b", re.MULTILINE)
+_VERTEX = re.compile(rb"^[ \t]*v[ \t]+[-+.\d]", re.MULTILINE)
+_HEAD = 65_536
+"""Bytes in which a text shows its format."""
 _Color = tuple[float, float, float, float]
 
 
@@ -73,6 +78,10 @@ def format_of(name: str, content: bytes) -> str:
     if start[:1] == b"<" and (b"<COLLADA" in content[:4096]):
         return "dae"
     suffix = name.rpartition(".")[2].lower()
+    if suffix == "obj" and (_is_binary_stl(content) or _TEXT_STL.match(start)):
+        return "stl"
+    if suffix == "stl" and not _is_binary_stl(content) and _is_obj(content):
+        return "obj"
     if suffix in ("stl", "obj"):
         return suffix
     if suffix in FORMATS:
@@ -176,6 +185,11 @@ def _check_counts(content: bytes, part: trimesh.Trimesh) -> None:
                     found=found,
                 )
             )
+
+
+def _is_obj(content: bytes) -> bool:
+    head = content[:_HEAD]
+    return _NO_OBJ.search(head) is None and _VERTEX.search(head) is not None
 
 
 def _is_binary_stl(content: bytes) -> bool:

@@ -111,6 +111,37 @@ def test_a_mesh_changes_the_revision_of_its_robot_and_gives_it_back(client, bare
     assert client.get("/v1/robots/bare").json()["revision"] == bare["revision"]
 
 
+def test_conditions_on_a_mesh_hold_for_it_and_its_robot(client, bare):
+    path = "/v1/robots/bare/meshes/tool.stl"
+
+    def status(method, **conditions):
+        headers = {name.replace("_", "-"): value for name, value in conditions.items()}
+        content = stl() if method == "PUT" else None
+        answer = client.request(method, path, content=content, headers=headers)
+        if answer.status_code == 412:
+            assert answer.json()["type"].endswith("/revision-mismatch")
+        return answer.status_code
+
+    revision = f'"{bare["revision"]}"'
+    assert status("PUT", If_Match='"wrong"') == 412
+    assert status("PUT", If_Match="*") == 412
+    assert status("PUT", If_None_Match=revision) == 412
+    assert client.get(path).status_code == 404
+    assert status("PUT", If_Match=revision, If_None_Match="*") == 201
+    mesh = client.get(path).headers["etag"]
+    for method in ("PUT", "DELETE"):
+        for wrong in (
+            {"If_Match": revision},
+            {"If_Match": '"wrong"'},
+            {"If_None_Match": "*"},
+            {"If_None_Match": f"{revision}, {mesh}"},
+        ):
+            assert status(method, **wrong) == 412, (method, wrong)
+    assert status("PUT", If_Match=mesh) == 200
+    assert status("PUT", If_Match="*", If_None_Match=revision) == 200
+    assert status("DELETE", If_Match=client.get("/v1/robots/bare").headers["etag"]) == 204
+
+
 def test_what_is_doubtful_of_a_mesh_is_said(client, bare):
     answer = client.put("/v1/robots/bare/meshes/tool.stl", content=stl(BOX * 1000)).json()
     assert "probably in mm" in answer["warnings"][0]

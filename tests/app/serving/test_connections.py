@@ -200,7 +200,10 @@ def test_heads_that_are_too_large_or_none_are_refused(server, request_, status):
         connection.sendall(request_)
         raw = answer(connection)
     assert raw.startswith(f"HTTP/1.1 {status} ".encode())
-    assert problem_of(raw)["status"] == status
+    problem = problem_of(raw)
+    assert problem["status"] == status
+    meant = httpx.get(server + problem["type"], timeout=PATIENCE).json()
+    assert (meant["status"], meant["title"]) == (status, problem["title"])
     assert len(raw) < 1500
 
 
@@ -234,6 +237,21 @@ def test_who_goes_away_leaves_none_of_its_pipelined_requests_behind(serve_long_w
             assert server.in_progress() == 1
         server.comes_to_rest()
         assert is_fine(server)
+
+
+def test_one_pipelined_request_too_many_is_told_so_after_the_answers(serve):
+    many = 3 * connections.MAX_PIPELINED
+    with serve() as server, server.connect() as connection:
+        connection.sendall(b"GET /v1/robots HTTP/1.1\r\nHost: localhost\r\n\r\n" * many)
+        raw = answer(connection)
+    answers = raw.count(b"HTTP/1.1 200 ")
+    assert connections.MAX_PIPELINED <= answers < many
+    last = raw[raw.rindex(b"HTTP/1.1 ") :]
+    assert last.startswith(b"HTTP/1.1 429 ")
+    problem = problem_of(last)
+    assert problem["type"] == "/problems/too-many-requests"
+    assert problem["title"] == "Too many requests"
+    assert "more than 64 requests wait for their answers" in problem["detail"]
 
 
 def test_requests_that_take_long_leave_a_turn_of_the_event_loop_to_others(monkeypatch):

@@ -99,3 +99,94 @@ def test_bombs_are_refused():
         archive.writestr("content.xml", b"0" * 30_000_000)
     with pytest.raises(DHError, match="unpacked"):
         read_spreadsheet(content.getvalue(), "standard")
+
+
+FORMULAS = [
+    ["i", "type", "alpha", "a", "d", "theta", "offset", "lower", "upper"],
+    [1, "R", 0, 0.2, 0.4, "=PI()/2", 0, "=-PI()", "=PI()"],
+    [2, "R", 0, 0.3, 0, 0, "=PI()/4", -1, 1],
+]
+
+
+def changed(content, part, old, new):
+    """A workbook with other text in one of its parts."""
+    written = io.BytesIO()
+    with (
+        zipfile.ZipFile(io.BytesIO(content)) as archive,
+        zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED) as copy,
+    ):
+        for name in archive.namelist():
+            text = archive.read(name)
+            if name == part:
+                assert old in text
+                text = text.replace(old, new)
+            copy.writestr(name, text)
+    return written.getvalue()
+
+
+def test_a_formula_without_its_value_is_refused_by_its_cell():
+    with pytest.raises(DHError) as caught:
+        read_spreadsheet(xlsx(FORMULAS), "standard")
+    told = [str(fault) for fault in caught.value.faults]
+    assert [text.split()[1] for text in told] == ["F2", "H2", "I2", "G3"]
+    assert "=PI()/2" in told[0]
+    assert "save it" in told[0]
+    rows = ods([["i", "alpha", "a", "d", "theta"], [1, 90, 0, 400, 77]])
+    right = b'<table:table-cell office:value-type="float" office:value="77"'
+    formula = b'<table:table-cell table:formula="of:=PI()/2"'
+    with pytest.raises(DHError, match="cell E2 of sheet 'DH' holds the formula of:=PI"):
+        read_spreadsheet(changed(rows, "content.xml", right, formula), "standard")
+
+
+def test_a_table_of_formulas_only_is_refused_by_its_cells():
+    rows = [FORMULAS[0], [f"={10 + k}" for k in range(9)], [f"={20 + k}" for k in range(9)]]
+    with pytest.raises(DHError, match="cell A2 of sheet"):
+        read_spreadsheet(xlsx(rows), "standard")
+    heads = [[f'="{head}"' for head in FORMULAS[0]], *ROWS[1:]]
+    with pytest.raises(DHError, match="cell A1 of sheet"):
+        read_spreadsheet(xlsx(heads), "standard")
+
+
+def test_values_that_the_file_calls_stale_are_refused():
+    sheet = "xl/worksheets/sheet1.xml"
+    zeros = changed(xlsx(FORMULAS), sheet, b"</f><v></v>", b"</f><v>0</v>")
+    with pytest.raises(DHError, match="cell F2 of sheet"):
+        read_spreadsheet(zeros, "standard")
+    saved = changed(zeros, "xl/workbook.xml", b' fullCalcOnLoad="1"', b"")
+    assert read_spreadsheet(saved, "standard").rows[1].offset == 0
+
+
+@pytest.mark.parametrize("error", ["#REF!", "#DIV/0!", "#N/A"])
+def test_errors_are_refused_by_name(error):
+    rows = [*FORMULAS[:1], [1, "R", 0, 0.2, 0.4, error, 0, -1, 1]]
+    with pytest.raises(DHError, match=f"cell F2 of sheet 'Sheet' is the error {error}"):
+        read_spreadsheet(xlsx(rows), "standard")
+    cell = (
+        '<table:table-cell table:formula="of:=1/0" office:value-type="string"'
+        ' xmlns:c="urn:org:documentfoundation:names:experimental:calc:xmlns:calcext:1.0"'
+        f' office:string-value="" c:value-type="error"><text:p>{error}</text:p></table:table-cell>'
+        '<table:table-cell office:value-type="float" office:value="0"'
+    )
+    right = b'<table:table-cell office:value-type="float" office:value="77"'
+    written = ods([["i", "alpha", "a", "d", "theta"], [1, 90, 0, 400, 77]])
+    with pytest.raises(DHError, match=f"cell E2 of sheet 'DH' is the error {error}"):
+        read_spreadsheet(changed(written, "content.xml", right, cell.encode()), "standard")
+
+
+def test_hidden_sheets_count_where_no_visible_one_has_a_table():
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for name, rows in (("shown", [[TITLE], *ROWS]), ("old", [*ROWS, [], [3, 0, 300, 0, "q3"]])):
+        sheet = book.create_sheet(name)
+        for row in rows:
+            sheet.append(row)
+    book["old"].sheet_state = "hidden"
+    content = io.BytesIO()
+    book.save(content)
+    assert_right(read_spreadsheet(content.getvalue(), "standard"))
+    del book["shown"]
+    content = io.BytesIO()
+    book.create_sheet("front")
+    book.save(content)
+    with pytest.raises(DHError, match="stands apart"):
+        read_spreadsheet(content.getvalue(), "standard")

@@ -6,6 +6,7 @@ import math
 import struct
 import subprocess
 import sys
+import zipfile
 
 import coal
 import numpy as np
@@ -330,3 +331,31 @@ def test_nothing_can_be_opened_once_a_task_has_begun():
     code = SHUT.replace("MESH", repr(obj()))
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     assert done.stdout.split() == [str(errno.EMFILE)] * 3, done.stderr
+
+
+def test_entries_of_other_methods_are_named(reader):
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        archive.writestr("r.urdf", urdf("a.stl"), zipfile.ZIP_LZMA)
+        archive.writestr("a.stl", stl(), zipfile.ZIP_BZIP2)
+    with (
+        reader.archive(packed.getvalue()) as archive,
+        pytest.raises(InvalidArchive, match=r"r\.urdf.*deflate"),
+    ):
+        archived_robot(archive, None, None, None)
+
+
+def test_a_name_of_several_files_is_ambiguous(reader):
+    files = {"r.urdf": urdf("package://w/a.stl"), "x/a.stl": stl(), "y/a.stl": stl()}
+    (note,) = read_archive(reader, files).notes
+    assert "ambiguous" in note
+    assert "'x/a.stl', 'y/a.stl'" in note
+
+
+def test_the_content_says_which_of_stl_and_obj_a_mesh_is(reader):
+    text = trimesh.creation.box().export(file_type="obj")
+    solid = trimesh.creation.box().export(file_type="stl_ascii")
+    files = {"r.urdf": urdf("a.stl", "b.obj", "c.obj"), "a.stl": text, "b.obj": solid}
+    found = read_archive(reader, files | {"c.obj": stl()})
+    kinds = {mesh.name: mesh.format for mesh in found.robot.meshes}
+    assert kinds == {"a.stl": "obj", "b.obj": "stl", "c.obj": "stl"}
