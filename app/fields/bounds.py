@@ -9,6 +9,17 @@ import msgspec
 _COORDINATE = {"type": "number", "minimum": -1e6, "maximum": 1e6}
 
 
+MAX_INTEGER = 10**300
+"""An integer beyond it is no floating-point number."""
+
+
+def is_number(value: object) -> bool:
+    """Return whether a value of JSON is a number that floating-point numbers hold."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return abs(value) <= MAX_INTEGER
+
+
 def within(low: float, high: float) -> msgspec.Meta:
     """Return the annotation of a number from ``low`` to ``high``, both included."""
     return msgspec.Meta(extra_json_schema={"minimum": low, "maximum": high})

@@ -9,10 +9,10 @@ from typing import Annotated, Any, TypeAlias
 import msgspec
 
 from app.fields import texts
-from app.fields.bounds import coordinates
+from app.fields.bounds import coordinates, is_number
 from app.fields.field import LEFT_OUT, Field, Parameter, Reading, declared
 from app.fields.lengths import LENGTH, PLACED
-from app.fields.targets import Orientations, Target, target_pose
+from app.fields.targets import ORIENTATION_FIELDS, Orientations, Target, target_pose
 from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
 from app.http.query import number
@@ -21,19 +21,15 @@ from dh_to_urdf.cells.expressions import Quantity
 from dh_to_urdf.errors import Location, quoted
 from dh_to_urdf.messages import say
 from kinematics.errors import InvalidTarget
-from kinematics.orientation_formats import FORMATS
 from kinematics.task import POSE
 from robots.errors import hint
 from robots.installation import BOUNDS, moving_joint
 from robots.robot import FloatArray
 
-_FORMS = ("quaternion_xyzw", "rpy", *FORMATS)
 NONE = {"lower": None, "upper": None}
 """What null in the place of a joint's limits stands for."""
 MAX_LIMITS = 200
 """Joints that one request may limit."""
-MAX_NUMBER = 1e300
-"""An integer beyond it is no floating-point number."""
 
 
 class Placement(Orientations, forbid_unknown_fields=True, kw_only=True):
@@ -95,12 +91,16 @@ class PlacementField(Field):
                 message = say("{name} has position and xyz; give one of them", name=name)
                 raise RequestProblem(INVALID_REQUEST, message, json_pointer(location))
             position = placement.xyz
-        given = {form: one for form in _FORMS if (one := getattr(placement, form)) is not None}
+        given = {
+            form: one
+            for form in ORIENTATION_FIELDS
+            if (one := getattr(placement, form)) is not None
+        }
         if placement.matrix is None:
             position = position or [0.0, 0.0, 0.0]
-            if not given and placement.euler is None:
+            if not given:
                 given = {"rpy": [0.0, 0.0, 0.0]}
-        target = Target(matrix=placement.matrix, position=position, euler=placement.euler, **given)
+        target = Target(matrix=placement.matrix, position=position, **given)
         try:
             return target_pose(target, POSE, reading.doubts, location)
         except InvalidTarget as error:
@@ -166,8 +166,7 @@ def _check_bounds(name: str, bounds: Any, location: Location) -> None:
                 hint=hint(key, BOUNDS),
             )
             raise RequestProblem(INVALID_REQUEST, message, json_pointer((*place, key)))
-        plain = isinstance(one, (int, float)) and not isinstance(one, bool)
-        if one is not None and (not plain or abs(one) > MAX_NUMBER):
+        if one is not None and not is_number(one):
             message = say(
                 "limits.{name}.{key} is {shown}; give a number, or null for none",
                 name=name,

@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 
 from app.fields import texts
+from app.fields.bounds import is_number
 from app.fields.field import Field, Parameter, Reading, Text, declared
 from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, RequestProblem
@@ -24,8 +25,6 @@ from dh_to_urdf.messages import say
 from kinematics.configuration import Given, configuration, configuration_by_name
 from robots.robot import FloatArray
 
-MAX_INTEGER = 10**300
-"""An integer beyond it is no floating-point number."""
 _ONE = {"type": "array", "items": {"type": "number"}}
 _BY_NAME = {"type": "object", "additionalProperties": {"type": "number"}}
 _BATCH = {"type": "array", "items": _ONE, "minItems": 1}
@@ -127,8 +126,7 @@ def _by_name(text: bytes, location: Location, reading: Reading, given: Given) ->
         raise RequestProblem(INVALID_REQUEST, message, pointer)
     values = decode_json(text, dict[str, Any], pointer)
     for joint, value in values.items():
-        plain = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not plain or abs(value) > MAX_INTEGER:
+        if not is_number(value):
             raise RequestProblem(
                 INVALID_REQUEST,
                 say(

@@ -14,6 +14,7 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import msgspec
 
+from app.fields.bounds import is_number
 from app.http.units import PER_METRE
 
 _KEY = "lengths"
@@ -89,8 +90,7 @@ def _every(value: Any) -> Any:
         return [_every(one) for one in value]
     if isinstance(value, dict):
         return {key: _every(one) for key, one in value.items()}
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return value / PER_METRE if is_number and abs(value) < 1e300 else value
+    return value / PER_METRE if is_number(value) else value
 
 
 def _last_column(value: Any) -> Any:

@@ -27,7 +27,7 @@ from app.fields.names import (
     one_of,
 )
 from app.fields.numbers import within_query
-from app.fields.targets import OneTarget, Target, target_pose
+from app.fields.targets import ORIENTATION_FIELDS, OneTarget, Target, target_pose
 from app.http.negotiation import JSON, TEXT
 from app.http.pointers import json_pointer
 from app.http.problems import INVALID_REQUEST, NOT_REVEALED, RequestProblem
@@ -42,14 +42,13 @@ from kinematics.checking.check import LEAST_TOLERANCE, MOST_TOLERANCE, check_ans
 from kinematics.checking.jacobians import task_of
 from kinematics.checking.question import TOLERANCE, Quantity, Question
 from kinematics.checking.verdict import Verdict
-from kinematics.orientation_formats import FORMATS
 from kinematics.task import POSE, TASKS, Task
 from robots.robot import FloatArray, Robot
 
 MAX_INDEX = 300
 WORK_BYTES = 32_000_000
 """Memory of the slips that are tried at once, whose number is bounded."""
-_ORIENTATIONS = ("matrix", "quaternion_xyzw", "rpy", "euler", *FORMATS)
+_ORIENTATIONS = ("matrix", *ORIENTATION_FIELDS)
 
 
 def _json_or_formula(name: str, value: str, reading: Reading) -> Any:

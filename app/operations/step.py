@@ -14,6 +14,7 @@ from app.fields.field import LEFT_OUT, Field, Parameter, declared
 from app.fields.joints import SingleConfiguration, optional_configuration
 from app.fields.names import TASK_META, Frame, TaskSpace
 from app.fields.numbers import within_query
+from app.fields.vectors import angular_rows
 from app.operations.operation import Answer, Context, Operation
 from app.operations.shapes import AnswerUnits, Matrix, Vector, listed, shaped, vector
 from app.operations.sizes import encoded, fixed_bytes
@@ -162,14 +163,13 @@ def _secondary(robot: Robot, one: SecondaryStep, k: int, context: Context) -> St
 
 def _lengths_out(motion: FloatArray, task: Task, context: Context) -> FloatArray:
     """Return a motion with its lengths in the unit of the answer, and its angles in rad."""
-    angular = np.array([row >= 3 for row in task.rows])
-    return np.where(angular, motion, context.units.lengths_out(motion))
+    return np.where(angular_rows(task), motion, context.units.lengths_out(motion))
 
 
 def _motion(values: list[float], task: Task, context: Context) -> FloatArray:
     """delta_x in m and rad."""
     dx = np.array(values, dtype=np.float64)
-    angular = np.array([row >= 3 for row in task.rows])
+    angular = angular_rows(task)
     return dx if len(dx) != len(angular) else context.units.rows_in(angular, dx)
 
 

@@ -144,12 +144,9 @@ def read_file(path: Path) -> tuple[bytes, Signature] | None:
         UnusableFile: The system does not let it be read.
         StorageUnavailable: The process or the machine is short of something; the file may be right.
     """
-    try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-    except (FileNotFoundError, NotADirectoryError):
+    descriptor = _opened(path)
+    if descriptor is None:
         return None
-    except OSError as error:
-        raise _unread(path, error) from None
     try:
         status = os.fstat(descriptor)
         if not stat.S_ISREG(status.st_mode):
@@ -163,6 +160,21 @@ def read_file(path: Path) -> tuple[bytes, Signature] | None:
     finally:
         os.close(descriptor)
     return content, signature_of(status)
+
+
+def _opened(path: Path) -> int | None:
+    """Open a file to read; None where there is none. A link is not followed, nor waited for.
+
+    Raises:
+        UnusableFile: The system does not let it be read.
+        StorageUnavailable: The process or the machine is short of something.
+    """
+    try:
+        return os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except OSError as error:
+        raise _unread(path, error) from None
 
 
 def signature_of(status: os.stat_result) -> Signature:
@@ -220,12 +232,9 @@ def read_mesh(path: Path, robot: Robot, signature: Signature, name: str) -> byte
     """Read one mesh file of a robot; see :func:`read_meshes`."""
     names = [mesh.name for mesh in robot.meshes]
     later = robot.meshes[names.index(name) :]
-    try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-    except (FileNotFoundError, NotADirectoryError):
+    descriptor = _opened(path)
+    if descriptor is None:
         return None
-    except OSError as error:
-        raise _unread(path, error) from None
     try:
         status = os.fstat(descriptor)
         if signature_of(status) != signature:
